@@ -1,0 +1,69 @@
+// Scene and recipe files: TOML with the place of every value, typed getters with ranges, and a record of
+// what was read, so that an unknown or unused key is an error. toml++ stands behind it, in one translation unit.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+
+namespace wetcurl {
+
+class Table;
+
+class Config {
+  public:
+    // Reads a TOML file; `include = "other.toml"` at the top level is merged below it (this file wins).
+    // Throws Misuse with file and line.
+    static Config load(const std::string& path);
+    // The same from text; `name` stands for the file in messages, `folder` is where relative paths start.
+    static Config parse(const std::string& text, const std::string& name, const std::string& folder = ".");
+
+    // `key.path=value` as TOML; a bare word is taken as a string.
+    void set(const std::string& assignment);
+    Table root();
+    // Throws Misuse for the first key that nobody asked for, with the nearest key that somebody did.
+    void require_all_used() const;
+    // The whole as TOML text, includes and assignments merged: what goes into a cache's provenance.
+    std::string text() const;
+    const std::string& folder() const;
+
+  private:
+    friend class Table;
+    struct Body;
+    std::shared_ptr<Body> body_;
+};
+
+// One table of a Config. Getters mark their key as used; each throws Misuse with file, line, what was found
+// and what is allowed.
+class Table {
+  public:
+    bool has(const std::string& key) const;
+    bool present() const;  // whether the table itself is written
+    double number(const std::string& key, double fallback, double minimum, double maximum) const;
+    long integer(const std::string& key, long fallback, long minimum, long maximum) const;
+    bool boolean(const std::string& key, bool fallback) const;
+    std::string text(const std::string& key, const std::string& fallback) const;
+    // One of `allowed`.
+    std::string choice(const std::string& key, const std::string& fallback, const std::vector<std::string>& allowed) const;
+    // Exactly `fallback.size()` numbers.
+    std::vector<double> numbers(const std::string& key, const std::vector<double>& fallback, double minimum, double maximum) const;
+    std::optional<double> optional_number(const std::string& key, double minimum, double maximum) const;
+    // A path, made absolute from the file's folder; "" where absent.
+    std::string path(const std::string& key) const;
+    Table table(const std::string& key) const;
+    std::vector<Table> tables(const std::string& key) const;  // [[key]]
+    // "scene.toml:12: groom.grid": where a message should point.
+    std::string where(const std::string& key = "") const;
+    [[noreturn]] void fail(const std::string& key, const std::string& message) const;
+
+  private:
+    friend class Config;
+    std::shared_ptr<Config::Body> body_;
+    std::string path_;  // "groom", "solid[0]"
+    const void* node_ = nullptr;
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,58 @@
+// Strands and the grid that their roots lie on: the layout that both towers share. Ours.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/vec3.h"
+
+namespace wetcurl {
+
+// `count` strands of `particles` particles each; points[s * particles + i], metres, root first.
+struct Strands {
+    int count = 0;
+    int particles = 0;
+    std::vector<Vec3f> points;
+
+    Strands() = default;
+    Strands(int count, int particles) : count(count), particles(particles), points(size_t(count) * particles) {}
+    Vec3f* strand(int s) { return points.data() + size_t(s) * particles; }
+    const Vec3f* strand(int s) const { return points.data() + size_t(s) * particles; }
+    Vec3f& at(int s, int i) { return strand(s)[i]; }
+    const Vec3f& at(int s, int i) const { return strand(s)[i]; }
+};
+
+// Roots on a W x H grid: strand[row * width + column] is the strand at that pixel, or -1.
+// Pixel (column, row) sits at (column / width, row / height) of the scalp's parameter square, so every
+// second pixel each way is the grid of half the size.
+struct RootGrid {
+    int width = 0;
+    int height = 0;
+    std::vector<int> strand;
+
+    int at(int column, int row) const { return strand[size_t(row) * width + column]; }
+};
+
+// A rest groom: strands in the head's frame at rest, the outward scalp normal at each root, their grid.
+struct Groom {
+    Strands rest;
+    std::vector<Vec3f> normal;  // unit, one a strand
+    RootGrid grid;
+    std::string hash() const;   // of points and grid: two runs pair only where grooms nest
+};
+
+// The groom of every `stride`-th root each way, strands renumbered row by row.
+// `kept`, where given, receives for each strand of the result its index in `full`.
+Groom coarsened(const Groom& full, int stride, std::vector<int>* kept = nullptr);
+
+// Length of a polyline of n points [m].
+double arc_length(const Vec3f* points, int n);
+double arc_length(const Vec3d* points, int n);
+
+// n points, spaced evenly by arc length on the centripetal Catmull-Rom spline through the given ones.
+std::vector<Vec3d> resampled(const std::vector<Vec3d>& points, int n);
+
+// FNV-1a of bytes, 16 hexadecimal digits.
+std::string hash_bytes(const void* data, size_t bytes, unsigned long long seed = 1469598103934665603ull);
+
+}  // namespace wetcurl

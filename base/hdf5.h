@@ -1,0 +1,68 @@
+// HDF5 behind a small owner: every handle closes itself, every failure names file and dataset.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+
+namespace wetcurl {
+
+// A file of ours: it carries a format name and a version, and is written beside its name (NAME.partial),
+// then renamed when `commit` is called. One that is destroyed uncommitted stays as NAME.partial, readable.
+class H5Writer {
+  public:
+    // Throws Error where `path` exists and `overwrite` is false, or where it cannot be made.
+    H5Writer(const std::string& path, const std::string& format, int version, bool overwrite);
+    ~H5Writer();
+    H5Writer(const H5Writer&) = delete;
+    H5Writer& operator=(const H5Writer&) = delete;
+
+    // Row-major data; `name` may hold groups ("groom/points"), which are made. T: float, double, int32_t, int64_t, uint8_t.
+    template <class T>
+    void write(const std::string& name, const T* data, const std::vector<size_t>& shape);
+    template <class T>
+    void write(const std::string& name, const std::vector<T>& data) { write(name, data.data(), {data.size()}); }
+    // Appends one row of `shape` to the extendable dataset `name` (made on first use, one chunk a row).
+    template <class T>
+    void append(const std::string& name, const T* data, const std::vector<size_t>& shape);
+    void attribute(const std::string& name, const std::string& value);
+    void attribute(const std::string& name, double value);
+    void flush();   // what is written so far survives a crash
+    void commit();  // closes and renames to the final name
+    const std::string& path() const { return path_; }
+
+  private:
+    std::string path_, partial_;
+    int64_t file_ = -1;
+};
+
+class H5Reader {
+  public:
+    // Throws Error where the file is missing, empty, cut short, foreign, of another format or a newer version.
+    H5Reader(const std::string& path, const std::string& format, int version);
+    ~H5Reader();
+    H5Reader(const H5Reader&) = delete;
+    H5Reader& operator=(const H5Reader&) = delete;
+
+    bool has(const std::string& name) const;
+    std::vector<size_t> shape(const std::string& name) const;
+    // The whole dataset. `shape`, where given, must match (0 = any). Floating data is checked to be finite.
+    template <class T>
+    std::vector<T> read(const std::string& name, const std::vector<size_t>& shape = {}) const;
+    // Row `row` of the first axis.
+    template <class T>
+    void read_row(const std::string& name, size_t row, T* out) const;
+    bool has_attribute(const std::string& name) const;
+    std::string text(const std::string& attribute) const;
+    double number(const std::string& attribute) const;
+    std::vector<std::string> list(const std::string& group) const;  // names in a group
+    const std::string& path() const { return path_; }
+
+  private:
+    std::string path_;
+    int64_t file_ = -1;
+};
+
+}  // namespace wetcurl
