@@ -1,0 +1,77 @@
+// The subcommands of `wetcurl`, one file each: plain options in, exit status out. The command line itself is
+// read in main.cpp alone.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace wetcurl {
+
+// What every command takes.
+struct CommonOptions {
+    std::vector<std::string> set;  // key.path=value
+    std::string device = "cpu";
+    int threads = 0;               // 0: all
+    std::optional<unsigned long long> seed;
+    bool overwrite = false;
+    bool resume = false;
+    std::string json;              // file for the results as JSON, "-" for standard output, "" for none
+};
+
+struct SimulateOptions : CommonOptions {
+    std::string scene, output;
+    std::optional<int> frames, strands;
+    std::string groom;
+    std::string precision = "float";
+    bool dry = false;
+    bool reference = false;  // also run in double with 160 substeps and report the error
+};
+struct EncodeOptions : CommonOptions {
+    std::vector<std::string> inputs;  // DRY.h5 WET.h5 pairs, or wet runs for adhesion samples
+    std::string output, codec = "strand";
+};
+struct TrainOptions : CommonOptions {
+    std::string kind;  // sr | adhesion
+    std::vector<std::string> pairs;
+    std::string output, recipe, architecture;
+    double width = 0;  // 0: the recipe's
+};
+struct InferOptions : CommonOptions {
+    std::string input, model, interpolate, reconstruct, wetness, output;
+};
+struct CompareOptions : CommonOptions {
+    std::string reference;
+    std::vector<std::string> others;
+    int first_frame = 0;  // frames before this one are left out (those that training saw)
+};
+struct RenderOptions : CommonOptions {
+    std::vector<std::string> runs;  // side by side
+    std::string output;
+    int frame = -1;       // -1: all of them (video), or the last one (picture)
+    int width = 720, height = 900;
+    bool saturation = false;
+    double yaw = 30;      // of the camera around the head [degrees]
+    bool labels = true;
+};
+struct ImportOptions : CommonOptions {
+    std::string input, output, units = "auto", up = "y", scalp;
+    int resample = 0;  // 0: as it is
+};
+struct InspectOptions : CommonOptions {
+    std::string what, file, output;  // scene | run | pairs | model | terms | device
+};
+struct BenchOptions : CommonOptions {
+    std::string filter;
+};
+
+int simulate_command(const SimulateOptions&);
+int encode_command(const EncodeOptions&);
+int train_command(const TrainOptions&);
+int infer_command(const InferOptions&);
+int compare_command(const CompareOptions&);
+int render_command(const RenderOptions&);
+int import_command(const ImportOptions&);
+int inspect_command(const InspectOptions&);
+
+}  // namespace wetcurl
