@@ -16,7 +16,7 @@ inline constexpr int lanes_of = 64 / int(sizeof(T));
 template <class T>
 struct Pack {
     static constexpr int lanes = lanes_of<T>;
-    using Register [[gnu::vector_size(64)]] = T;
+    typedef T Register __attribute__((vector_size(64)));
     using Mask = decltype(Register{} < Register{});
     Register v;
 

@@ -1,0 +1,121 @@
+// The signed distance to a triangle mesh on a dense regular grid, made once and kept in a cache folder.
+// Distance exact at every node, sign from the generalised winding number (Jacobson 2013): heads are often open. Ours.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/geometry/mesh.h"
+
+namespace wetcurl {
+
+// Signed distance [m], negative inside, and the unit outward normal, always finite for finite x.
+template <class S>
+struct DistanceSample {
+    S phi;
+    Vec3<S> normal;
+};
+
+// A view of nodes phi[(k * ny + j) * nx + i] at origin + spacing * (i, j, k): all that sampling needs, on any device.
+struct DistanceGrid {
+    Vec3d origin;    // [m]
+    double spacing;  // [m]
+    int nx, ny, nz;  // each at least 2
+    const float* phi;
+};
+
+namespace detail {
+
+// Where x falls on one axis: the lower node and the fraction beyond it, held inside the grid.
+template <class T>
+struct CellPlace {
+    int node;
+    T fraction;
+};
+template <class T>
+WETCURL_HD CellPlace<T> cell_place(T x, T origin, T per_metre, int n) {
+    // minimum(maximum(NaN, 0), …) is 0: the index stays in range for any x.
+    const T g = minimum(maximum((x - origin) * per_metre, T(0)), T(n - 1));
+    const int node = g < T(n - 2) ? int(g) : n - 2;
+    return {node, g - T(node)};
+}
+
+// Trilinear interpolant and its own gradient, x inside the grid.
+template <class T>
+WETCURL_HD DistanceSample<T> sample_inside(const DistanceGrid& grid, const Vec3<T>& x) {
+    const T per_metre = T(1 / grid.spacing);
+    const auto [i, u] = cell_place(x.x, T(grid.origin.x), per_metre, grid.nx);
+    const auto [j, v] = cell_place(x.y, T(grid.origin.y), per_metre, grid.ny);
+    const auto [k, w] = cell_place(x.z, T(grid.origin.z), per_metre, grid.nz);
+    const size_t row = size_t(grid.nx), slab = row * size_t(grid.ny);
+    const float* p = grid.phi + size_t(k) * slab + size_t(j) * row + size_t(i);
+    const T p000 = p[0], p100 = p[1], p010 = p[row], p110 = p[row + 1];
+    const T p001 = p[slab], p101 = p[slab + 1], p011 = p[slab + row], p111 = p[slab + row + 1];
+    // Along x, then y, then z; differences are those of the corner values times spacing.
+    const T q00 = p000 + u * (p100 - p000), q10 = p010 + u * (p110 - p010);
+    const T q01 = p001 + u * (p101 - p001), q11 = p011 + u * (p111 - p011);
+    const T r0 = q00 + v * (q10 - q00), r1 = q01 + v * (q11 - q01);
+    const T x0 = (p100 - p000) + v * ((p110 - p010) - (p100 - p000));
+    const T x1 = (p101 - p001) + v * ((p111 - p011) - (p101 - p001));
+    const T y0 = q10 - q00, y1 = q11 - q01;
+    const Vec3<T> rise{x0 + w * (x1 - x0), y0 + w * (y1 - y0), r1 - r0};
+    return {r0 + w * (r1 - r0), normalized(rise, Vec3<T>{T(0), T(1), T(0)})};
+}
+
+}  // namespace detail
+
+// phi and normal at x [m] in body coordinates, T float or double. Outside the grid the surface point nearest to
+// the border of the grid stands for the nearest one: an upper bound of the distance, exact for a ball.
+template <class T>
+WETCURL_HD DistanceSample<T> sample(const DistanceGrid& grid, const Vec3<T>& x) {
+    const Vec3<T> low = cast<T>(grid.origin);
+    const T h = T(grid.spacing);
+    const Vec3<T> high = low + h * Vec3<T>{T(grid.nx - 1), T(grid.ny - 1), T(grid.nz - 1)};
+    const Vec3<T> border{minimum(maximum(x.x, low.x), high.x), minimum(maximum(x.y, low.y), high.y),
+                         minimum(maximum(x.z, low.z), high.z)};
+    const DistanceSample<T> at_border = detail::sample_inside(grid, border);
+    const Vec3<T> beyond = x - border;
+    if (!(dot(beyond, beyond) > T(0))) return at_border;
+    const Vec3<T> from_surface = beyond + at_border.phi * at_border.normal;
+    return {norm(from_surface), normalized(from_surface, at_border.normal)};
+}
+
+// `$XDG_CACHE_HOME/wetcurl`, else `~/.cache/wetcurl`; "" where neither variable is set.
+std::string cache_folder();
+
+class LevelSet {
+  public:
+    // Builds the grid (OpenMP; the same bits for any number of threads). `spacing` [m]; 0: the longest side of
+    // the mesh gets 96 cells. Throws Error for a mesh without extent or a grid of more than 2^27 nodes.
+    explicit LevelSet(Mesh mesh, double spacing = 0);
+    // The same through the cache: read where it is there, else built and kept. A damaged file is rebuilt with a
+    // warning; a folder that cannot be written is no error. `folder` = "": no cache.
+    static std::shared_ptr<const LevelSet> cached(Mesh mesh, double spacing = 0,
+                                                  const std::string& folder = cache_folder());
+
+    DistanceGrid grid() const { return {origin_, spacing_, nx_, ny_, nz_, phi_.data()}; }
+    const std::vector<float>& phi() const { return phi_; }  // (nz, ny, nx) [m]
+    const Mesh& mesh() const { return mesh_; }              // what it was made from
+    double build_seconds() const { return build_seconds_; }  // also where it came from the cache
+    bool from_cache() const { return from_cache_; }
+    size_t bytes() const { return phi_.size() * sizeof(float); }
+
+  private:
+    struct Unbuilt {};
+    LevelSet(Mesh mesh, double spacing, Unbuilt);
+    void build();
+    bool load(const std::string& path);
+    void store(const std::string& path) const;
+    std::string key() const;
+
+    Mesh mesh_;
+    Vec3d origin_{0, 0, 0};
+    double spacing_ = 0;
+    int nx_ = 0, ny_ = 0, nz_ = 0;
+    std::vector<float> phi_;
+    double build_seconds_ = 0;
+    bool from_cache_ = false;
+};
+
+}  // namespace wetcurl

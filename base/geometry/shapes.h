@@ -1,0 +1,89 @@
+// Solid shapes in body coordinates and their signed distance; analytic ones over any scalar, Pack among them.
+// Source: ours (the box after Quilez's distance functions).
+#pragma once
+
+#include <memory>
+#include <variant>
+
+#include "base/geometry/level_set.h"
+
+namespace wetcurl {
+
+// Lengths [m], each above 0 (a capsule's half_length may be 0).
+struct Sphere {
+    double radius = 0.1;
+};
+struct Capsule {
+    double half_length = 0.1;  // of the segment along y that carries the caps' centres
+    double radius = 0.05;
+};
+struct Box {
+    Vec3d half{0.1, 0.1, 0.1};
+};
+// y = 0, outside above.
+struct Plane {};
+
+using Shape = std::variant<Sphere, Capsule, Box, Plane, std::shared_ptr<const LevelSet>>;
+
+template <class S>
+WETCURL_HD DistanceSample<S> distance(const Capsule& capsule, const Vec3<S>& x) {
+    const S half(capsule.half_length);
+    const Vec3<S> from_axis{x.x, x.y - minimum(maximum(x.y, -half), half), x.z};
+    // Every direction across the axis is a normal on it.
+    return {norm(from_axis) - S(capsule.radius), normalized(from_axis, Vec3<S>{S(1), S(0), S(0)})};
+}
+
+template <class S>
+WETCURL_HD DistanceSample<S> distance(const Sphere& sphere, const Vec3<S>& x) {
+    return distance(Capsule{0, sphere.radius}, x);
+}
+
+template <class S>
+WETCURL_HD DistanceSample<S> distance(const Box& box, const Vec3<S>& x) {
+    const Vec3<S> zero{S(0), S(0), S(0)};
+    const Vec3<S> side{select(x.x < S(0), S(-1), S(1)), select(x.y < S(0), S(-1), S(1)), select(x.z < S(0), S(-1), S(1))};
+    const Vec3<S> q{side.x * x.x - S(box.half.x), side.y * x.y - S(box.half.y), side.z * x.z - S(box.half.z)};
+    const Vec3<S> over{maximum(q.x, S(0)), maximum(q.y, S(0)), maximum(q.z, S(0))};
+    // Inside, the nearest face decides.
+    const S deepest = maximum(q.x, maximum(q.y, q.z));
+    const Vec3<S> along_y{S(0), side.y, S(0)}, along_z{S(0), S(0), side.z};
+    const Vec3<S> face = select(deepest <= q.x, Vec3<S>{side.x, S(0), S(0)}, select(deepest <= q.y, along_y, along_z));
+    const Vec3<S> outward{side.x * over.x, side.y * over.y, side.z * over.z};
+    return {norm(over) + minimum(deepest, S(0)), normalized(outward, face)};
+}
+
+template <class S>
+WETCURL_HD DistanceSample<S> distance(const Plane&, const Vec3<S>& x) {
+    return {x.y, Vec3<S>{S(0), S(1), S(0)}};
+}
+
+template <class S>
+DistanceSample<S> distance(const std::shared_ptr<const LevelSet>& level_set, const Vec3<S>& x) {
+    return sample(level_set->grid(), x);
+}
+// A grid is gathered from lane by lane.
+template <class T>
+DistanceSample<Pack<T>> distance(const std::shared_ptr<const LevelSet>& level_set, const Vec3<Pack<T>>& x) {
+    const DistanceGrid grid = level_set->grid();
+    DistanceSample<Pack<T>> out;
+    for (int lane = 0; lane < Pack<T>::lanes; ++lane) {
+        const auto s = sample(grid, Vec3<T>{x.x[lane], x.y[lane], x.z[lane]});
+        out.phi.set(lane, s.phi);
+        out.normal.x.set(lane, s.normal.x);
+        out.normal.y.set(lane, s.normal.y);
+        out.normal.z.set(lane, s.normal.z);
+    }
+    return out;
+}
+
+// Signed distance [m] and unit outward normal at x [m], S float, double or a Pack of them.
+template <class S>
+DistanceSample<S> distance(const Shape& shape, const Vec3<S>& x) {
+    return std::visit([&x](const auto& s) { return distance(s, x); }, shape);
+}
+
+// For drawing: round shapes with `around` corners a turn, inscribed; a plane as a quad of 1 m; a level set as the
+// mesh that it was made from. Triangles turn anticlockwise seen from outside.
+Mesh triangulated(const Shape& shape, int around = 48);
+
+}  // namespace wetcurl

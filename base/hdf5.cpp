@@ -1,0 +1,288 @@
+// HDF5 behind a small owner.
+#include "base/hdf5.h"
+
+#include <hdf5.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <type_traits>
+
+namespace wetcurl {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Handle {
+    hid_t id = -1;
+    herr_t (*close)(hid_t) = nullptr;
+    Handle(hid_t id, herr_t (*close)(hid_t)) : id(id), close(close) {}
+    ~Handle() {
+        if (id >= 0) close(id);
+    }
+    Handle(const Handle&) = delete;
+    operator hid_t() const { return id; }
+};
+
+// The library prints its own stack on standard error unless told not to: our message says it once.
+const bool quiet = [] { return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
+
+template <class T>
+hid_t type_of() {
+    if constexpr (std::is_same_v<T, float>) return H5T_NATIVE_FLOAT;
+    if constexpr (std::is_same_v<T, double>) return H5T_NATIVE_DOUBLE;
+    if constexpr (std::is_same_v<T, int32_t>) return H5T_NATIVE_INT32;
+    if constexpr (std::is_same_v<T, int64_t>) return H5T_NATIVE_INT64;
+    if constexpr (std::is_same_v<T, uint8_t>) return H5T_NATIVE_UINT8;
+}
+
+void check(bool ok, const std::string& path, const std::string& what) {
+    if (!ok) throw Error(path + ": " + what);
+}
+
+std::vector<hsize_t> dims_of(const std::vector<size_t>& shape) { return {shape.begin(), shape.end()}; }
+
+hid_t intermediate_groups() {
+    static const hid_t list = [] {
+        hid_t l = H5Pcreate(H5P_LINK_CREATE);
+        H5Pset_create_intermediate_group(l, 1);
+        return l;
+    }();
+    return list;
+}
+
+std::string shape_text(const std::vector<size_t>& shape) {
+    std::string s = "(";
+    for (size_t i = 0; i < shape.size(); ++i) s += (i ? ", " : "") + (shape[i] ? std::to_string(shape[i]) : "any");
+    return s + ")";
+}
+
+}  // namespace
+
+H5Writer::H5Writer(const std::string& path, const std::string& format, int version, bool overwrite)
+    : path_(path), partial_(path + ".partial") {
+    if (fs::exists(path) && !overwrite) throw Error(path + ": is there already; --overwrite replaces it");
+    const fs::path folder = fs::path(path).parent_path();
+    if (!folder.empty()) {
+        std::error_code error;
+        fs::create_directories(folder, error);
+        if (error) throw Error(path + ": its folder cannot be made: " + error.message());
+    }
+    file_ = H5Fcreate(partial_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    check(file_ >= 0, path, "cannot be written (folder missing, or no permission)");
+    attribute("format", format);
+    attribute("version", double(version));
+}
+
+H5Writer::~H5Writer() {
+    if (file_ >= 0) H5Fclose(file_);
+}
+
+template <class T>
+void H5Writer::write(const std::string& name, const T* data, const std::vector<size_t>& shape) {
+    auto dims = dims_of(shape);
+    Handle space(H5Screate_simple(int(dims.size()), dims.data(), nullptr), H5Sclose);
+    Handle set(H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+    check(set >= 0, path_, "dataset '" + name + "' cannot be made");
+    check(H5Dwrite(set, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path_,
+          "dataset '" + name + "' cannot be written (disk full?)");
+}
+
+template <class T>
+void H5Writer::append(const std::string& name, const T* data, const std::vector<size_t>& shape) {
+    std::vector<hsize_t> row{1};
+    row.insert(row.end(), shape.begin(), shape.end());
+    const int rank = int(row.size());
+    if (H5Lexists(file_, name.c_str(), H5P_DEFAULT) <= 0) {
+        std::vector<hsize_t> none = row, limit = row;
+        none[0] = 0;
+        limit[0] = H5S_UNLIMITED;
+        Handle space(H5Screate_simple(rank, none.data(), limit.data()), H5Sclose);
+        Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+        H5Pset_chunk(plist, rank, row.data());
+        Handle made(H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), plist, H5P_DEFAULT), H5Dclose);
+        check(made >= 0, path_, "dataset '" + name + "' cannot be made");
+    }
+    Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    check(set >= 0, path_, "dataset '" + name + "' cannot be opened");
+    std::vector<hsize_t> extent(row.size()), start(row.size(), 0);
+    {
+        Handle space(H5Dget_space(set), H5Sclose);
+        H5Sget_simple_extent_dims(space, extent.data(), nullptr);
+    }
+    start[0] = extent[0]++;
+    check(H5Dset_extent(set, extent.data()) >= 0, path_, "dataset '" + name + "' cannot grow");
+    Handle space(H5Dget_space(set), H5Sclose);
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, row.data(), nullptr);
+    Handle memory(H5Screate_simple(rank, row.data(), nullptr), H5Sclose);
+    check(H5Dwrite(set, type_of<T>(), memory, space, H5P_DEFAULT, data) >= 0, path_,
+          "dataset '" + name + "' cannot be written (disk full?)");
+}
+
+void H5Writer::attribute(const std::string& name, const std::string& value) {
+    Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(type, value.size() + 1);
+    H5Tset_cset(type, H5T_CSET_UTF8);
+    Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    // Long texts (a whole scene) do not fit in an object header: a dataset holds them.
+    Handle set(H5Dcreate2(file_, ("about/" + name).c_str(), type, space, intermediate_groups(), H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+    check(set >= 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.c_str()) >= 0, path_,
+          "attribute '" + name + "' cannot be written");
+}
+
+void H5Writer::attribute(const std::string& name, double value) {
+    write("about/" + name, &value, {1});
+}
+
+void H5Writer::flush() { H5Fflush(file_, H5F_SCOPE_GLOBAL); }
+
+void H5Writer::commit() {
+    const bool flushed = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;
+    const bool closed = H5Fclose(file_) >= 0;
+    file_ = -1;
+    check(flushed && closed, path_, "cannot be finished (disk full?); what was written is in " + partial_);
+    std::error_code error;
+    fs::rename(partial_, path_, error);
+    check(!error, path_, "cannot be renamed from " + partial_ + ": " + error.message());
+}
+
+H5Reader::H5Reader(const std::string& path, const std::string& format, int version) : path_(path) {
+    if (!fs::exists(path)) throw Error(path + ": no such file");
+    if (fs::is_directory(path)) throw Error(path + ": found a folder, a '" + format + "' file is needed");
+    if (fs::file_size(path) == 0) throw Error(path + ": the file is empty");
+    if (H5Fis_hdf5(path.c_str()) <= 0) throw Error(path + ": found no HDF5 file, a '" + format + "' file is needed");
+    file_ = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    check(file_ >= 0, path, "is cut short or damaged (HDF5 cannot open it)");
+    try {
+        check(has("about/format"), path, "found a foreign HDF5 file, a '" + format + "' file is needed");
+        const std::string found = text("format");
+        check(found == format, path, "found a '" + found + "' file, a '" + format + "' file is needed");
+        const int v = int(number("version"));
+        check(v >= 1 && v <= version, path,
+              "found version " + std::to_string(v) + ", allowed 1 to " + std::to_string(version) + " (made by a newer wetcurl?)");
+    } catch (...) {
+        H5Fclose(file_);
+        throw;
+    }
+}
+
+H5Reader::~H5Reader() { H5Fclose(file_); }
+
+bool H5Reader::has(const std::string& name) const {
+    // Every link on the way must exist, or HDF5 calls it an error.
+    for (size_t at = name.find('/'); at != std::string::npos; at = name.find('/', at + 1))
+        if (at > 0 && H5Lexists(file_, name.substr(0, at).c_str(), H5P_DEFAULT) <= 0) return false;
+    return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::vector<size_t> H5Reader::shape(const std::string& name) const {
+    check(has(name), path_, "dataset '" + name + "' is missing");
+    Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    check(set >= 0, path_, "dataset '" + name + "' cannot be opened (damaged)");
+    Handle space(H5Dget_space(set), H5Sclose);
+    std::vector<hsize_t> dims(size_t(std::max(0, H5Sget_simple_extent_ndims(space))));
+    if (!dims.empty()) H5Sget_simple_extent_dims(space, dims.data(), nullptr);
+    return {dims.begin(), dims.end()};
+}
+
+static void check_same_kind(hid_t set, hid_t wanted, const std::string& path, const std::string& name) {
+    Handle type(H5Dget_type(set), H5Tclose);
+    check(H5Tget_class(type) == H5Tget_class(wanted), path, "dataset '" + name + "' holds another type of values");
+}
+
+template <class T>
+static void check_finite(const std::vector<T>& v, const std::string& path, const std::string& name) {
+    if constexpr (std::is_floating_point_v<T>)
+        for (size_t i = 0; i < v.size(); ++i)
+            if (!std::isfinite(v[i]))
+                throw Error(path + ": dataset '" + name + "': found " + std::to_string(v[i]) + " at value " +
+                            std::to_string(i) + ", only finite numbers are allowed");
+}
+
+template <class T>
+std::vector<T> H5Reader::read(const std::string& name, const std::vector<size_t>& wanted) const {
+    const auto found = shape(name);
+    bool fits = wanted.empty() || wanted.size() == found.size();
+    size_t count = 1;
+    for (size_t i = 0; i < found.size(); ++i) {
+        if (!wanted.empty() && fits && wanted[i] != 0 && wanted[i] != found[i]) fits = false;
+        check(found[i] < (size_t(1) << 36) && (found[i] == 0 || count < (size_t(1) << 36) / found[i]), path_,
+              "dataset '" + name + "' claims an absurd size " + shape_text(found));
+        count *= found[i];
+    }
+    check(fits, path_, "dataset '" + name + "' has shape " + shape_text(found) + ", needed " + shape_text(wanted));
+    Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    check_same_kind(set, type_of<T>(), path_, name);
+    std::vector<T> out(count);
+    if (count)
+        check(H5Dread(set, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, out.data()) >= 0, path_,
+              "dataset '" + name + "' cannot be read (cut short or damaged)");
+    check_finite(out, path_, name);
+    return out;
+}
+
+template <class T>
+void H5Reader::read_row(const std::string& name, size_t row, T* out) const {
+    const auto found = shape(name);
+    check(!found.empty() && row < found[0], path_, "dataset '" + name + "' has no row " + std::to_string(row));
+    Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    check_same_kind(set, type_of<T>(), path_, name);
+    std::vector<hsize_t> start(found.size(), 0), count(found.begin(), found.end());
+    start[0] = row;
+    count[0] = 1;
+    Handle space(H5Dget_space(set), H5Sclose);
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
+    Handle memory(H5Screate_simple(int(count.size()), count.data(), nullptr), H5Sclose);
+    check(H5Dread(set, type_of<T>(), memory, space, H5P_DEFAULT, out) >= 0, path_,
+          "dataset '" + name + "' cannot be read (cut short or damaged)");
+}
+
+bool H5Reader::has_attribute(const std::string& name) const { return has("about/" + name); }
+
+std::string H5Reader::text(const std::string& attribute) const {
+    const std::string name = "about/" + attribute;
+    check(has(name), path_, "attribute '" + attribute + "' is missing");
+    Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    Handle type(H5Dget_type(set), H5Tclose);
+    check(H5Tget_class(type) == H5T_STRING && !H5Tis_variable_str(type), path_, "attribute '" + attribute + "' is no text");
+    std::string value(H5Tget_size(type), '\0');
+    check(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()) >= 0, path_,
+          "attribute '" + attribute + "' cannot be read");
+    value.resize(value.find('\0') == std::string::npos ? value.size() : value.find('\0'));
+    return value;
+}
+
+double H5Reader::number(const std::string& attribute) const {
+    check(has("about/" + attribute), path_, "attribute '" + attribute + "' is missing");
+    return read<double>("about/" + attribute, {1})[0];
+}
+
+std::vector<std::string> H5Reader::list(const std::string& group) const {
+    std::vector<std::string> names;
+    if (!has(group)) return names;
+    Handle g(H5Gopen2(file_, group.c_str(), H5P_DEFAULT), H5Gclose);
+    check(g >= 0, path_, "'" + group + "' is no group");
+    H5G_info_t info;
+    H5Gget_info(g, &info);
+    for (hsize_t i = 0; i < info.nlinks; ++i) {
+        char name[256];
+        H5Lget_name_by_idx(g, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof name, H5P_DEFAULT);
+        names.emplace_back(name);
+    }
+    return names;
+}
+
+#define WETCURL_FOR(T)                                                                              \
+    template void H5Writer::write<T>(const std::string&, const T*, const std::vector<size_t>&);     \
+    template void H5Writer::append<T>(const std::string&, const T*, const std::vector<size_t>&);    \
+    template std::vector<T> H5Reader::read<T>(const std::string&, const std::vector<size_t>&) const; \
+    template void H5Reader::read_row<T>(const std::string&, size_t, T*) const;
+WETCURL_FOR(float)
+WETCURL_FOR(double)
+WETCURL_FOR(int32_t)
+WETCURL_FOR(int64_t)
+WETCURL_FOR(uint8_t)
+#undef WETCURL_FOR
+
+}  // namespace wetcurl

@@ -1,0 +1,180 @@
+// The run cache on HDF5.
+#include "base/run_cache.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+namespace wetcurl {
+
+namespace {
+
+std::string lines(const std::vector<std::string>& v) {
+    std::string s;
+    for (const auto& e : v) s += e + "\n";
+    return s;
+}
+std::vector<std::string> split_lines(const std::string& s) {
+    std::vector<std::string> out;
+    std::stringstream in(s);
+    for (std::string line; std::getline(in, line);) out.push_back(line);
+    return out;
+}
+size_t cells(const Strands& s) { return size_t(s.count) * size_t(s.particles); }
+const float* floats(const Strands& s) { return &s.points.data()->x; }
+
+}  // namespace
+
+struct RunWriter::Body {
+    H5Writer file;
+    size_t strands, particles, energies, stages;
+};
+
+RunWriter::RunWriter(const std::string& path, const RunHeader& h, bool overwrite)
+    : body_(new Body{{path, run_format, run_version, overwrite}, size_t(h.groom.rest.count), size_t(h.groom.rest.particles),
+                     h.energy_kinds.size(), h.stages.size()}) {
+    H5Writer& f = body_->file;
+    f.attribute("scene", h.scene);
+    f.attribute("scene_folder", h.scene_folder);
+    f.attribute("method", h.method);
+    f.attribute("device", h.device);
+    f.attribute("fps", h.fps);
+    f.attribute("seed", std::to_string(h.seed));
+    f.attribute("stride", double(h.stride));
+    f.attribute("energy_kinds", lines(h.energy_kinds));
+    f.attribute("stages", lines(h.stages));
+    f.attribute("inputs", lines(h.inputs));
+    f.attribute("terms_present", h.terms_present);
+    f.attribute("terms_absent", h.terms_absent);
+    f.attribute("build", std::string("wetcurl 0.1.0, ") + __VERSION__);
+    f.attribute("groom_hash", h.groom.hash());
+    f.write("groom/points", floats(h.groom.rest), {body_->strands, body_->particles, 3});
+    f.write("groom/normal", &h.groom.normal.data()->x, {body_->strands, 3});
+    const std::vector<int32_t> grid(h.groom.grid.strand.begin(), h.groom.grid.strand.end());
+    f.write("groom/grid", grid.data(), {size_t(h.groom.grid.height), size_t(h.groom.grid.width)});
+    if (!h.saturation.empty()) f.write("saturation", h.saturation.data(), {body_->strands, body_->particles});
+}
+RunWriter::~RunWriter() = default;
+
+void RunWriter::append(const RunFrame& frame) {
+    H5Writer& f = body_->file;
+    const size_t s = body_->strands, n = body_->particles;
+    if (cells(frame.positions) != s * n) throw Error(f.path() + ": a frame of another number of particles than the groom's");
+    f.append("positions", floats(frame.positions), {s, n, 3});
+    if (frame.displayed.count) f.append("displayed", floats(frame.displayed), {s, n, 3});
+    if (body_->energies) f.append("energy", frame.energy.data(), {body_->energies});
+    if (body_->stages) f.append("stage_seconds", frame.stage_seconds.data(), {body_->stages});
+    if (!frame.contact.empty()) f.append("contact", frame.contact.data(), {s, n});
+    const double head[7] = {frame.head.translation.x, frame.head.translation.y, frame.head.translation.z,
+                            frame.head.rotation.w,    frame.head.rotation.x,    frame.head.rotation.y,
+                            frame.head.rotation.z};
+    f.append("head", head, {7});
+    f.append("seconds", &frame.seconds, {1});
+    f.flush();
+}
+void RunWriter::attribute(const std::string& name, const std::string& value) { body_->file.attribute(name, value); }
+void RunWriter::commit() { body_->file.commit(); }
+
+struct RunReader::Body {
+    H5Reader file;
+    RunHeader header;
+    int frames = 0;
+    std::vector<double> head, seconds;
+};
+
+RunReader::RunReader(const std::string& path) : body_(new Body{{path, run_format, run_version}, {}, 0, {}, {}}) {
+    const H5Reader& f = body_->file;
+    RunHeader& h = body_->header;
+    h.scene = f.text("scene");
+    h.scene_folder = f.text("scene_folder");
+    h.method = f.text("method");
+    h.device = f.text("device");
+    h.fps = f.number("fps");
+    const std::string seed = f.text("seed");
+    if (seed.empty() || seed.find_first_not_of("0123456789") != std::string::npos || seed.size() > 20)
+        throw Error(path + ": attribute 'seed': found '" + seed + "', a whole number is needed");
+    h.seed = std::stoull(seed);
+    h.stride = int(f.number("stride"));
+    h.energy_kinds = split_lines(f.text("energy_kinds"));
+    h.stages = split_lines(f.text("stages"));
+    h.inputs = split_lines(f.text("inputs"));
+    h.terms_present = f.text("terms_present");
+    h.terms_absent = f.text("terms_absent");
+    if (!(h.fps > 0) || h.stride < 1) throw Error(path + ": fps and stride must be positive");
+    const auto points = f.shape("groom/points");
+    if (points.size() != 3 || points[0] == 0 || points[1] < 2 || points[2] != 3 || points[0] > 100'000'000 || points[1] > 100'000)
+        throw Error(path + ": dataset 'groom/points' must be (strands ≥ 1, particles ≥ 2, 3)");
+    h.groom.rest = Strands(int(points[0]), int(points[1]));
+    const auto rest = f.read<float>("groom/points");
+    std::copy(rest.begin(), rest.end(), &h.groom.rest.points.data()->x);
+    const auto normal = f.read<float>("groom/normal", {points[0], 3});
+    h.groom.normal.resize(points[0]);
+    std::copy(normal.begin(), normal.end(), &h.groom.normal.data()->x);
+    const auto grid_shape = f.shape("groom/grid");
+    const auto grid = f.read<int32_t>("groom/grid", {0, 0});
+    h.groom.grid = {int(grid_shape[1]), int(grid_shape[0]), {grid.begin(), grid.end()}};
+    std::vector<char> seen(points[0], 0);
+    for (int s : h.groom.grid.strand)
+        if (s < -1 || s >= int(points[0]) || (s >= 0 && seen[size_t(s)]++))
+            throw Error(path + ": dataset 'groom/grid' names strand " + std::to_string(s) + " twice or out of range");
+    if (f.has("saturation")) h.saturation = f.read<float>("saturation", {points[0], points[1]});
+    if (f.has("positions")) {
+        const auto shape = f.shape("positions");
+        if (shape.size() != 4 || shape[1] != points[0] || shape[2] != points[1] || shape[3] != 3)
+            throw Error(path + ": dataset 'positions' must be (frames, strands, particles, 3) of the groom's size");
+        body_->frames = int(shape[0]);
+        const size_t n = shape[0];
+        body_->head = f.read<double>("head", {n, 7});
+        body_->seconds = f.read<double>("seconds", {n, 1});
+        if (f.has("displayed") && f.shape("displayed") != shape)
+            throw Error(path + ": dataset 'displayed' must have the shape of 'positions'");
+        if (f.has("contact") && f.shape("contact") != std::vector<size_t>{n, points[0], points[1]})
+            throw Error(path + ": dataset 'contact' must be (frames, strands, particles)");
+        if (!h.energy_kinds.empty()) f.read<float>("energy", {n, h.energy_kinds.size()});
+        if (!h.stages.empty()) f.read<float>("stage_seconds", {n, h.stages.size()});
+    }
+}
+RunReader::~RunReader() = default;
+const RunHeader& RunReader::header() const { return body_->header; }
+int RunReader::frames() const { return body_->frames; }
+std::vector<double> RunReader::seconds() const { return body_->seconds; }
+const std::string& RunReader::path() const { return body_->file.path(); }
+
+RunFrame RunReader::frame(int index) const {
+    const H5Reader& f = body_->file;
+    if (index < 0 || index >= body_->frames)
+        throw Error(f.path() + ": found frame " + std::to_string(index) + ", allowed 0 to " + std::to_string(body_->frames - 1));
+    const size_t row = size_t(index);
+    const Strands& rest = body_->header.groom.rest;
+    RunFrame out;
+    auto read_strands = [&](const char* name) {
+        Strands s(rest.count, rest.particles);
+        f.read_row(name, row, &s.points.data()->x);
+        for (size_t i = 0; i < s.points.size(); ++i)
+            if (!std::isfinite(s.points[i].x + s.points[i].y + s.points[i].z))
+                throw Error(f.path() + ": dataset '" + name + "', frame " + std::to_string(index) + ", strand " +
+                            std::to_string(i / size_t(rest.particles)) + ": found a position that is not finite");
+        return s;
+    };
+    out.positions = read_strands("positions");
+    if (f.has("displayed")) out.displayed = read_strands("displayed");
+    if (!body_->header.energy_kinds.empty()) {
+        out.energy.resize(body_->header.energy_kinds.size());
+        f.read_row("energy", row, out.energy.data());
+    }
+    if (!body_->header.stages.empty()) {
+        out.stage_seconds.resize(body_->header.stages.size());
+        f.read_row("stage_seconds", row, out.stage_seconds.data());
+    }
+    if (f.has("contact")) {
+        out.contact.resize(cells(rest));
+        f.read_row("contact", row, out.contact.data());
+    }
+    const double* h = body_->head.data() + row * 7;
+    out.head = {{h[3], h[4], h[5], h[6]}, {h[0], h[1], h[2]}};
+    out.seconds = body_->seconds[row];
+    return out;
+}
+
+}  // namespace wetcurl
