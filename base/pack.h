@@ -14,18 +14,28 @@ template <class T>
 inline constexpr int lanes_of = 64 / int(sizeof(T));
 
 template <class T>
+struct RegisterOf;
+template <>
+struct RegisterOf<float> {
+    typedef float type __attribute__((vector_size(64)));
+};
+template <>
+struct RegisterOf<double> {
+    typedef double type __attribute__((vector_size(64)));
+};
+
+template <class T>
 struct Pack {
     static constexpr int lanes = lanes_of<T>;
-    typedef T Register __attribute__((vector_size(64)));
+    using Register = typename RegisterOf<T>::type;
     using Mask = decltype(Register{} < Register{});
     Register v;
 
     Pack() = default;
     Pack(Register r) : v(r) {}
-    Pack(T t) : v(Register{} + t) {}
     template <class U>
         requires std::is_arithmetic_v<U>
-    Pack(U u) : Pack(T(u)) {}
+    Pack(U u) : v(Register{} + T(u)) {}
 
     T operator[](int lane) const { return v[lane]; }
     void set(int lane, T t) { v[lane] = t; }
