@@ -1,0 +1,36 @@
+// The cubic spline kernel W in three dimensions, its gradient and its value at zero.
+// Monaghan 1992, normalised to one over the ball of the support radius h [m].
+#pragma once
+
+#include "base/vec3.h"
+
+namespace wetcurl {
+
+// W(0) [1/m^3].
+template <class S>
+WETCURL_HD S kernel_at_zero(const S& h) {
+    return S(2.5464790894703255) / (h * h * h);  // 8 / pi
+}
+
+// W(r) [1/m^3], 0 beyond h.
+template <class S>
+WETCURL_HD S kernel(const S& r, const S& h) {
+    const S q = minimum(r / h, S(1)), u = S(1) - q;
+    return kernel_at_zero(h) * select(q < S(0.5), S(1) - S(6) * q * q * u, S(2) * u * u * u);
+}
+
+// dW/dr [1/m^4], never positive.
+template <class S>
+WETCURL_HD S kernel_slope(const S& r, const S& h) {
+    const S q = minimum(r / h, S(1)), u = S(1) - q;
+    return kernel_at_zero(h) / h * select(q < S(0.5), S(6) * q * (S(3) * q - S(2)), S(-6) * u * u);
+}
+
+// grad_x W(|x|) [1/m^4]; zero at x = 0, where the kernel is flat.
+template <class S>
+WETCURL_HD Vec3<S> kernel_gradient(const Vec3<S>& x, const S& h) {
+    const S r = norm(x);
+    return (kernel_slope(r, h) / maximum(r, S(tiny_length<S>))) * x;
+}
+
+}  // namespace wetcurl

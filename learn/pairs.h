@@ -1,0 +1,106 @@
+// The pairs file: what training reads. HDF5 "wetcurl pairs", version 1, one group runs/NNN an encoded pair of runs.
+// Ours.
+//
+// Attributes: `codec` (strand | root | adhesion), `particles` a strand, `floor_mm` (codec strand: mean distance
+// that encoding alone costs), and the inputs with their hashes ("runs/000/dry", "runs/000/wet": "FILE HASH").
+//
+// codec strand, F frames, (H, W) the high-resolution root grid:
+//   static (58, H, W) f32, dynamic (F, 57, H, W) f32: channels in learn/strand_codec.h; the first 48 of
+//   `dynamic` are the base; target (F, 48, H, W) f32: wet amplitudes less the base; mask (H, W) u8: 1 where a
+//   strand is; length (H, W) f32 [m]. Amplitudes: learn/dct.h.
+// codec root: b_min, b_max (3) f64 [m] at the top, shared by all runs; input (F, 3, h, w) f32 colours of the dry
+//   low-resolution roots, target (F, 3, 2h, 2w) f32 of the wet ones; h, w multiples of 32; mask_low (h, w) and
+//   mask (2h, 2w) u8. Colours outside the mask repeat the nearest strand's.
+// codec adhesion: input (n, 12) f32, target (n) f32, contact (n) u8: learn/adhesion_samples.h.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/hdf5.h"
+#include "learn/adhesion_samples.h"
+
+namespace wetcurl {
+
+inline constexpr const char* pairs_format = "wetcurl pairs";
+inline constexpr int pairs_version = 1;
+
+enum class Codec { strand, root, adhesion };
+std::string name_of(Codec codec);
+// Throws Misuse for another name.
+Codec codec_named(const std::string& name);
+
+// One run of codec strand, its frames left on disk.
+struct StrandPairs {
+    int frames = 0, static_channels = 0, dynamic_channels = 0, height = 0, width = 0;
+    std::vector<float> fixed;   // dataset "static": (Cs, H, W)
+    std::vector<uint8_t> mask;  // (H, W)
+    std::vector<float> length;  // (H, W) [m]
+    size_t pixels() const { return size_t(height) * width; }
+};
+
+// One run of codec root, its frames left on disk.
+struct RootPairs {
+    int frames = 0, height = 0, width = 0;  // of the input; the target's are twice these
+    std::vector<uint8_t> mask_low;          // (h, w)
+    std::vector<uint8_t> mask;              // (2h, 2w)
+    size_t pixels() const { return size_t(height) * width; }
+};
+
+class PairsWriter {
+  public:
+    // Throws Error where the file cannot be made, or is there and `overwrite` is false.
+    PairsWriter(const std::string& path, Codec codec, int particles, bool overwrite);
+
+    // Each begins the next group; its frames follow by `append` (dynamic and target, or input and target).
+    void begin(const StrandPairs& run);
+    void begin(const RootPairs& run);
+    void append(const float* inputs, const float* target);
+    // A group of its own.
+    void add(const std::vector<AdhesionSample>& samples);
+    // b_min, b_max of codec root [m].
+    void box(const double lower[3], const double upper[3]);
+    void attribute(const std::string& name, const std::string& value) { file_.attribute(name, value); }
+    void attribute(const std::string& name, double value) { file_.attribute(name, value); }
+    // The group begun last: "runs/003".
+    const std::string& group() const { return group_; }
+    void commit() { file_.commit(); }
+
+  private:
+    void next_group();
+    H5Writer file_;
+    Codec codec_;
+    int runs_ = 0;
+    std::string group_, inputs_name_;
+    std::vector<size_t> inputs_shape_, target_shape_;
+};
+
+class PairsReader {
+  public:
+    // Throws Error with what is wrong with the file.
+    explicit PairsReader(const std::string& path);
+
+    Codec codec() const { return codec_; }
+    int particles() const { return particles_; }
+    int runs() const { return runs_; }
+    const std::string& path() const { return file_.path(); }
+
+    // 0 ≤ run < runs(), 0 ≤ frame < frames. Shapes are checked against each other; Error names what differs.
+    StrandPairs strand(int run) const;
+    RootPairs root(int run) const;
+    std::vector<AdhesionSample> adhesion(int run) const;
+    // Codec strand: (Cd, H, W) and (48, H, W); codec root: (3, h, w) and (3, 2h, 2w).
+    void frame(int run, int frame, float* inputs, float* target) const;
+    void box(double lower[3], double upper[3]) const;
+    bool has_attribute(const std::string& name) const { return file_.has_attribute(name); }
+    std::string text(const std::string& attribute) const { return file_.text(attribute); }
+    double number(const std::string& attribute) const { return file_.number(attribute); }
+
+  private:
+    void require(Codec wanted) const;
+    H5Reader file_;
+    Codec codec_;
+    int particles_ = 0, runs_ = 0;
+};
+
+}  // namespace wetcurl
