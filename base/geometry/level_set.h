@@ -1,5 +1,6 @@
 // The signed distance to a triangle mesh on a dense regular grid, made once and kept in a cache folder.
-// Distance exact at every node, sign from the generalised winding number (Jacobson 2013): heads are often open. Ours.
+// Distance exact at every node, sign from the generalised winding number (Jacobson 2013): heads are often
+// open. Ours.
 #pragma once
 
 #include <memory>
@@ -17,10 +18,11 @@ struct DistanceSample {
     Vec3<S> normal;
 };
 
-// A view of nodes phi[(k * ny + j) * nx + i] at origin + spacing * (i, j, k): all that sampling needs, on any device.
+// A view of nodes phi[(k * ny + j) * nx + i] at origin + spacing * (i, j, k): all that sampling needs, on any
+// device.
 struct DistanceGrid {
-    Vec3d origin;    // [m]
-    double spacing;  // [m]
+    Vec3f origin;    // [m]
+    float spacing;   // [m]
     int nx, ny, nz;  // each at least 2
     const float* phi;
 };
@@ -44,7 +46,7 @@ WETCURL_HD CellPlace<T> cell_place(T x, T origin, T per_metre, int n) {
 // Trilinear interpolant and its own gradient, x inside the grid.
 template <class T>
 WETCURL_HD DistanceSample<T> sample_inside(const DistanceGrid& grid, const Vec3<T>& x) {
-    const T per_metre = T(1 / grid.spacing);
+    const T per_metre = T(1) / T(grid.spacing);
     const auto [i, u] = cell_place(x.x, T(grid.origin.x), per_metre, grid.nx);
     const auto [j, v] = cell_place(x.y, T(grid.origin.y), per_metre, grid.ny);
     const auto [k, w] = cell_place(x.z, T(grid.origin.z), per_metre, grid.nz);
@@ -65,8 +67,8 @@ WETCURL_HD DistanceSample<T> sample_inside(const DistanceGrid& grid, const Vec3<
 
 }  // namespace detail
 
-// phi and normal at x [m] in body coordinates, T float or double. Outside the grid the surface point nearest to
-// the border of the grid stands for the nearest one: an upper bound of the distance, exact for a ball.
+// phi and normal at x [m] in body coordinates, T float or double. Outside the grid the surface point nearest
+// to the border of the grid stands for the nearest one: an upper bound of the distance, exact for a ball.
 template <class T>
 WETCURL_HD DistanceSample<T> sample(const DistanceGrid& grid, const Vec3<T>& x) {
     const Vec3<T> low = cast<T>(grid.origin);
@@ -86,17 +88,17 @@ std::string cache_folder();
 
 class LevelSet {
   public:
-    // Builds the grid (OpenMP; the same bits for any number of threads). `spacing` [m]; 0: the longest side of
-    // the mesh gets 96 cells. Throws Error for a mesh without extent or a grid of more than 2^27 nodes.
+    // Builds the grid (OpenMP; the same bits for any number of threads). `spacing` [m]; 0: the longest side
+    // of the mesh gets 96 cells. Throws Error for a mesh without extent or a grid of more than 2^27 nodes.
     explicit LevelSet(Mesh mesh, double spacing = 0);
-    // The same through the cache: read where it is there, else built and kept. A damaged file is rebuilt with a
-    // warning; a folder that cannot be written is no error. `folder` = "": no cache.
+    // The same through the cache: read where it is there, else built and kept. A damaged file is rebuilt with
+    // a warning; a folder that cannot be written is no error. `folder` = "": no cache.
     static std::shared_ptr<const LevelSet> cached(Mesh mesh, double spacing = 0,
                                                   const std::string& folder = cache_folder());
 
     DistanceGrid grid() const { return {origin_, spacing_, nx_, ny_, nz_, phi_.data()}; }
-    const std::vector<float>& phi() const { return phi_; }  // (nz, ny, nx) [m]
-    const Mesh& mesh() const { return mesh_; }              // what it was made from
+    const std::vector<float>& phi() const { return phi_; }   // (nz, ny, nx) [m]
+    const Mesh& mesh() const { return mesh_; }               // what it was made from
     double build_seconds() const { return build_seconds_; }  // also where it came from the cache
     bool from_cache() const { return from_cache_; }
     size_t bytes() const { return phi_.size() * sizeof(float); }
@@ -110,8 +112,8 @@ class LevelSet {
     std::string key() const;
 
     Mesh mesh_;
-    Vec3d origin_{0, 0, 0};
-    double spacing_ = 0;
+    Vec3f origin_{0, 0, 0};
+    float spacing_ = 0;
     int nx_ = 0, ny_ = 0, nz_ = 0;
     std::vector<float> phi_;
     double build_seconds_ = 0;

@@ -1,5 +1,6 @@
 // Triangle meshes: reading, closest point and winding number over one bounding-volume hierarchy.
-// Closest point: Ericson 2005, 5.1.5. Winding number: Jacobson 2013, Eq 5; far clusters as dipoles: Barill 2018.
+// Closest point: Ericson 2005, 5.1.5. Winding number: Jacobson 2013, Eq 5; far clusters as dipoles: Barill
+// 2018.
 #pragma once
 
 #include <array>
@@ -35,7 +36,7 @@ Bounds bounding_box(const Mesh& mesh);
 // Exact distance to a mesh. Keeps a copy of what it needs of it. Const functions may run in parallel.
 class MeshDistance {
   public:
-    // Throws Error for a mesh without triangles.
+    // Throws Error where no triangle has an area; those that have none are left out.
     explicit MeshDistance(const Mesh& mesh);
 
     struct Closest {
@@ -63,12 +64,12 @@ class MeshDistance {
         double radius;       // of the ball about `centre` that holds the triangles [m]
         int first, count;    // leaf: its triangles; else count = 0, children at `first` and `first` + 1
     };
-    void build(int node, int first, int count, std::vector<Vec3d>& centroids);
-    void fill(Node& node, int first, int count) const;
+    void build(int node, int first, int count, const std::vector<Triangle>& given);
+    static Node summary(const std::vector<int>& members, const std::vector<Triangle>& given);
 
     std::vector<Triangle> triangles_;  // in the order of the leaves
     std::vector<int> original_;        // index in the mesh of each of them
-    std::vector<int> place_;           // its inverse
+    std::vector<int> place_;           // its inverse; -1: left out
     std::vector<Node> nodes_;
 };
 

@@ -41,13 +41,15 @@ WETCURL_HD DistanceSample<S> distance(const Sphere& sphere, const Vec3<S>& x) {
 template <class S>
 WETCURL_HD DistanceSample<S> distance(const Box& box, const Vec3<S>& x) {
     const Vec3<S> zero{S(0), S(0), S(0)};
-    const Vec3<S> side{select(x.x < S(0), S(-1), S(1)), select(x.y < S(0), S(-1), S(1)), select(x.z < S(0), S(-1), S(1))};
+    const Vec3<S> side{select(x.x < S(0), S(-1), S(1)), select(x.y < S(0), S(-1), S(1)),
+                       select(x.z < S(0), S(-1), S(1))};
     const Vec3<S> q{side.x * x.x - S(box.half.x), side.y * x.y - S(box.half.y), side.z * x.z - S(box.half.z)};
     const Vec3<S> over{maximum(q.x, S(0)), maximum(q.y, S(0)), maximum(q.z, S(0))};
     // Inside, the nearest face decides.
     const S deepest = maximum(q.x, maximum(q.y, q.z));
     const Vec3<S> along_y{S(0), side.y, S(0)}, along_z{S(0), S(0), side.z};
-    const Vec3<S> face = select(deepest <= q.x, Vec3<S>{side.x, S(0), S(0)}, select(deepest <= q.y, along_y, along_z));
+    const Vec3<S> face =
+        select(deepest <= q.x, Vec3<S>{side.x, S(0), S(0)}, select(deepest <= q.y, along_y, along_z));
     const Vec3<S> outward{side.x * over.x, side.y * over.y, side.z * over.z};
     return {norm(over) + minimum(deepest, S(0)), normalized(outward, face)};
 }
@@ -82,8 +84,8 @@ DistanceSample<S> distance(const Shape& shape, const Vec3<S>& x) {
     return std::visit([&x](const auto& s) { return distance(s, x); }, shape);
 }
 
-// For drawing: round shapes with `around` corners a turn, inscribed; a plane as a quad of 1 m; a level set as the
-// mesh that it was made from. Triangles turn anticlockwise seen from outside.
+// For drawing: round shapes with `around` corners a turn, inscribed; a plane as a quad of 1 m; a level set as
+// the mesh that it was made from. Triangles turn anticlockwise seen from outside.
 Mesh triangulated(const Shape& shape, int around = 48);
 
 }  // namespace wetcurl
