@@ -1,0 +1,52 @@
+// The door to LibTorch: a library opened on demand, so that a command without a network never loads it.
+// Ours.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "learn/network.h"
+
+namespace wetcurl {
+
+struct TrainRequest {
+    std::string kind;                // sr | adhesion
+    std::vector<std::string> pairs;  // pairs files of one codec
+    std::string output;              // the model; OUTPUT.checkpoint and OUTPUT.jsonl stand beside it meanwhile
+    std::string recipe;              // TOML file, "" for the defaults
+    std::vector<std::string> set;    // key.path=value over the recipe
+    // These go before the recipe where they are given.
+    std::string architecture;  // "" : the recipe's
+    double width = 0;          // 0: the recipe's
+    std::string device;        // "": the recipe's; cpu | cuda | cuda:n
+    std::optional<unsigned long long> seed;
+    int threads = 0;  // 0: all
+    bool overwrite = false;
+    bool resume = false;
+    // After every step: `done` of this call's `total` steps, and the loss in words. May be empty.
+    std::function<void(long done, long total, const std::string& note)> progress;
+    // Lines worth a log entry. May be empty.
+    std::function<void(const std::string& text)> log;
+};
+
+struct NetworkModule {
+    virtual ~NetworkModule() = default;
+    // Throws Error for a bad model file or an absent device, Misuse for an unknown device name.
+    virtual std::unique_ptr<Network> load(const std::string& path, const std::string& device, int threads) = 0;
+    // The card alone, without a network being made.
+    virtual ModelCard card(const std::string& path) = 0;
+    // Exit status: 0 done, 130 interrupted with a checkpoint left. Throws Error (bad pairs, diverged loss) or
+    // Misuse (recipe).
+    virtual int train(const TrainRequest& request) = 0;
+};
+
+// Opens libwetcurl_networks on first use: beside the executable, else in ../lib. Throws Error where it is not there
+// or does not load. The module, and so every Network, lives until the program ends.
+NetworkModule& network_module();
+
+}  // namespace wetcurl
+
+extern "C" wetcurl::NetworkModule* wetcurl_network_module();
