@@ -1,0 +1,40 @@
+// Images to files: PNG, video, text and the legend drawn into an image. OpenCV stands behind it, in one
+// translation unit; without it (WETCURL_HAVE_OPENCV not defined) every function throws Error and says so.
+// Ours.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "app/picture.h"
+
+namespace wetcurl {
+
+// Writes an 8-bit PNG beside its name and renames it. Throws Error where it cannot.
+void write_png(const std::string& path, const Image& image);
+
+// Writes rgb[(row * width + column) * 3 + channel], times `scale`, clamped to 0..1, pixel by pixel.
+void write_image_png(const std::string& path, const float* rgb, int width, int height, float scale);
+
+// Text centred under the picture, on the last rows of the image.
+void draw_label(Image& image, const std::string& text);
+
+// A bar from 0 to 1 in the colours of `saturation_color`, at the right edge of the image.
+void draw_saturation_legend(Image& image);
+
+// Frames of one size to one file. What was really written may differ from what was asked for: `avc1` in
+// .mp4, else `VP80` in .webm beside it, else a folder of PNGs; each step down is said in the log.
+class VideoFile {
+  public:
+    VideoFile(const std::string& path, int width, int height, double fps);
+    ~VideoFile();
+    void append(const Image& image);
+    // Closes the file, gives it its name and returns that name.
+    std::string commit();
+
+  private:
+    struct Body;
+    std::unique_ptr<Body> body_;
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,22 @@
+// The solids of a run, from the scene that its cache carries: as meshes to draw and as distances to measure.
+// Ours.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "app/picture.h"
+#include "base/geometry/mesh.h"
+#include "base/run_cache.h"
+
+namespace wetcurl {
+
+// Every solid of the run's scene where it stands at `time` [s]; those attached to the head follow the frame's
+// head.
+std::vector<PosedMesh> solids_of(const RunHeader& header, const RunFrame& frame, double time);
+
+// Signed distance [m] of a world point to the nearest solid, negative inside, with the head at the given
+// pose, at a time [s]. Empty where the scene has no solids.
+std::function<float(const Vec3f&, const Pose&, double)> solid_distance_of(const RunHeader& header);
+
+}  // namespace wetcurl
