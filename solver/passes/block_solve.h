@@ -1,0 +1,82 @@
+// The direct solve of one strand's block-pentadiagonal system, 3x3 blocks, LDL^T; block-tridiagonal where no term
+// couples two edges. Golub and Van Loan, 4.3 (banded), on blocks; a lane is a strand.
+#pragma once
+
+#include "base/vec3.h"
+
+namespace wetcurl {
+
+// LDL^T of a symmetric positive definite 3x3 matrix.
+template <class S>
+struct Factor3 {
+    S l10, l20, l21, i0, i1, i2;  // inverses of the pivots
+    WETCURL_HD explicit Factor3(const Sym3<S>& m) {
+        i0 = S(1) / m.xx;
+        l10 = m.xy * i0;
+        l20 = m.xz * i0;
+        const S d1 = m.yy - l10 * m.xy;
+        i1 = S(1) / d1;
+        const S s21 = m.yz - l20 * m.xy;
+        l21 = s21 * i1;
+        i2 = S(1) / (m.zz - l20 * m.xz - l21 * s21);
+    }
+    WETCURL_HD Vec3<S> solve(const Vec3<S>& b) const {
+        const S y = b.y - l10 * b.x, z = (b.z - l20 * b.x - l21 * y) * i2;
+        const S v = y * i1 - l21 * z;
+        return {b.x * i0 - l10 * v - l20 * z, v, z};
+    }
+    // The three columns of B at once, by rows.
+    WETCURL_HD Mat3<S> solve(const Mat3<S>& b) const {
+        const Vec3<S> y = b.r1 - l10 * b.r0;
+        const Vec3<S> z = i2 * (b.r2 - l20 * b.r0 - l21 * y);
+        const Vec3<S> v = i1 * y - l21 * z;
+        return {i0 * b.r0 - l10 * v - l20 * z, v, z};
+    }
+};
+
+// a - U^T P, where U^T P is symmetric.
+template <class S>
+WETCURL_HD void subtract_symmetric(Sym3<S>& a, const Mat3<S>& u, const Mat3<S>& p) {
+    a.xx -= u.r0.x * p.r0.x + u.r1.x * p.r1.x + u.r2.x * p.r2.x;
+    a.xy -= u.r0.x * p.r0.y + u.r1.x * p.r1.y + u.r2.x * p.r2.y;
+    a.xz -= u.r0.x * p.r0.z + u.r1.x * p.r1.z + u.r2.x * p.r2.z;
+    a.yy -= u.r0.y * p.r0.y + u.r1.y * p.r1.y + u.r2.y * p.r2.y;
+    a.yz -= u.r0.y * p.r0.z + u.r1.y * p.r1.z + u.r2.y * p.r2.z;
+    a.zz -= u.r0.z * p.r0.z + u.r1.z * p.r1.z + u.r2.z * p.r2.z;
+}
+template <class S>
+WETCURL_HD Mat3<S> transposed_product(const Mat3<S>& u, const Mat3<S>& q) {
+    return {u.r0.x * q.r0 + u.r1.x * q.r1 + u.r2.x * q.r2, u.r0.y * q.r0 + u.r1.y * q.r1 + u.r2.y * q.r2,
+            u.r0.z * q.r0 + u.r1.z * q.r1 + u.r2.z * q.r2};
+}
+
+// Solves A x = r for rows first..n-1 in place: r becomes x; diagonal, upper1, upper2 are destroyed.
+template <bool Penta, class S>
+WETCURL_HD void solve_blocks(int first, int n, Sym3<S>* diagonal, Mat3<S>* upper1, Mat3<S>* upper2, Vec3<S>* r) {
+    for (int i = first; i < n; ++i) {
+        const Factor3<S> f(diagonal[i]);
+        const Vec3<S> y = f.solve(r[i]);
+        if (i + 1 < n) {
+            const Mat3<S> u1 = upper1[i], p = f.solve(u1);
+            subtract_symmetric(diagonal[i + 1], u1, p);
+            r[i + 1] -= transposed_times(u1, y);
+            upper1[i] = p;
+            if constexpr (Penta)
+                if (i + 2 < n) {
+                    const Mat3<S> u2 = upper2[i], q = f.solve(u2);
+                    upper1[i + 1] -= transposed_product(u1, q);
+                    subtract_symmetric(diagonal[i + 2], u2, q);
+                    r[i + 2] -= transposed_times(u2, y);
+                    upper2[i] = q;
+                }
+        }
+        r[i] = y;
+    }
+    for (int i = n - 2; i >= first; --i) {
+        r[i] -= upper1[i] * r[i + 1];
+        if constexpr (Penta)
+            if (i + 2 < n) r[i] -= upper2[i] * r[i + 2];
+    }
+}
+
+}  // namespace wetcurl

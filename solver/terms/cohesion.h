@@ -1,0 +1,38 @@
+// Cohesion of wet strands: displayed positions drawn toward wet neighbours on other strands.
+// The paper, Eq 10. Differs: print lacks m/rho below and scales about the world's origin; the self term in the
+// denominator keeps two lone strands from swapping places and makes the displacement continuous at r = h.
+#pragma once
+
+#include "base/geometry/kernels.h"
+#include "base/parameters.h"
+
+namespace wetcurl {
+
+struct Cohesion {
+    static constexpr const char* name = "cohesion";
+    double h_c, lambda;
+    int passes = 10;
+    static constexpr Parameter<Cohesion> parameters[] = {
+        {"radius", &Cohesion::h_c, "m", 0.012, 1e-6, 1, "Eq 10, h: support of W"},
+        {"tightness", &Cohesion::lambda, "1", 0.85, 0, 0.999, "Eq 10, lambda"},
+    };
+
+    // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and saturation sigma_j.
+    template <class S>
+    struct Sums {
+        Vec3<S> pull{S(0), S(0), S(0)};  // sum sigma_j V_j W_ij (p_j - p_i)
+        S weight{0};                     // sum V_j W_ij
+        WETCURL_HD void add(const Vec3<S>& p_ij, const S& h, const S& volume, const S& saturation) {
+            const S w = volume * kernel(norm(p_ij), h);
+            pull += saturation * w * p_ij;
+            weight += w;
+        }
+    };
+    // p_i^w - p_i
+    template <class S>
+    WETCURL_HD Vec3<S> displacement(const Sums<S>& s, const S& own_volume) const {
+        return (S(lambda) / (own_volume * kernel_at_zero(S(h_c)) + s.weight)) * s.pull;
+    }
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,45 @@
+// Curl exaggeration: wet hair curls more tightly. The rest shape is blended toward a helix.
+// The paper, Eq 6-9. Differs: print adds a constant push that is not zero at rest; here the bend's target is
+// blended, tbar <- (1 - s) tbar_dry + s tbar_helix with s = w_h sigma, so that saturation 0 changes no bit.
+// Where no radius and pitch are named the helix is the strand's own curl, tightened to `contraction` times its
+// axial extent at unchanged torsion, which keeps the phase at every particle (ours).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "base/parameters.h"
+#include "base/vec3.h"
+
+namespace wetcurl {
+
+struct Curl {
+    static constexpr const char* name = "curl";
+    double w_h, contraction;
+    std::optional<double> radius, pitch;  // [m], pitch of a full turn; both or none
+    bool printed = false;
+    static constexpr Parameter<Curl> parameters[] = {
+        {"weight", &Curl::w_h, "1", 1, 0, 1, "Eq 9, w_h"},
+        {"contraction", &Curl::contraction, "1", 0.7, 0.2, 1, "axial extent of the wet curl, in that of the dry one (Fig 28)"},
+    };
+};
+
+// Turn of the helix of radius r and pitch 2 pi p [m] for each segment of length l: the solution of
+// l² = (2 r sin(omega/2))² + (p omega)². r = 0 or p = 0 are finite.
+double helix_angle(double r, double p, double l);
+
+// The shape of a strand in itself: tbar_i, edge i in the frame of edge i-1 (frames carried from the root).
+// points (n) -> (n-1), entry 0 is the root edge's length along the first axis.
+std::vector<Vec3d> intrinsic_shape(const std::vector<Vec3d>& points);
+// And back, from the root's position and frame.
+std::vector<Vec3d> shape_from_intrinsic(const std::vector<Vec3d>& tbar, const Vec3d& root, const Quatd& frame);
+
+// tbar of the wet strand; `saturation` (n). Entries where saturation is 0 are returned as they were.
+std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, const float* saturation);
+
+// Rotation M that turns unit h to unit p (Eq 7, 8): I + Psi + Psi²/(1+c), gamma = h x p, c = h.p.
+// Differs: print has 2 Psi for Psi², c = gamma.p, and gamma = p x h, which turns p to h.
+// Opposed vectors turn about `axis`, any vector that is not along h.
+Mat3<double> helix_rotation(const Vec3d& h, const Vec3d& p, const Vec3d& axis);
+
+}  // namespace wetcurl

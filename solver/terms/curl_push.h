@@ -1,0 +1,30 @@
+// Curl exaggeration as printed: a constant push along a rotated helix, for reproducing the paper.
+// The paper, Eq 7-9. Differs: taken with both signs, on i and i+1, so that it cannot thrust the strand along
+// itself; Eq 9 is a length, so a stiffness makes it a force.
+#pragma once
+
+#include "base/parameters.h"
+#include "solver/terms/chain.h"
+
+namespace wetcurl {
+
+struct CurlPush {
+    static constexpr const char* name = "curl (printed)";
+    static constexpr bool couples_two_edges = false;
+    double k_w;
+    static constexpr Parameter<CurlPush> parameters[] = {
+        {"push", &CurlPush::k_w, "N/m", 0.01, 0, 1e6, "Eq 9 as printed: force for each metre of the helix's edge"},
+    };
+
+    template <class S>
+    WETCURL_HD S energy(const ChainView<S>&) const { return S(0); }
+
+    template <class S>
+    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {
+        const Vec3<S> x_axis{S(1), S(0), S(0)};
+        const Quat<S> m = minimal_rotation(x_axis, normalized(c.x[c.n - 1] - c.x[0], x_axis));
+        for (int i = 0; i + 1 < c.n; ++i) a.add_edge_force(i, S(k_w) * rotate(m, c.push[i]));
+    }
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,31 @@
+// The visible list: every term along a strand. A new one is a file and a line here.
+#pragma once
+
+#include <optional>
+#include <tuple>
+
+#include "solver/terms/adhesion.h"
+#include "solver/terms/bend.h"
+#include "solver/terms/core.h"
+#include "solver/terms/curl_push.h"
+#include "solver/terms/stiffness.h"
+#include "solver/terms/stretch.h"
+
+namespace wetcurl {
+
+using ChainTerms = std::tuple<std::optional<Stretch>, std::optional<Bend>, std::optional<Core>,
+                              std::optional<CurlPush>, std::optional<Adhesion>, std::optional<Stiffness>>;
+
+// Calls f(term) for each term that the scene names, in the order of the list.
+template <class Terms, class F>
+void for_each_present(Terms& terms, F f) {
+    std::apply([&](auto&... term) { ((term ? f(*term) : void()), ...); }, terms);
+}
+
+inline bool couples_two_edges(const ChainTerms& terms) {
+    bool any = false;
+    for_each_present(terms, [&](const auto& t) { any = any || t.couples_two_edges; });
+    return any;
+}
+
+}  // namespace wetcurl

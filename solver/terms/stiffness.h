@@ -1,0 +1,36 @@
+// Dynamic stiffness: drag on the motion relative to the root, stronger where hair is wet.
+// The paper, Eq 13. Differs: a rate c [1/s] inside the step instead of a factor a step, so that halving the step
+// leaves the motion; relative to the root's rigid motion instead of the world.
+#pragma once
+
+#include "base/parameters.h"
+#include "solver/terms/chain.h"
+
+namespace wetcurl {
+
+struct Stiffness {
+    static constexpr const char* name = "stiffness";
+    static constexpr bool couples_two_edges = false;
+    double c_wet, c_dry, c_all;
+    static constexpr Parameter<Stiffness> parameters[] = {
+        {"wet", &Stiffness::c_wet, "1/s", 0.024, 0, 1e6, "Eq 13, -ln(Upsilon_0) / dt at saturation 1 (paper: 0.9999 at 1/240 s)"},
+        {"dry", &Stiffness::c_dry, "1/s", 0, 0, 1e6, "Eq 13, -ln(Upsilon_1) / dt at saturation 0 (paper: 1)"},
+        {"global", &Stiffness::c_all, "1/s", 0.0012, 0, 1e6, "-ln(xi) / dt on all hair (paper: 0.999995 at 1/240 s)"},
+    };
+
+    template <class S>
+    WETCURL_HD S energy(const ChainView<S>&) const { return S(0); }
+
+    template <class S>
+    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {
+        for (int i = 0; i < c.n; ++i) {
+            const S sigma = c.saturation ? c.saturation[i] : S(0);
+            const S rate = S(c_all) + sigma * S(c_wet) + (S(1) - sigma) * S(c_dry);
+            const Vec3<S> rigid = c.drift + cross(c.turn, c.x[i] - c.turn_center);
+            a.force[i] -= rate * c.mass[i] * (c.v[i] - rigid);
+            if (a.with_matrix()) a.diagonal[i] += identity_times(a.h * rate * c.mass[i]);
+        }
+    }
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,48 @@
+// Stretch springs along a strand.
+// The paper, Eq 1 (after Selle 2008), as printed; the Hessian is clamped so that it stays positive.
+#pragma once
+
+#include "base/parameters.h"
+#include "solver/terms/chain.h"
+
+namespace wetcurl {
+
+struct Stretch {
+    static constexpr const char* name = "stretch";
+    static constexpr bool couples_two_edges = false;
+    double k_s, c_s;
+    static constexpr Parameter<Stretch> parameters[] = {
+        {"stiffness", &Stretch::k_s, "N/m", 5, 0, 1e12, "Eq 1, k_s: force of one segment for each metre of extension"},
+        {"damping", &Stretch::c_s, "N s/m", 2e-5, 0, 1e6, "Eq 1, c_s: along the segment"},
+    };
+
+    template <class S>
+    WETCURL_HD S energy(const ChainView<S>& c) const {
+        S sum(0);
+        for (int i = 0; i + 1 < c.n; ++i) {
+            S d = norm(edge(c, i)) - c.rest_length[i];
+            sum += S(0.5 * k_s) * d * d;
+        }
+        return sum;
+    }
+
+    template <class S>
+    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {
+        const S k(k_s), damp(c_s), k_h = a.h * a.h * k, c_h = a.h * damp;
+        // A segment of no length takes the direction of the one before it.
+        Vec3<S> e_hat{S(1), S(0), S(0)};
+        for (int i = 0; i + 1 < c.n; ++i) {
+            const Vec3<S> e = edge(c, i);
+            const S length = norm(e), l = c.rest_length[i];
+            e_hat = normalized(e, e_hat);
+            const S rate = dot(c.v[i + 1] - c.v[i], e_hat);
+            a.add_edge_force(i, (k * (length - l) + damp * rate) * e_hat);
+            if (a.with_matrix()) {
+                const S across = k_h * maximum(S(0), S(1) - l / maximum(length, S(tiny_length<S>)));
+                a.add_edge_matrix(i, isotropic_plus_outer(across, k_h + c_h - across, e_hat));
+            }
+        }
+    }
+};
+
+}  // namespace wetcurl
