@@ -2,6 +2,7 @@
 // Ours.
 #include "learn/dct.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -12,13 +13,15 @@ namespace wetcurl {
 
 StrandDct::StrandDct(int particles) : particles_(particles), projection_(dct_kept, 0) {
     if (particles < 2)
-        throw Error("strand codec: found " + std::to_string(particles) + " particles a strand, allowed 2 or more");
+        throw Error("strand codec: found " + std::to_string(particles) +
+                    " particles a strand, allowed 2 or more");
     basis_.assign(size_t(dct_kept) * particles, 0);
     double length2 = 0;
     for (int k = 0; k < std::min(dct_kept, particles); ++k) {
         const double s = std::sqrt((k ? 2.0 : 1.0) / particles);
         for (int i = 0; i < particles; ++i)
-            basis_[size_t(k) * particles + i] = float(s * std::cos(std::numbers::pi * k * (i + 0.5) / particles));
+            basis_[size_t(k) * particles + i] =
+                float(s * std::cos(std::numbers::pi * k * (i + 0.5) / particles));
         const double b0 = basis_[size_t(k) * particles];
         length2 += b0 * b0;
     }

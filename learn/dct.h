@@ -18,7 +18,8 @@ class StrandDct {
     explicit StrandDct(int particles);
 
     int particles() const { return particles_; }
-    // B[k * particles + i] = s_k cos(pi k (i + 1/2) / particles), s_0 = sqrt(1/particles), else sqrt(2/particles).
+    // B[k * particles + i] = s_k cos(pi k (i + 1/2) / particles), s_0 = sqrt(1/particles), else
+    // sqrt(2/particles).
     const std::vector<float>& basis() const { return basis_; }
     // Offsets from the root (particles) [m] to amplitudes (48) [m].
     void encode(const Vec3f* offsets, float* coefficients) const;

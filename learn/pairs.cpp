@@ -2,6 +2,7 @@
 // Ours.
 #include "learn/pairs.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "learn/dct.h"
@@ -15,7 +16,8 @@ std::string name_of(Codec codec) { return codec_names[size_t(codec)]; }
 Codec codec_named(const std::string& name) {
     for (size_t c = 0; c < codec_names.size(); ++c)
         if (codec_names[c] == name) return Codec(c);
-    throw Misuse("codec: found '" + name + "', allowed strand, root, adhesion" + did_you_mean(name, codec_names));
+    throw Misuse("codec: found '" + name + "', allowed strand, root, adhesion" +
+                 did_you_mean(name, codec_names));
 }
 
 static std::string group_name(int run) {
@@ -86,14 +88,16 @@ PairsReader::PairsReader(const std::string& path) : file_(path, pairs_format, pa
 
 void PairsReader::require(Codec wanted) const {
     if (codec_ != wanted)
-        throw Error(path() + ": holds pairs of codec " + name_of(codec_) + ", needed is codec " + name_of(wanted));
+        throw Error(path() + ": holds pairs of codec " + name_of(codec_) + ", needed is codec " +
+                    name_of(wanted));
 }
 
 // The four sizes of a dataset of frames.
 static std::vector<size_t> frames_shape(const H5Reader& file, const std::string& name) {
     const auto shape = file.shape(name);
     if (shape.size() != 4 || shape[0] == 0 || shape[1] == 0 || shape[2] == 0 || shape[3] == 0)
-        throw Error(file.path() + ": " + name + ": allowed is a shape (frames, channels, height, width), none of them 0");
+        throw Error(file.path() + ": " + name +
+                    ": allowed is a shape (frames, channels, height, width), none of them 0");
     return shape;
 }
 
@@ -115,7 +119,8 @@ StrandPairs PairsReader::strand(int run) const {
     out.height = int(d[2]);
     out.width = int(d[3]);
     if (out.dynamic_channels < strand_coefficients)
-        throw Error(path() + ": " + group + "/dynamic: found " + std::to_string(d[1]) + " channels, allowed 48 or more");
+        throw Error(path() + ": " + group + "/dynamic: found " + std::to_string(d[1]) +
+                    " channels, allowed 48 or more");
     out.fixed = file_.read<float>(group + "/static", {0, d[2], d[3]});
     out.static_channels = int(out.fixed.size() / out.pixels());
     out.mask = file_.read<uint8_t>(group + "/mask", {d[2], d[3]});

@@ -1,0 +1,48 @@
+// A strand as its core (the smoothed strand) and the detail around it (the curl).
+// The filter is Eq 2's. Differs: run from root to tip and back, since one run alone lags behind a bent
+// strand, and the lag would count as curl.
+#pragma once
+
+#include <cstdlib>
+#include <vector>
+
+#include "base/geometry/filter.h"
+#include "base/geometry/strands.h"
+
+namespace wetcurl {
+
+// Smoothing of a core, alpha a tenth of the strand's length: a curl of two turns or more is detail, a bend is
+// core. l / alpha = 10 / (n - 1) for n particles, whatever the length.
+inline float core_beta(int particles) { return float(filter_beta(10.0 / (particles - 1), 1.0)); }
+
+// d = G e over n edges as Eq 2, but started half a strand early on the mirrored edges: the first edge alone
+// is mostly curl and would tilt the core. `edge(i)` gives e_i, `store(i, d_i)` takes the result.
+template <class Edge, class Store>
+void smooth_mirrored(int n, float beta, Edge edge, Store store) {
+    const int early = n / 2;
+    smooth_edges<float>(
+        early + n, beta, [&](int i) { return edge(std::abs(i - early)); },
+        [&](int i, const Vec3f& d) {
+            if (i >= early) store(i - early, d);
+        });
+}
+
+// core (n) [m] of the n particles p [m]; both start at the root. `core` must not overlap p.
+inline void core_of(const Vec3f* p, int n, float beta, Vec3f* core) {
+    Vec3f* d = core + 1;  // edges of the core, then summed in place
+    const int edges = n - 1;
+    smooth_mirrored(
+        edges, beta, [&](int i) { return p[i + 1] - p[i]; }, [&](int i, const Vec3f& e) { d[i] = e; });
+    smooth_mirrored(
+        edges, beta, [&](int i) { return d[edges - 1 - i]; },
+        [&](int i, const Vec3f& e) { d[edges - 1 - i] = e; });
+    core[0] = p[0];
+    for (int i = 1; i < n; ++i) core[i] += core[i - 1];
+}
+
+// Root mean square distance of the detail from its mean [m]: the radius of a helix. `core` is scratch (n).
+float curl_radius(const Vec3f* p, int n, float beta, Vec3f* core);
+// One a strand.
+std::vector<float> curl_radii(const Strands& strands);
+
+}  // namespace wetcurl

@@ -1,0 +1,32 @@
+// From low-resolution strands and a geometry image to every high-resolution strand.
+// Eq 18, 19. Differs: p = p* + h (h^4 sum_s sigma_s grad W(p* - p^s) gamma_s) kappa / N, since in print the
+// shift is no length; 1/N becomes the stencil's weight, so that three roots (VI.G), edges and holes of the
+// grid have their place; c* is the network's colour at the new root, else the network would move nothing;
+// roots are exact (learn/interpolate.h).
+#pragma once
+
+#include "learn/interpolate.h"
+
+namespace wetcurl {
+
+// paper: p* is the mean of the surrounding strands; core: that of Form V+ (mean core and the nearest strand's
+// detail).
+enum class Reconstruction { paper, core };
+// Throws Misuse for another name.
+Reconstruction reconstruction_named(const std::string& name);
+
+class QuadTransform {
+  public:
+    // saturation: (low strand, particle); support_radius h [m]; gain kappa.
+    QuadTransform(Reconstruction form, Stencil stencil, const Groom& high, const Groom& low,
+                  std::vector<float> saturation, float support_radius, float gain = 1);
+    // low: world positions [m] of the low-resolution strands; colours: one a high-resolution strand (Eq 14).
+    void apply(const Strands& low, const Pose& head, const std::vector<Vec3f>& colours, Strands& out);
+
+  private:
+    Interpolator mean_;
+    std::vector<float> saturation_;
+    float support_radius_, gain_;
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,117 @@
+// The strand codec.
+// Ours.
+#include "learn/strand_codec.h"
+
+#include <algorithm>
+
+#include "learn/core_detail.h"
+
+namespace wetcurl {
+
+// Means of the n numbers over `saturation_pieces` equal pieces; a piece shorter than a particle takes the one
+// it is in.
+static void profile(const float* sigma, int n, float* out, size_t stride) {
+    for (int k = 0; k < saturation_pieces; ++k) {
+        const int first = k * n / saturation_pieces,
+                  end = std::max(first + 1, (k + 1) * n / saturation_pieces);
+        float sum = 0;
+        for (int i = first; i < end; ++i) sum += sigma[i];
+        out[size_t(k) * stride] = sum / float(end - first);
+    }
+}
+
+StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation)
+    : grid_(high.grid),
+      dct_(high.rest.particles),
+      base_(Interpolation::quad, quad_stencil(high, low), high, low),
+      scratch_(high.rest.count, high.rest.particles) {
+    const int n = particles(), strands = high.rest.count;
+    if (!saturation.empty() && saturation.size() != high.rest.points.size())
+        throw Error("strand codec: found " + std::to_string(saturation.size()) +
+                    " saturations, allowed one a particle of the high-resolution groom: " +
+                    std::to_string(high.rest.points.size()));
+    pixel_of_.resize(size_t(strands));
+    mask_.assign(pixels(), 0);
+    for (size_t pixel = 0; pixel < pixels(); ++pixel)
+        if (int s = grid_.strand[pixel]; s >= 0) {
+            pixel_of_[size_t(s)] = pixel;
+            mask_[pixel] = 1;
+        }
+    fixed_.assign(size_t(static_channels) * pixels(), 0);
+    length_.assign(pixels(), 0);
+    encode(high.rest, Pose{}, fixed_.data());
+    const auto radius = curl_radii(high.rest);
+    for (int s = 0; s < strands; ++s) {
+        const size_t pixel = pixel_of_[size_t(s)];
+        float* at = fixed_.data() + pixel;
+        if (!saturation.empty())
+            profile(saturation.data() + size_t(s) * n, n, at + size_t(strand_coefficients) * pixels(),
+                    pixels());
+        length_[pixel] = float(arc_length(high.rest.strand(s), n));
+        at[size_t(static_channels - 2) * pixels()] = length_[pixel];
+        at[size_t(static_channels - 1) * pixels()] = radius[size_t(s)];
+    }
+}
+
+void StrandCodec::dynamic(const Strands& low, const HeadWindow& heads, float* out) {
+    base_.apply(low, heads.now, scratch_);
+    encode(scratch_, heads.now, out);
+    const RootFrames& frames = base_.roots();
+    float* motion = out + size_t(strand_coefficients) * pixels();
+    std::fill_n(motion, size_t(dynamic_channels - strand_coefficients) * pixels(), 0.0f);
+    const Vec3f gravity = cast<float>(heads.gravity), turning = cast<float>(heads.angular_velocity());
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < frames.count(); ++s) {
+        const Quatf to_root = conjugate(frames.rotation_at(s, heads.now));
+        const Vec3f pull = cast<float>(heads.acceleration(cast<double>(frames.root[size_t(s)])));
+        float* at = motion + pixel_of_[size_t(s)];
+        for (const Vec3f& v : {rotate(to_root, gravity), rotate(to_root, turning), rotate(to_root, pull)})
+            for (float x : {v.x, v.y, v.z}) {
+                *at = x;
+                at += pixels();
+            }
+    }
+}
+
+void StrandCodec::encode(const Strands& strands, const Pose& head, float* out) const {
+    const int n = particles();
+    const RootFrames& frames = base_.roots();
+    if (strands.count != frames.count() || strands.particles != n)
+        throw Error("strand codec: found " + std::to_string(strands.count) + " strands of " +
+                    std::to_string(strands.particles) + " particles, allowed " +
+                    std::to_string(frames.count()) + " of " + std::to_string(n));
+    std::fill_n(out, size_t(strand_coefficients) * pixels(), 0.0f);
+#pragma omp parallel
+    {
+        std::vector<Vec3f> offset(static_cast<size_t>(n));
+        float c[strand_coefficients];
+#pragma omp for schedule(static)
+        for (int s = 0; s < strands.count; ++s) {
+            const Quatf to_root = conjugate(frames.rotation_at(s, head));
+            const Vec3f* p = strands.strand(s);
+            for (int i = 0; i < n; ++i) offset[size_t(i)] = rotate(to_root, p[i] - p[0]);
+            dct_.encode(offset.data(), c);
+            float* at = out + pixel_of_[size_t(s)];
+            for (int k = 0; k < strand_coefficients; ++k) at[size_t(k) * pixels()] = c[k];
+        }
+    }
+}
+
+void StrandCodec::decode(const float* coefficients, const Pose& head, Strands& out) const {
+    const int n = particles();
+    const RootFrames& frames = base_.roots();
+    if (out.count != frames.count() || out.particles != n) out = Strands(frames.count(), n);
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < out.count; ++s) {
+        float c[strand_coefficients];
+        const float* at = coefficients + pixel_of_[size_t(s)];
+        for (int k = 0; k < strand_coefficients; ++k) c[k] = at[size_t(k) * pixels()];
+        Vec3f* p = out.strand(s);
+        dct_.decode(c, p);
+        const Quatf to_world = frames.rotation_at(s, head);
+        const Vec3f root = frames.root_at(s, head);
+        for (int i = 0; i < n; ++i) p[i] = root + rotate(to_world, p[i]);
+    }
+}
+
+}  // namespace wetcurl
