@@ -125,9 +125,12 @@ struct VideoFile::Body {
     cv::Size size;
     int written = 0;
 
-    bool open(const std::string& extension, const char (&codec)[5], double fps) {
+    bool open(const std::string& extension, const char (&codec)[5], double fps, bool overwrite) {
         const fs::path base = fs::path(path).replace_extension();
+        if (!overwrite && fs::exists(base.string() + extension))
+            throw Error(base.string() + extension + " exists; --overwrite replaces it");
         partial = base.string() + ".partial" + extension;
+        if (!std::ofstream(partial)) throw Error(partial + ": cannot be written");
         const int code = cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]);
         try {
             if (writer.open(partial, cv::CAP_FFMPEG, code, fps, size)) {
@@ -142,15 +145,16 @@ struct VideoFile::Body {
     }
 };
 
-VideoFile::VideoFile(const std::string& path, int width, int height, double fps) : body_(new Body) {
+VideoFile::VideoFile(const std::string& path, int width, int height, double fps, bool overwrite)
+    : body_(new Body) {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     Body& b = *body_;
     b.path = path;
     b.size = {width & ~1, height & ~1};  // both codecs halve the colours each way
     make_folder_of(path);
     const bool mp4 = fs::path(path).extension() == ".mp4";
-    if (mp4 && b.open(".mp4", {"avc1"}, fps)) return;
-    if (b.open(".webm", {"VP80"}, fps)) {
+    if (mp4 && b.open(".mp4", "avc1", fps, overwrite)) return;
+    if (b.open(".webm", "VP80", fps, overwrite)) {
         if (mp4)
             log_warning(path + ": this OpenCV has no H.264 encoder; writing VP8 to " + b.path + " instead");
         return;
@@ -195,7 +199,7 @@ namespace {
 }  // namespace
 
 struct VideoFile::Body {};
-VideoFile::VideoFile(const std::string&, int, int, double) { no_opencv(); }
+VideoFile::VideoFile(const std::string&, int, int, double, bool) { no_opencv(); }
 VideoFile::~VideoFile() = default;
 void VideoFile::append(const Image&) { no_opencv(); }
 std::string VideoFile::commit() { no_opencv(); }

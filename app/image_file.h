@@ -26,7 +26,7 @@ void draw_saturation_legend(Image& image);
 // .mp4, else `VP80` in .webm beside it, else a folder of PNGs; each step down is said in the log.
 class VideoFile {
   public:
-    VideoFile(const std::string& path, int width, int height, double fps);
+    VideoFile(const std::string& path, int width, int height, double fps, bool overwrite);
     ~VideoFile();
     void append(const Image& image);
     // Closes the file, gives it its name and returns that name.

@@ -1,0 +1,129 @@
+// `wetcurl render`: runs side by side as a picture of one frame or a video of all.
+// Ours.
+#include <omp.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "app/commands.h"
+#include "app/image_file.h"
+#include "app/picture.h"
+#include "app/run_solids.h"
+#include "base/log.h"
+#include "base/progress.h"
+#include "base/run_cache.h"
+
+namespace wetcurl {
+
+namespace {
+
+// The runs of one picture, their common frames and the camera that they share.
+class Reel {
+  public:
+    explicit Reel(const RenderOptions& options) : options_(options) {
+        for (const std::string& path : options.runs) {
+            runs_.push_back(std::make_unique<RunReader>(path));
+            const int n = runs_.back()->frames();
+            if (n == 0) throw Error(path + ": there is no frame in it to draw");
+            frames_ = runs_.size() == 1 ? n : std::min(frames_, n);
+        }
+    }
+
+    int frames() const { return frames_; }
+    double fps() const { return runs_[0]->header().fps; }
+    int width() const { return options_.width * int(runs_.size()); }
+
+    // Makes the camera see all runs at `count` frames spread evenly over first..last.
+    void fit_camera(int first, int last, int count) {
+        Extent extent;
+        count = std::min(count, last - first + 1);
+        for (int k = 0; k < count; ++k) {
+            const int f = count == 1 ? first : first + int(long(last - first) * k / (count - 1));
+            for (const auto& run : runs_) {
+                const RunFrame frame = run->frame(f);
+                extent.add(frame.seen());
+                for (const PosedMesh& solid : solids_of(run->header(), frame, f / run->header().fps))
+                    extent.add(solid);
+            }
+        }
+        camera_ = fitted_camera(extent, options_.yaw, options_.width, options_.height);
+    }
+
+    Image draw(int f) const {
+        std::vector<Image> panels;
+        for (const auto& run : runs_) panels.push_back(draw_run(*run, f));
+        if (options_.saturation) draw_saturation_legend(panels.back());
+        return side_by_side(panels);
+    }
+
+  private:
+    Image draw_run(const RunReader& run, int f) const {
+        const RunHeader& header = run.header();
+        const RunFrame frame = run.frame(f);
+        // A dry run records its wetness as well; only the colours asked for show it.
+        const bool wet =
+            !header.saturation.empty() && (options_.saturation || header.method != "simulated dry");
+        Panel panel;
+        panel.layers.push_back({&frame.seen(), wet ? &header.saturation : nullptr});
+        panel.solids = solids_of(header, frame, f / header.fps);
+        Image image = draw_panel(panel, camera_, options_.saturation);
+        if (options_.labels)
+            draw_label(image, header.method + ", " + std::to_string(frame.seen().count) + " strands, frame " +
+                                  std::to_string(f));
+        return image;
+    }
+
+    const RenderOptions& options_;
+    std::vector<std::unique_ptr<RunReader>> runs_;
+    int frames_ = 0;
+    Camera camera_;
+};
+
+void check(const RenderOptions& o, const std::string& extension) {
+    if (o.runs.empty())
+        throw Misuse("render: no run is named; wetcurl render RUN.h5... -o out.png|out.mp4|out.webm");
+    if (extension != ".png" && extension != ".mp4" && extension != ".webm")
+        throw Misuse("render: " + (o.output.empty() ? "no output" : o.output) +
+                     ": allowed are .png, .mp4 and .webm");
+    for (int size : {o.width, o.height})
+        if (size < 16 || size > 8192)
+            throw Misuse("render: a panel of " + std::to_string(o.width) + " x " + std::to_string(o.height) +
+                         " pixels; allowed are 16 to 8192 each way");
+    if (extension != ".png" && o.frame >= 0)
+        throw Misuse("render: --frame picks one frame for a .png; " + o.output + " takes all of them");
+    if (!o.overwrite && std::filesystem::exists(o.output))
+        throw Error(o.output + " exists; --overwrite replaces it");
+}
+
+}  // namespace
+
+int render_command(const RenderOptions& options) {
+    const std::string extension = std::filesystem::path(options.output).extension().string();
+    check(options, extension);
+    if (options.threads > 0) omp_set_num_threads(options.threads);
+    Reel reel(options);
+    const int last = reel.frames() - 1;
+    std::string written = options.output;
+    if (extension == ".png") {
+        if (options.frame > last)
+            throw Misuse("render: --frame " + std::to_string(options.frame) + ": the runs have frames 0 to " +
+                         std::to_string(last));
+        const int f = options.frame < 0 ? last : options.frame;
+        reel.fit_camera(f, f, 1);
+        write_png(options.output, reel.draw(f));
+    } else {
+        reel.fit_camera(0, last, 9);
+        VideoFile video(options.output, reel.width(), options.height, reel.fps(), options.overwrite);
+        Progress progress("render", last + 1, "frame");
+        for (int f = 0; f <= last; ++f) {
+            video.append(reel.draw(f));
+            progress.update(f + 1);
+        }
+        written = video.commit();
+    }
+    log_info("wrote " + written);
+    return 0;
+}
+
+}  // namespace wetcurl
