@@ -3,28 +3,10 @@
 #pragma once
 
 #include <array>
-#include <map>
-#include <string>
-#include <vector>
+
+#include "models/model_card.h"
 
 namespace wetcurl {
-
-// What a model file says of itself.
-struct ModelCard {
-    std::string codec;         // root | strand | adhesion
-    std::string architecture;  // a name of models/registry.h
-    double width = 1;          // channel multiplier
-    int input_channels = 0, output_channels = 0;
-    int upscale = 1;    // output pixels per input pixel, each way
-    int particles = 0;  // of a strand (codec strand), else 0
-    long parameters = 0;
-    std::map<std::string, double> numbers;  // validation error, steps… and the pairs' own numbers
-    // input_mean, input_std, output_scale (applied inside the network); everything that lies beside the runs in
-    // the pairs file: b_min, b_max, a saturation profile…
-    std::map<std::string, std::vector<float>> arrays;
-    std::string recipe;  // the resolved recipe, TOML
-    std::string inputs;  // "file hash" of what it was trained on, one a line
-};
 
 class Network {
   public:

@@ -1,0 +1,22 @@
+// The adhesion force as a network.
+// Figure 18, Eq 20.
+#include "models/adhesion_mlp.h"
+
+namespace wetcurl {
+
+namespace {
+constexpr int sizes[] = {12, 6, 5, 4, 1};
+}
+
+AdhesionMlp::AdhesionMlp() {
+    for (size_t i = 0; i + 1 < std::size(sizes); ++i)
+        layers_.push_back(register_module("layer" + std::to_string(i), dense(sizes[i], sizes[i + 1])));
+}
+
+Tensor AdhesionMlp::forward(const Tensor& input) {
+    Tensor x = to_rows(input).to(body);
+    for (size_t i = 0; i + 1 < layers_.size(); ++i) x = torch::leaky_relu(apply(layers_[i], x));
+    return from_rows(apply(layers_.back(), x.to(torch::kFloat)), input);
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,95 @@
+// What the networks share.
+// Ours.
+#include "models/layers.h"
+
+#include <torch/nn/functional/padding.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace wetcurl {
+
+namespace nn = torch::nn;
+
+int scaled_channels(int channels, double width) { return 8 * std::max(1, int(std::ceil(channels * width / 8))); }
+
+long parameter_count(const Model& model) {
+    long n = 0;
+    for (const auto& p : model.parameters()) n += p.numel();
+    return n;
+}
+
+// Variance 2 / fan_in keeps the signal through twenty layers of ReLU; LibTorch's own default loses it.
+static void he_initialise(Tensor weight, Tensor bias) {
+    nn::init::kaiming_normal_(weight, 0.0, torch::kFanIn, torch::kReLU);
+    nn::init::zeros_(bias);
+}
+
+nn::Conv2d convolution(int in, int out, int kernel) {
+    nn::Conv2d layer(nn::Conv2dOptions(in, out, kernel).padding(kernel / 2));
+    he_initialise(layer->weight, layer->bias);
+    return layer;
+}
+
+nn::Linear dense(int in, int out) {
+    nn::Linear layer(in, out);
+    he_initialise(layer->weight, layer->bias);
+    return layer;
+}
+
+void set_zero(nn::Module& layer) {
+    torch::NoGradGuard no_grad;
+    for (auto& p : layer.parameters()) p.zero_();
+}
+
+Tensor apply(nn::Conv2d& layer, const Tensor& x) {
+    const auto& o = layer->options;
+    return torch::conv2d(x, layer->weight.to(x.scalar_type()), layer->bias.to(x.scalar_type()), o.stride(),
+                         std::get<torch::ExpandingArray<2>>(o.padding()));
+}
+
+Tensor apply(nn::Linear& layer, const Tensor& rows) {
+    return linear_rows(rows, layer->weight.to(rows.scalar_type()), layer->bias.to(rows.scalar_type()));
+}
+
+// Debian's LibTorch multiplies matrices with the reference BLAS (3 GFLOP/s a core here) but convolves with oneDNN
+// (100): on the CPU the product is written as a 1x1 convolution, channels last, so that nothing is copied. With one
+// thread LibTorch takes oneDNN only from a batch of 16 on, hence the split.
+Tensor linear_rows(const Tensor& rows, const Tensor& weight, const Tensor& bias) {
+    if (!rows.device().is_cpu()) return torch::linear(rows, weight, bias);
+    constexpr long split = 16;
+    const long count = rows.size(0), in = rows.size(1), out = weight.size(0);
+    const long padding = (split - count % split) % split;
+    const Tensor x = padding ? torch::constant_pad_nd(rows, {0, 0, 0, padding}) : rows;
+    const Tensor image = x.reshape({split, -1, 1, in}).permute({0, 3, 1, 2});
+    const Tensor y = torch::conv2d(image, weight.view({out, in, 1, 1}), bias).permute({0, 2, 3, 1});
+    return y.reshape({count + padding, out}).narrow(0, 0, count);
+}
+
+// Differs from a call of conv_transpose2d: a 1x1 convolution to 4 O channels and a pixel shuffle are the same sums
+// (the 2x2 patches do not overlap), run at oneDNN's speed, and are right in bfloat16, where 1.13 on the CPU is not.
+Tensor apply_doubling(nn::ConvTranspose2d& layer, const Tensor& x) {
+    const long in = layer->weight.size(0), out = layer->weight.size(1);
+    const Tensor weight = layer->weight.permute({1, 2, 3, 0}).reshape({out * 4, in, 1, 1});
+    const Tensor bias = layer->bias.repeat_interleave(4);
+    return torch::pixel_shuffle(torch::conv2d(x, weight.to(x.scalar_type()), bias.to(x.scalar_type())), 2);
+}
+
+Tensor to_rows(const Tensor& image) { return image.permute({0, 2, 3, 1}).reshape({-1, image.size(1)}); }
+
+Tensor from_rows(const Tensor& rows, const Tensor& like) {
+    return rows.view({like.size(0), like.size(2), like.size(3), rows.size(1)}).permute({0, 3, 1, 2});
+}
+
+// One axis of up().
+static Tensor up_along(const Tensor& x, long axis) {
+    const long n = x.size(axis);
+    const Tensor last = x.narrow(axis, n - 1, 1);
+    const Tensor beyond = n > 1 ? 2 * last - x.narrow(axis, n - 2, 1) : last;
+    const Tensor next = torch::cat({x.narrow(axis, 1, n - 1), beyond}, axis);
+    return torch::stack({x, 0.5 * (x + next)}, axis + 1).flatten(axis, axis + 1);
+}
+
+Tensor up(const Tensor& image) { return up_along(up_along(image, image.dim() - 2), image.dim() - 1); }
+
+}  // namespace wetcurl

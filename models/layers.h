@@ -1,0 +1,50 @@
+// What the networks share: the base of a model, its layers in either precision, the up() of the residual.
+// Ours, but up(): EQUATIONS Eq 17, vertex-aligned.
+#pragma once
+
+#include <torch/nn/init.h>
+#include <torch/nn/modules/container/modulelist.h>
+#include <torch/nn/modules/conv.h>
+#include <torch/nn/modules/linear.h>
+#include <torch/types.h>
+
+#include <vector>
+
+namespace wetcurl {
+
+using torch::Tensor;
+
+// A network as LibTorch sees it.
+struct Model : torch::nn::Module {
+    // (B, C, H, W) to (B, output_channels, upscale * H, upscale * W), single precision in and out.
+    virtual Tensor forward(const Tensor& input) = 0;
+    // The type that the body computes in; weights, first and last values stay in single precision.
+    torch::ScalarType body = torch::kFloat;
+};
+
+// `channels` at width 1, multiplied and rounded up to a multiple of 8.
+int scaled_channels(int channels, double width);
+long parameter_count(const Model& model);
+
+// A convolution with an odd square kernel that keeps the size (stride 1), by He's initialisation.
+torch::nn::Conv2d convolution(int in, int out, int kernel);
+torch::nn::Linear dense(int in, int out);
+void set_zero(torch::nn::Module& layer);
+
+// The layer on x, its weights cast to x's type.
+Tensor apply(torch::nn::Conv2d& layer, const Tensor& x);
+// (P, C) rows to (P, out): what a 1x1 convolution does to P pixels.
+Tensor apply(torch::nn::Linear& layer, const Tensor& rows);
+// rows (P, C) times weight (O, C) transposed, plus bias (O) where it is defined.
+Tensor linear_rows(const Tensor& rows, const Tensor& weight, const Tensor& bias = {});
+// Transposed convolution 2x2, stride 2: (B, C, H, W) to (B, O, 2H, 2W), of a layer (C, O, 2, 2).
+Tensor apply_doubling(torch::nn::ConvTranspose2d& layer, const Tensor& x);
+
+// (B, C, H, W) to rows (B H W, C) and back.
+Tensor to_rows(const Tensor& image);
+Tensor from_rows(const Tensor& rows, const Tensor& like);
+
+// (…, H, W) to (…, 2H, 2W): out[2i] = in[i], odd ones the mean of their neighbours, the last extrapolated.
+Tensor up(const Tensor& image);
+
+}  // namespace wetcurl

@@ -1,0 +1,104 @@
+// The model file.
+// Ours.
+#include "models/model_file.h"
+
+#include <algorithm>
+
+#include "models/registry.h"
+
+namespace wetcurl {
+namespace {
+
+constexpr const char* weights = "weights/";
+
+std::vector<size_t> shape_of(const Tensor& t) { return {t.sizes().begin(), t.sizes().end()}; }
+
+// A whole number in a range, or Error.
+int count_in(const H5Reader& file, const std::string& name, int minimum, int maximum) {
+    const double v = file.number(name);
+    if (v != std::floor(v) || v < minimum || v > maximum)
+        throw Error(file.path() + ": " + name + ": found " + std::to_string(v) + ", allowed whole numbers from " +
+                    std::to_string(minimum) + " to " + std::to_string(maximum));
+    return int(v);
+}
+
+ModelCard card_of(const H5Reader& file) {
+    ModelCard card;
+    card.codec = file.text("codec");
+    card.architecture = file.text("architecture");
+    const Architecture* architecture = find_architecture(card.architecture);
+    if (!architecture || architecture->codec != card.codec)
+        throw Error(file.path() + ": found architecture '" + card.architecture + "' for codec '" + card.codec +
+                    "', which is not known here (made by a newer wetcurl?)");
+    card.width = file.number("width");
+    if (!(card.width > 0 && card.width <= 64))
+        throw Error(file.path() + ": width: found " + std::to_string(card.width) + ", allowed above 0, up to 64");
+    card.input_channels = count_in(file, "input_channels", 1, 1 << 16);
+    card.output_channels = count_in(file, "output_channels", 1, 1 << 16);
+    card.upscale = count_in(file, "upscale", 1, 16);
+    card.particles = count_in(file, "particles", 0, 1 << 20);
+    card.parameters = count_in(file, "parameters", 1, 2000000000);
+    card.recipe = file.text("recipe");
+    card.inputs = file.text("inputs");
+    for (const auto& name : file.list("numbers")) card.numbers[name] = file.read<double>("numbers/" + name, {1})[0];
+    for (const auto& name : file.list("arrays")) card.arrays[name] = file.read<float>("arrays/" + name, {0});
+    if (card.output_channels != architecture->output_channels || card.upscale != architecture->upscale)
+        throw Error(file.path() + ": found " + std::to_string(card.output_channels) + " output channels, upscale " +
+                    std::to_string(card.upscale) + "; " + card.architecture + " has " +
+                    std::to_string(architecture->output_channels) + ", " + std::to_string(architecture->upscale));
+    return card;
+}
+
+}  // namespace
+
+void write_weights(H5Writer& file, const Model& model) {
+    for (const auto& p : model.named_parameters()) {
+        const Tensor host = p.value().detach().to(torch::kCPU, torch::kFloat).contiguous();
+        file.write(weights + p.key(), host.data_ptr<float>(), shape_of(host));
+    }
+}
+
+void read_weights(const H5Reader& file, Model& model) {
+    torch::NoGradGuard no_grad;
+    auto parameters = model.named_parameters();
+    for (const auto& name : file.list("weights"))
+        if (!parameters.contains(name))
+            throw Error(file.path() + ": weights '" + name + "' belong to no layer of this network");
+    for (auto& p : parameters) {
+        auto values = file.read<float>(weights + p.key(), shape_of(p.value()));
+        p.value().copy_(torch::from_blob(values.data(), p.value().sizes()));
+    }
+}
+
+void save_model(const std::string& path, const ModelCard& card, const Model& model, bool overwrite) {
+    H5Writer file(path, model_format, model_version, overwrite);
+    file.attribute("codec", card.codec);
+    file.attribute("architecture", card.architecture);
+    file.attribute("width", card.width);
+    file.attribute("input_channels", double(card.input_channels));
+    file.attribute("output_channels", double(card.output_channels));
+    file.attribute("upscale", double(card.upscale));
+    file.attribute("particles", double(card.particles));
+    file.attribute("parameters", double(parameter_count(model)));
+    file.attribute("recipe", card.recipe);
+    file.attribute("inputs", card.inputs);
+    for (const auto& [name, value] : card.numbers) file.write("numbers/" + name, &value, {1});
+    for (const auto& [name, values] : card.arrays) file.write("arrays/" + name, values);
+    write_weights(file, model);
+    file.commit();
+}
+
+ModelCard read_card(const std::string& path) { return card_of(H5Reader(path, model_format, model_version)); }
+
+std::pair<ModelCard, std::shared_ptr<Model>> load_model(const std::string& path) {
+    const H5Reader file(path, model_format, model_version);
+    ModelCard card = card_of(file);
+    auto model = make_model(card);
+    read_weights(file, *model);
+    if (parameter_count(*model) != card.parameters)
+        throw Error(path + ": claims " + std::to_string(card.parameters) + " parameters, its network has " +
+                    std::to_string(parameter_count(*model)));
+    return {card, model};
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,36 @@
+// The paper's smaller network on the root codec.
+// Figure 16.
+#include "models/recursive_residual.h"
+
+namespace wetcurl {
+
+namespace {
+constexpr int kernel = 5, base_channels = 64, blocks = 10, tail = 4;
+}
+
+RecursiveResidual::RecursiveResidual(double width) {
+    const int channels = scaled_channels(base_channels, width);
+    head_ = register_module("head", convolution(3, channels, kernel));
+    for (int i = 0; i < 2 * blocks; ++i) {
+        blocks_.push_back(register_module("block" + std::to_string(i / 2) + "_" + std::to_string(i % 2),
+                                          convolution(channels, channels, kernel)));
+        // Ten sums of like size would grow the signal by 2^5: each adds a tenth of the variance.
+        torch::NoGradGuard no_grad;
+        if (i % 2) blocks_.back()->weight.mul_(std::sqrt(0.5 / blocks));
+    }
+    for (int i = 0; i < tail; ++i)
+        tail_.push_back(register_module("tail" + std::to_string(i),
+                                        convolution(channels, i + 1 < tail ? channels : 3, kernel)));
+    set_zero(*tail_.back());
+}
+
+Tensor RecursiveResidual::forward(const Tensor& input) {
+    Tensor x = apply(head_, input.to(body));  // (B, C, h, w)
+    for (size_t i = 0; i < blocks_.size(); i += 2)
+        x = x + apply(blocks_[i + 1], torch::relu_(apply(blocks_[i], x)));
+    x = up(x);  // (B, C, 2h, 2w)
+    for (size_t i = 0; i + 1 < tail_.size(); ++i) x = torch::relu_(apply(tail_[i], x));
+    return up(input) + apply(tail_.back(), x.to(torch::kFloat));
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,34 @@
+// The paper's network on the root codec: VGG19 down, transposed convolutions up, a residual over up(input).
+// Figures 19 and 20, Table 1. All convolutions 5x5, stride 1, padding 2, ReLU but after the last and the doublings;
+// skips are taken before the pool (only that matches Table 1). 60,031,235 parameters at width 1.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "models/layers.h"
+
+namespace wetcurl {
+
+class UnetVgg19 : public Model {
+  public:
+    explicit UnetVgg19(double width);
+    // (B, 3, h, w) to (B, 3, 2h, 2w); any h and w: padded to multiples of 32 by repeating the edge, then cropped.
+    Tensor forward(const Tensor& input) override;
+    // Where set, receives each block's name (C1…C5, r1…r7) and output (before the pool).
+    std::function<void(const std::string& block, const Tensor& output)> watch;
+
+  private:
+    struct Level {
+        std::string name;
+        torch::nn::ConvTranspose2d doubling{nullptr};  // going up alone
+        std::vector<torch::nn::Conv2d> convolutions;
+    };
+    Tensor run(Level& level, Tensor x);
+    void add_convolutions(Level& level, int in, int out, int count);
+
+    std::vector<Level> down_, up_;
+    torch::nn::Conv2d last_{nullptr};
+};
+
+}  // namespace wetcurl
