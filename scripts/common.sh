@@ -1,0 +1,23 @@
+# What the scripts share: where the project lies, messages, help. Sourced, never run.
+# Ours.
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }
+fail() { say "$*"; exit 1; }
+
+# With --help among the arguments: prints the comment at the top of the script and ends.
+help_if_asked() {
+    local argument
+    for argument in "$@"; do
+        if [[ $argument == --help || $argument == -h ]]; then
+            awk 'NR > 1 && !/^#/ { exit } NR > 1 { sub(/^# ?/, ""); print }' "$0"
+            exit 0
+        fi
+    done
+}
+
+# Jobs that processors and free memory allow: a file that includes LibTorch takes about 2 GB to compile.
+jobs_that_fit() {
+    awk -v cores="$(nproc)" '/^MemAvailable/ { j = int($2 / 2000000) } END { if (j > cores) j = cores; print j < 1 ? 1 : j }' \
+        /proc/meminfo
+}

@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# check_arrows passes a sound tree and fails each broken one, naming the file.
+# Ours. Use: test_check_arrows.sh PATH/TO/check_arrows
+set -euo pipefail
+check=$1
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+failures=0
+
+fresh() {
+    rm -rf "${tree:?}"/*
+    mkdir -p "$tree"/{base,solver,models,learn,training,app,tests}
+    echo '#include <vector>' >"$tree/base/a.h"
+    echo '#include "base/a.h"' >"$tree/solver/a.cpp"
+    echo '#include <torch/torch.h>' >"$tree/models/net.h"
+    echo '#include "models/net.h"' >"$tree/learn/inference.cpp"
+    echo '#include "learn/plain.h"' >"$tree/app/main.cpp"
+    echo '#include "base/a.h"' >"$tree/learn/plain.h"
+}
+expect() {  # passes|fails, file named, what is tried
+    local output status=0
+    output=$("$check" "$tree" 2>&1) || status=$?
+    if [[ $1 == passes && $status != 0 ]] || [[ $1 == fails && $status == 0 ]] || [[ $output != *"$2"* ]]; then
+        printf 'FAILED: %s: expected that it %s and names "%s"; status %d\n%s\n' "$3" "$1" "$2" "$status" "$output"
+        failures=$((failures + 1))
+    else
+        printf 'ok: %s\n' "$3"
+    fi
+}
+
+fresh
+expect passes '0 wrong' 'a sound tree'
+fresh; echo '#include "learn/plain.h"' >>"$tree/solver/a.cpp"
+expect fails 'solver/a.cpp:2' 'solver includes learn'
+fresh; echo '  #  include "solver/a.h"' >>"$tree/models/net.h"
+expect fails 'models/net.h:2' 'models includes solver'
+fresh; echo '#include "solver/a.h"' >>"$tree/base/a.h"
+expect fails 'base/a.h:2' 'base includes solver'
+fresh; echo '#include <torch/script.h>' >>"$tree/solver/a.cpp"
+expect fails 'solver/a.cpp:2' 'LibTorch in solver'
+fresh; echo '#include "models/net.h"' >>"$tree/learn/plain.h"
+expect fails 'app/main.cpp:1' 'LibTorch reaches app through two headers'
+fresh; echo '#include <c10/core/Device.h>' >>"$tree/learn/plain.h"
+expect fails 'learn/plain.h:2' 'LibTorch in a header of learn'
+fresh; echo '#include <fmt/format.h>' >>"$tree/base/a.h"
+expect fails 'base/a.h:2' 'fmt in a header'
+fresh; echo '#include <spdlog/spdlog.h>' >>"$tree/learn/inference.cpp"
+expect fails 'learn/inference.cpp:2' 'spdlog beside LibTorch'
+fresh; echo '#include "solver/a.h"' >>"$tree/tests/t.cpp"
+expect passes '0 wrong' 'tests may include everything'
+rm -rf "${tree:?}"/*
+expect fails 'none of the project' 'an empty folder is not a sound tree'
+exit $((failures > 0))
