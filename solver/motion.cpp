@@ -20,7 +20,6 @@ Motion::Motion(Table t) {
     shift_ = vec3(t.numbers("shift", {0, 0, 0}, -100, 100));
     period_ = t.number("period", 0, 0, 1e4);
     start_ = t.number("start", 0, 0, 1e4);
-    stop_ = t.number("stop", 1e4, 0, 1e4);
     if (norm(axis_) < 1e-6) t.fail("axis", "found a zero vector, a direction is needed");
     axis_ = normalized(axis_, axis_);
     angle_ = angle * pi / 180;
@@ -87,7 +86,7 @@ Pose Motion::at(double time) const {
     if (const double angle = norm(r); angle > 0) pose.rotation = rotation_about((1 / angle) * r, angle);
     if (period_ > 0 && time > start_) {
         // The sine's own first quarter eases in: its amplitude grows over half a period, so velocity starts at 0.
-        const double run = std::min(time, stop_) - start_, ease = std::min(1.0, run / (0.5 * period_));
+        const double run = time - start_, ease = std::min(1.0, run / (0.5 * period_));
         const double s = ease * ease * (3 - 2 * ease) * std::sin(2 * pi * run / period_);
         pose.rotation = rotation_about(axis_, s * angle_) * pose.rotation;
         pose.translation += s * shift_;

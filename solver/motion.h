@@ -12,7 +12,7 @@ class Motion {
   public:
     Motion() = default;  // at rest
     // [motion]: any of `rotation` / `translation` oscillations and keyframes
-    //   axis, angle [degrees], shift [m, 3], period [s], start [s], stop [s]     a smooth oscillation
+    //   axis, angle [degrees], shift [m, 3], period [s], start [s]: an oscillation that eases in; pivot [m, 3]
     //   [[motion.keyframe]] time [s], rotation [degrees, 3: rotation vector], translation [m, 3]
     //   file = "…": lines of `time rx ry rz tx ty tz`
     explicit Motion(Table table);
@@ -29,7 +29,7 @@ class Motion {
     std::vector<Key> slopes_;
     Vec3d pivot_{0, 0, 0};
     Vec3d axis_{0, 1, 0}, shift_{0, 0, 0};
-    double angle_ = 0, period_ = 0, start_ = 0, stop_ = 0;
+    double angle_ = 0, period_ = 0, start_ = 0;
 };
 
 }  // namespace wetcurl

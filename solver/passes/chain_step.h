@@ -1,0 +1,165 @@
+// One substep of one block of strands: the implicit step (BDF2) and the paper's explicit one.
+// EQUATIONS: A (v - v^) = M (v~ - v^) + h f(x~ + h v^, v^), A = M + h C + h² H, x = x~ + h v, with the history
+// x~, v~ and step h of BDF2 (backward Euler in the first step) and the predictor v^ = 2 v_n - v_{n-1}.
+#pragma once
+
+#include <vector>
+
+#include "solver/passes/block_solve.h"
+#include "solver/terms/list.h"
+
+namespace wetcurl {
+
+// What the step of one block needs beside the terms. S: a lane is a strand.
+template <class S>
+struct BlockStep {
+    int n;
+    Plain<S> dt;
+    bool first;                         // no history yet: backward Euler
+    Vec3<S>*x, *x_before, *v, *v_before;  // (n) now and one step ago; on return the new state lies in *_before
+    const Vec3<S>* root;                // (2) prescribed positions of particles 0 and 1 at the end of the step
+    Vec3<Plain<S>> gravity;
+    Quat<Plain<S>> root_turn;           // rotation of the root over the step
+    Quat<S>* frame;                     // (n-1) or null
+};
+
+// Buffers of one thread, for one block.
+template <class S>
+struct ChainScratch {
+    std::vector<Vec3<S>> predicted_x, predicted_v, force, term;
+    std::vector<Sym3<S>> diagonal;
+    std::vector<Mat3<S>> upper1, upper2;
+    std::vector<Quat<S>> frame;
+
+    void resize(int n, const ChainTerms& terms, bool implicit) {
+        const size_t m = size_t(n);
+        predicted_x.resize(m), predicted_v.resize(m), force.resize(m);
+        if (std::get<std::optional<Core>>(terms)) term.resize(2 * m);
+        if (implicit) diagonal.resize(m), upper1.resize(m);
+        if (implicit && couples_two_edges(terms)) upper2.resize(m);
+        if (std::get<std::optional<Bend>>(terms)) frame.resize(m);
+    }
+};
+
+// Frames of all edges carried to the positions x: first the root's own rotation, then each edge's.
+template <class S>
+WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>>& root_turn, const Vec3<S>* x, Quat<S>* to) {
+    const Quat<S> turn = cast<S>(root_turn);
+    for (int i = 0; i + 1 < n; ++i) {
+        const Quat<S> turned = turn * from[i];
+        to[i] = transported(turned, normalized(x[i + 1] - x[i], frame_direction(turned)));
+    }
+}
+
+// The twist of each frame relaxes toward the frame carried along the strand from the root, by the share `relax`,
+// but only where that does not raise the energy of the edge that it is the reference of.
+template <class S>
+WETCURL_HD void relax_twist(const Bend& bend, int n, const Vec3<S>* x, const Vec3<S>* target, Plain<S> relax, Quat<S>* frame) {
+    Quat<S> carried = frame[0];
+    for (int i = 1; i + 2 < n; ++i) {
+        carried = transported(carried, frame_direction(frame[i]));
+        S cosine, sine;
+        half_twist(frame[i], carried, cosine, sine);
+        const Quat<S> nudged = normalized(frame[i] * normalized(Quat<S>{cosine, S(relax) * sine, S(0), S(0)}));
+        const Vec3<S> e = x[i + 2] - x[i + 1];
+        const auto better = bend.edge_energy(nudged, target[i + 1], e) <= bend.edge_energy(frame[i], target[i + 1], e);
+        frame[i] = {select(better, nudged.w, frame[i].w), select(better, nudged.x, frame[i].x),
+                    select(better, nudged.y, frame[i].y), select(better, nudged.z, frame[i].z)};
+    }
+}
+
+// Root to tip, an edge longer than (1 + limiter) of its rest length is shortened (Selle 2008).
+// Returns how many edges were.
+template <class S>
+int limit_strain(int n, const S* rest_length, Plain<S> limiter, Vec3<S>* x) {
+    int limited = 0;
+    for (int i = 1; i + 1 < n; ++i) {
+        const Vec3<S> e = x[i + 1] - x[i];
+        const S length = norm(e), most = S(1 + limiter) * rest_length[i];
+        const auto over = length > most;
+        const Vec3<S> moved = x[i] + (most / maximum(length, S(tiny_length<S>))) * e;
+        x[i + 1] = select(over, moved, x[i + 1]);
+        if constexpr (std::is_same_v<S, Plain<S>>)
+            limited += over;
+        else
+            for (int lane = 0; lane < S::lanes; ++lane) limited += over[lane] != 0;
+    }
+    return limited;
+}
+
+// The implicit step. `view` carries the terms' data; its x, v, frame and scratch are set here. `before_forces(x)`
+// is called once the positions are known at which forces are taken.
+template <class S, class BeforeForces>
+void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s, BeforeForces before_forces) {
+    const int n = b.n;
+    const S h(b.first ? b.dt : b.dt * Plain<S>(2) / 3);
+    const S now(b.first ? Plain<S>(1) : Plain<S>(4) / 3), before(b.first ? Plain<S>(0) : Plain<S>(-1) / 3);
+    const S ahead(b.first ? Plain<S>(1) : Plain<S>(2)), behind(b.first ? Plain<S>(0) : Plain<S>(-1));
+    for (int i = 0; i < n; ++i) {
+        // Differences to x_n: positions far from the origin keep their digits.
+        s.predicted_v[i] = ahead * b.v[i] + behind * b.v_before[i];
+        s.predicted_x[i] = b.x[i] + before * (b.x_before[i] - b.x[i]) + h * s.predicted_v[i];
+    }
+    view.x = s.predicted_x.data();
+    view.v = s.predicted_v.data();
+    view.scratch = s.term.data();
+    if (b.frame) transport_frames(n, b.frame, b.root_turn, view.x, s.frame.data()), view.frame = s.frame.data();
+    before_forces(view.x);
+    const bool penta = !s.upper2.empty();
+    const Sym3<S> no_sym = identity_times(S(0));
+    const Mat3<S> no_mat = to_mat3(no_sym);
+    const Vec3<S> gravity = cast<S>(b.gravity);
+    for (int i = 0; i < n; ++i) {
+        s.force[i] = view.mass[i] * gravity;
+        s.diagonal[i] = no_sym;
+        s.upper1[i] = no_mat;
+        if (penta) s.upper2[i] = no_mat;
+    }
+    const ChainSystem<S> system{h, s.force.data(), s.diagonal.data(), s.upper1.data(), s.upper2.data()};
+    for_each_present(terms, [&](const auto& term) { term.assemble(view, system); });
+
+    // r = M (v~ - v^) + h f; the force's place then takes the solution v - v^.
+    Vec3<S>* r = s.force.data();
+    for (int i = 2; i < n; ++i) {
+        const Vec3<S> history = now * b.v[i] + before * b.v_before[i];
+        r[i] = view.mass[i] * (history - s.predicted_v[i]) + h * r[i];
+        s.diagonal[i] += identity_times(view.mass[i]);
+    }
+    Vec3<S> known[2];
+    for (int i = 0; i < 2; ++i)
+        known[i] = (S(1) / h) * (b.root[i] - s.predicted_x[i]);  // v - v^ that takes the root to its place
+    if (n > 2) r[2] -= transposed_times(s.upper1[1], known[1]);
+    if (penta && n > 2) r[2] -= transposed_times(s.upper2[0], known[0]);
+    if (penta && n > 3) r[3] -= transposed_times(s.upper2[1], known[1]);
+    if (penta)
+        solve_blocks<true>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
+    else
+        solve_blocks<false>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
+    r[0] = known[0];
+    r[1] = known[1];
+    for (int i = 0; i < n; ++i) {
+        b.v_before[i] = s.predicted_v[i] + r[i];
+        b.x_before[i] = i < 2 ? b.root[i] : s.predicted_x[i] + h * r[i];
+    }
+}
+
+// The paper's scheme: symplectic Euler on printed forces.
+template <class S, class BeforeForces>
+void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s, BeforeForces before_forces) {
+    view.x = b.x;
+    view.v = b.v;
+    view.frame = b.frame;
+    view.scratch = s.term.data();
+    before_forces(view.x);
+    const Vec3<S> gravity = cast<S>(b.gravity);
+    for (int i = 0; i < b.n; ++i) s.force[i] = view.mass[i] * gravity;
+    const ChainSystem<S> system{S(b.dt), s.force.data(), nullptr, nullptr, nullptr};
+    for_each_present(terms, [&](const auto& term) { term.assemble(view, system); });
+    for (int i = 0; i < b.n; ++i) {
+        const Vec3<S> v = i < 2 ? S(1 / b.dt) * (b.root[i] - b.x[i]) : b.v[i] + (S(b.dt) / view.mass[i]) * s.force[i];
+        b.v_before[i] = v;
+        b.x_before[i] = i < 2 ? b.root[i] : b.x[i] + S(b.dt) * v;
+    }
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,79 @@
+// The cohesion pass on the CPU.
+#include "solver/passes/cohesion.h"
+
+#include <omp.h>
+
+namespace wetcurl {
+
+CohesionPass::CohesionPass(const Cohesion& term, int strands, int particles, const std::vector<float>& volume,
+                           const std::vector<float>& saturation)
+    : term_(term), particles_(particles), volume_(volume), saturation_(saturation) {
+    const size_t count = size_t(strands) * size_t(particles);
+    sorted_.resize(count);
+    next_.resize(count);
+    start_.resize(count + 1);
+}
+
+void CohesionPass::build_lists(const Strands& p) {
+    const double begin = omp_get_wtime();
+    const float h = float(term_.h_c);
+    grid_.build(p.points.data(), p.points.size(), h);
+    const auto& order = grid_.order();
+    const auto& points = grid_.sorted();
+    const long count = long(points.size());
+    auto neighbours = [&](long k, auto visit) {
+        const uint32_t strand = order[size_t(k)] / uint32_t(particles_);
+        const Vec3f x = points[size_t(k)];
+        grid_.around(x, [&](uint32_t j) {
+            const Vec3f d = points[j] - x;
+            if (dot(d, d) < h * h && order[j] / uint32_t(particles_) != strand) visit(j);
+        });
+    };
+    start_[0] = 0;
+#pragma omp parallel for schedule(dynamic, 512)
+    for (long k = 0; k < count; ++k) {
+        uint32_t found = 0;
+        neighbours(k, [&](uint32_t) { ++found; });
+        start_[size_t(k) + 1] = found;
+    }
+    for (long k = 0; k < count; ++k) start_[size_t(k) + 1] += start_[size_t(k)];
+    list_.resize(start_.back());
+#pragma omp parallel for schedule(dynamic, 512)
+    for (long k = 0; k < count; ++k) {
+        uint32_t* out = list_.data() + start_[size_t(k)];
+        neighbours(k, [&](uint32_t j) { *out++ = j; });
+        sorted_[size_t(k)] = {points[size_t(k)], volume_[order[size_t(k)]], saturation_[order[size_t(k)]]};
+    }
+    next_ = sorted_;
+    list_seconds_ = omp_get_wtime() - begin;
+}
+
+void CohesionPass::apply(const Strands& p, Strands& displayed) {
+    build_lists(p);
+    const auto& order = grid_.order();
+    const float h = float(term_.h_c);
+    const long count = long(sorted_.size());
+    for (int pass = 0; pass < term_.passes; ++pass) {
+#pragma omp parallel for schedule(dynamic, 1024)
+        for (long k = 0; k < count; ++k) {
+            if (order[size_t(k)] % uint32_t(particles_) == 0) continue;
+            const Particle& own = sorted_[size_t(k)];
+            Cohesion::Sums<float> sums;
+            for (uint32_t at = start_[size_t(k)]; at < start_[size_t(k) + 1]; ++at) {
+                const Particle& other = sorted_[list_[at]];
+                sums.add(other.p - own.p, h, other.volume, other.saturation);
+            }
+            next_[size_t(k)].p = own.p + term_.displacement(sums, own.volume);
+        }
+        std::swap(sorted_, next_);
+    }
+    displayed = Strands(p.count, p.particles);
+    for (long k = 0; k < count; ++k) displayed.points[order[size_t(k)]] = sorted_[size_t(k)].p;
+}
+
+size_t CohesionPass::bytes() const {
+    return (sorted_.capacity() + next_.capacity()) * sizeof(Particle) + (start_.capacity() + list_.capacity()) * sizeof(uint32_t) +
+           grid_.bytes();
+}
+
+}  // namespace wetcurl

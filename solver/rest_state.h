@@ -1,0 +1,27 @@
+// The rest state of a scene's strands: lengths, targets of the bend, core lengths and masses, in double. Ours;
+// `sag_free` is an inverse solve: the drawn shape in equilibrium under gravity.
+#pragma once
+
+#include <vector>
+
+#include "solver/scene.h"
+
+namespace wetcurl {
+
+struct StrandRest {
+    std::vector<double> mass;         // (n) [kg], wet weight included
+    std::vector<double> rest_length;  // (n-1) [m]
+    std::vector<Vec3d> target;        // (n-1) tbar_i, curl included
+    std::vector<double> rest_core;    // (n-1) |bbar_i| [m]
+};
+
+// Strand `s` of the scene's groom.
+StrandRest rest_state_of(const Scene& scene, int s);
+
+// Mean rest length of a segment over the whole groom [m].
+double mean_segment(const Groom& groom);
+
+// V = m / rho (strand, particle) [m^3], as Eq 10 takes it.
+std::vector<float> volumes_of(const Scene& scene);
+
+}  // namespace wetcurl

@@ -1,0 +1,177 @@
+// Reading scenes.
+#include "solver/scene.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/log.h"
+#include "solver/grooms/groom.h"
+
+namespace wetcurl {
+
+namespace {
+
+Vec3d vec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+// A term by its parameter table, where its table is written.
+template <class Term>
+void read_term(std::optional<Term>& slot, Table root, const char* table) {
+    if (!root.has(table)) return;
+    slot.emplace();
+    read_parameters(*slot, Term::parameters, root.table(table));
+}
+
+bool is_printed(Table t) { return t.choice("form", "variational", {"variational", "printed"}) == "printed"; }
+
+void read_chain(Scene& scene, Table root) {
+    read_term(scene.term<Stretch>(), root, "stretch");
+    read_term(scene.term<Bend>(), root, "bend");
+    read_term(scene.term<Core>(), root, "core");
+    read_term(scene.term<Stiffness>(), root, "stiffness");
+    read_term(scene.term<Adhesion>(), root, "adhesion");
+    if (auto& bend = scene.term<Bend>()) bend->printed = is_printed(root.table("bend"));
+    if (auto& core = scene.term<Core>()) core->printed = is_printed(root.table("core"));
+    if (auto& adhesion = scene.term<Adhesion>()) {
+        adhesion->printed = is_printed(root.table("adhesion"));
+        scene.adhesion_model = root.table("adhesion").path("model");
+    }
+}
+
+void read_wet(Scene& scene, Table root) {
+    read_term(scene.wetness, root, "wetness");
+    if (scene.wetness) {
+        const Table t = root.table("wetness");
+        scene.wetness->pattern = t.choice("pattern", "uniform", wetness_patterns);
+        scene.wetness->region_center = vec3(t.numbers("center", {0, 0.1, 0}, -100, 100));
+        scene.wetness->file = t.path("file");
+        if (scene.wetness->pattern == "file" && scene.wetness->file.empty())
+            t.fail("pattern", "'file' needs file = \"RUN.h5\", whose saturation is taken");
+    }
+    read_term(scene.curl, root, "curl");
+    if (scene.curl) {
+        const Table t = root.table("curl");
+        scene.curl->radius = t.optional_number("radius", 0, 1);
+        scene.curl->pitch = t.optional_number("pitch", 0, 10);
+        scene.curl->printed = is_printed(t);
+        if (scene.curl->radius.has_value() != scene.curl->pitch.has_value())
+            t.fail(scene.curl->radius ? "radius" : "pitch", "a helix needs both radius and pitch, or neither");
+        if (scene.curl->printed) {
+            if (!scene.curl->radius) t.fail("form", "'printed' needs the radius and pitch of its helix");
+            scene.term<CurlPush>().emplace();
+            read_parameters(*scene.term<CurlPush>(), CurlPush::parameters, t);
+        }
+    }
+    read_term(scene.cohesion, root, "cohesion");
+    if (scene.cohesion) scene.cohesion->passes = int(root.table("cohesion").integer("passes", 10, 1, 1000));
+    for (const char* wet : {"curl", "cohesion", "adhesion"})
+        if (root.has(wet) && !scene.wetness) root.fail(wet, std::string("[") + wet + "] acts on wet hair and needs a [wetness] table");
+    if (scene.curl && !scene.curl->printed && !scene.term<Bend>())
+        root.fail("curl", "[curl] blends the target of [bend], which this scene does not name");
+}
+
+double units_of(Table t) {
+    const std::string units = t.choice("units", "m", {"m", "cm", "mm"});
+    return units == "m" ? 1 : units == "cm" ? 0.01 : 0.001;
+}
+
+Solid read_solid(Table t, size_t index) {
+    Solid solid;
+    solid.name = t.text("name", "solid " + std::to_string(index));
+    const std::string shape = t.choice("shape", "sphere", {"sphere", "capsule", "box", "plane", "mesh"});
+    if (shape == "sphere") solid.shape = Sphere{t.number("radius", 0.1, 1e-4, 100)};
+    if (shape == "capsule") solid.shape = Capsule{t.number("half_length", 0.1, 0, 100), t.number("radius", 0.05, 1e-4, 100)};
+    if (shape == "box") solid.shape = Box{vec3(t.numbers("half", {0.1, 0.1, 0.1}, 1e-4, 100))};
+    if (shape == "plane") solid.shape = Plane{};
+    if (shape == "mesh") {
+        const std::string file = t.path("file");
+        if (file.empty()) t.fail("shape", "'mesh' needs file = \"….obj\" or \"….ply\"");
+        solid.shape = LevelSet::cached(read_mesh(file, units_of(t)), t.number("spacing", 0, 0, 1));
+    }
+    const std::string attached = t.choice("attached", "none", {"none", "head"});
+    solid.attached = attached == "head";
+    solid.friction = t.number("friction", 0.3, 0, 100);
+    if (solid.attached && t.has("motion")) t.fail("motion", "a solid that is attached to the head moves with it");
+    if (!solid.attached) solid.motion = Motion(t.table("motion"));
+    return solid;
+}
+
+void read_solids(Scene& scene, Table root, bool wanted) {
+    if (scene.term<Adhesion>() && !root.has("solid")) root.fail("adhesion", "[adhesion] needs a [[solid]] to stick to");
+    const auto tables = root.tables("solid");
+    if (wanted)
+        for (size_t i = 0; i < tables.size(); ++i) scene.solids.push_back(read_solid(tables[i], i));
+}
+
+Scene read_scene(Config config, const SceneOptions& options) {
+    for (const auto& s : options.set) config.set(s);
+    if (options.frames) config.set("frames=" + std::to_string(*options.frames));
+    if (options.seed) config.set("seed=" + std::to_string(*options.seed));
+    if (!options.groom.empty()) config.set("groom.file='" + std::filesystem::absolute(options.groom).string() + "'");
+    Table root = config.root();
+    Scene scene;
+    scene.title = root.text("title", "");
+    scene.frames = int(root.integer("frames", 100, 1, 1'000'000));
+    scene.fps = root.number("fps", 24, 1, 10000);
+    scene.seed = (unsigned long long)root.integer("seed", 1, 0, std::numeric_limits<long>::max());
+    scene.text = config.text();
+    scene.folder = config.folder();
+
+    Table t = root.table("integrator");
+    Integrator& in = scene.integrator;
+    in.kind = t.choice("kind", "implicit", {"implicit", "explicit"});
+    in.substeps = int(t.integer("substeps", 10, 1, 1'000'000));
+    in.limiter = t.number("limiter", in.kind == "explicit" ? 0.1 : 0, 0, 10);
+    in.settle = t.number("settle", 0, 0, 1000);
+    in.gravity = vec3(t.numbers("gravity", {0, -9.81, 0}, -1e5, 1e5));
+
+    Table g = root.table("groom");
+    scene.linear_density = g.number("linear_density", 6.5e-6, 1e-12, 1e3);
+    scene.volume_density = g.number("density", 1300, 1, 1e5);
+    scene.rest = g.choice("rest", "drawn", {"drawn", "sag_free"});
+    const Groom full = load_groom(g, scene.seed, "");
+    scene.motion = Motion(root.table("motion"));
+    read_chain(scene, root);
+    read_wet(scene, root);
+    read_solids(scene, root, options.solids);
+    if (scene.rest == "sag_free" && !scene.term<Bend>()) g.fail("rest", "'sag_free' needs [bend] to carry the weight");
+    config.require_all_used();
+    if (!scene.term<Stretch>()) log_warning(root.where() + "no [stretch]: nothing holds the particles of a strand together");
+
+    std::vector<int> kept;
+    if (options.stride > 0) scene.stride = options.stride;
+    else if (options.strands) thinned(full, *options.strands, &scene.stride);
+    scene.groom = coarsened(full, scene.stride, &kept);
+    if (scene.groom.rest.count == 0) throw Error(scene.title + ": no strand is left in the groom");
+    if (scene.wetness) {
+        // Patterns are laid on the full groom, so that a thinned run is as wet as its twin.
+        const auto sigma = saturation_of(*scene.wetness, full, scene.seed);
+        const size_t n = size_t(full.rest.particles);
+        for (int s : kept) scene.saturation.insert(scene.saturation.end(), sigma.begin() + long(size_t(s) * n), sigma.begin() + long(size_t(s + 1) * n));
+    }
+    return scene;
+}
+
+}  // namespace
+
+bool Scene::has_attached_solid() const {
+    return std::any_of(solids.begin(), solids.end(), [](const Solid& s) { return s.attached; });
+}
+
+Scene load_scene(const std::string& path, const SceneOptions& options) { return read_scene(Config::load(path), options); }
+
+Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder, const SceneOptions& options) {
+    return read_scene(Config::parse(text, name, folder), options);
+}
+
+void make_dry(Scene& scene) {
+    scene.wetness.reset();
+    scene.curl.reset();
+    scene.cohesion.reset();
+    scene.adhesion_model.clear();
+    scene.term<Adhesion>().reset();
+    scene.term<CurlPush>().reset();
+}
+
+bool acts_wet(const Scene& scene) { return scene.wetness.has_value(); }
+
+}  // namespace wetcurl

@@ -1,0 +1,86 @@
+// A scene: what a TOML file names, as values. A table that is not written is not there. Ours.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/config.h"
+#include "base/geometry/shapes.h"
+#include "base/geometry/strands.h"
+#include "solver/motion.h"
+#include "solver/terms/cohesion.h"
+#include "solver/terms/curl.h"
+#include "solver/terms/list.h"
+#include "solver/terms/wetness.h"
+
+namespace wetcurl {
+
+struct Integrator {
+    std::string kind = "implicit";  // implicit: BDF2; explicit: symplectic Euler, the paper's
+    int substeps = 10;              // a frame
+    double limiter = 0;             // allowed strain of an edge; 0: no limiter
+    double settle = 0;              // [s] simulated before frame 0 with everything held at its first pose
+    Vec3d gravity{0, -9.81, 0};
+};
+
+struct Solid {
+    std::string name;
+    Shape shape;
+    Motion motion;
+    bool attached = false;    // to the head
+    double friction = 0.3;    // Coulomb
+    Pose at(double time, const Pose& head) const { return attached ? head : motion.at(time); }
+};
+
+struct Scene {
+    std::string title;
+    int frames = 100;
+    double fps = 24;
+    unsigned long long seed = 1;
+    double linear_density = 6.5e-6;  // [kg/m] of dry hair: 1300 kg/m^3, 80 um across
+    double volume_density = 1300;    // rho [kg/m^3]
+    std::string rest = "drawn";      // drawn | sag_free
+    Integrator integrator;
+    ChainTerms chain;
+    std::optional<Wetness> wetness;
+    std::optional<Curl> curl;
+    std::optional<Cohesion> cohesion;
+    std::string adhesion_model;      // file of a network in Eq 11's place; "": Eq 11
+    Motion motion;
+    std::vector<Solid> solids;
+
+    Groom groom;                     // of this run: the full groom, thinned by `stride`
+    int stride = 1;
+    std::vector<float> saturation;   // (strand, particle); empty without wetness
+    std::string text, folder;        // the resolved TOML, and where its relative paths start
+
+    template <class Term>
+    std::optional<Term>& term() { return std::get<std::optional<Term>>(chain); }
+    template <class Term>
+    const std::optional<Term>& term() const { return std::get<std::optional<Term>>(chain); }
+    bool has_attached_solid() const;
+};
+
+struct SceneOptions {
+    std::vector<std::string> set;           // key.path=value
+    std::optional<int> frames, strands;     // --frames, --strands
+    std::optional<unsigned long long> seed;
+    std::string groom;                      // a hair file in place of the scene's groom
+    int stride = 0;                         // exactly this stride of the full grid, where above 0
+    bool solids = true;                     // false: leave their files alone
+};
+
+// Reads and checks a scene; builds its groom, wetness and level sets. Throws Misuse (a wrong key or value, with
+// file and line) or Error (bad data).
+Scene load_scene(const std::string& path, const SceneOptions& options = {});
+Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder, const SceneOptions& options = {});
+
+// The scene as a dry one: no wet weight, curl, cohesion, adhesion; its saturation is kept as a record.
+void make_dry(Scene& scene);
+
+// Whether anything of the scene acts on wet hair.
+bool acts_wet(const Scene& scene);
+
+}  // namespace wetcurl

@@ -1,0 +1,515 @@
+// The stepper on the CPU: blocks of strands over threads, a lane a strand.
+#include "solver/simulation.h"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/log.h"
+#include "solver/passes/chain_step.h"
+#include "solver/passes/cohesion.h"
+#include "solver/passes/contact.h"
+#include "solver/rest_state.h"
+
+namespace wetcurl {
+
+Presence presence_of(const Scene& scene) {
+    Presence p;
+    auto note = [&](bool there, const char* name) { (there ? p.present : p.absent).push_back(name); };
+    std::apply([&](const auto&... term) { (note(term.has_value(), std::decay_t<decltype(*term)>::name), ...); }, scene.chain);
+    note(scene.wetness.has_value(), Wetness::name);
+    note(scene.curl.has_value(), Curl::name);
+    note(scene.cohesion.has_value(), Cohesion::name);
+    note(!scene.solids.empty(), "contact");
+    note(!scene.adhesion_model.empty(), "adhesion network");
+    note(scene.integrator.limiter > 0, "limiter");
+    return p;
+}
+
+double stiffness_number(const Scene& scene) {
+    double k = 0;
+    if (const auto& t = scene.term<Stretch>()) k = std::max(k, t->k_s);
+    if (const auto& t = scene.term<Bend>()) k = std::max(k, t->k_b);
+    if (const auto& t = scene.term<Core>()) k = std::max(k, t->k_c);
+    const double h = 2.0 / 3 / (scene.fps * scene.integrator.substeps);
+    return h * h * k / (scene.linear_density * mean_segment(scene.groom));
+}
+
+namespace {
+
+// A scene's motion and solids at one time, in the solver's precision.
+template <class T>
+struct Placement {
+    Pose head;
+    std::vector<PosedSolid<T>> solids;
+};
+
+Vec3d angular_velocity(const Quatd& before, const Quatd& after, double dt) {
+    Quatd d = after * conjugate(before);
+    if (d.w < 0) d = {-d.w, -d.x, -d.y, -d.z};
+    const Vec3d v{d.x, d.y, d.z};
+    const double s = norm(v);
+    return s > 0 ? (2 * std::atan2(s, d.w) / (s * dt)) * v : Vec3d{0, 0, 0};
+}
+
+template <class T>
+class CpuSimulation final : public Simulation {
+    using S = Pack<T>;
+    static constexpr int lanes = S::lanes;
+    template <class V>
+    using Buffer = std::vector<V>;
+
+  public:
+    explicit CpuSimulation(const Scene& scene);
+    void advance() override;
+    void snapshot(RunFrame& frame) const override;
+    std::optional<Divergence> divergence() const override;
+    std::vector<BufferSize> buffers() const override;
+    double neighbours_mean() const override { return cohesion_ ? cohesion_->neighbours_mean() : 0; }
+    long limited_edges() const override { return limited_; }
+    void use_adhesion_model(AdhesionModel* model) override { model_ = model; }
+    void record_adhesion(std::vector<AdhesionRecord>* records) override { records_ = records; }
+
+  private:
+    size_t at(int block, int i) const { return size_t(block) * size_t(n_) + size_t(i); }
+    void place_strands();
+    void substep(double time);
+    void step_block(int block, const Placement<T>& p, ChainScratch<S>& scratch);
+    void set_root(int block, const Pose& head, Vec3<S>* root) const;
+    ChainView<S> view_of(int block, const Pose& head, const Pose& head_before) const;
+    Placement<T> placement_at(double time, double dt) const;
+    void evaluate_adhesion();
+    void display();
+    Strands unpacked(const Buffer<Vec3<S>>& x) const;
+    // Energy of each kind in each lane of a block.
+    std::vector<S> energy_of(int block) const;
+
+    const Scene& scene_;
+    ChainTerms terms_;
+    const int strands_, n_, blocks_;
+    const double dt_;
+    double time_ = 0;
+    bool settling_ = false, first_ = true;
+    Pose head_, head_before_;
+
+    Buffer<Vec3<S>> x_, x_before_, v_, v_before_, root_, target_, push_;
+    Buffer<S> mass_, rest_length_, rest_core_, saturation_, rest_depth_, touching_, phi_, given_;
+    Buffer<Vec3<S>> normal_, surface_velocity_;
+    Buffer<Quat<S>> frame_;
+    std::vector<float> volume_, flat_saturation_;
+    std::optional<CohesionPass> cohesion_;
+    Strands displayed_;
+    std::vector<ChainScratch<S>> scratch_;
+    std::array<double, 3> stage_{};  // chain, neighbours, cohesion
+    double frame_seconds_ = 0;
+    long limited_ = 0;
+    AdhesionModel* model_ = nullptr;
+    std::vector<AdhesionRecord>* records_ = nullptr;
+    std::vector<float> answers_;  // F.n / (sigma m a_max) of the step before (block, particle, lane)
+};
+
+template <class T>
+CpuSimulation<T>::CpuSimulation(const Scene& scene)
+    : scene_(scene), terms_(scene.chain), strands_(scene.groom.rest.count), n_(scene.groom.rest.particles),
+      blocks_((strands_ + lanes - 1) / lanes), dt_(1 / (scene.fps * scene.integrator.substeps)) {
+    if (auto& core = std::get<std::optional<Core>>(terms_)) core->beta = filter_beta(mean_segment(scene.groom), core->alpha_c);
+    for (auto* b : {&x_, &x_before_, &v_, &v_before_}) b->assign(at(blocks_, 0), {S(0), S(0), S(0)});
+    place_strands();
+
+    energy_kinds = {"kinetic", "gravity"};
+    for_each_present(terms_, [&](const auto& t) { energy_kinds.push_back(t.name); });
+    stages = {"chain"};
+    if (scene.cohesion) {
+        stages.insert(stages.end(), {"neighbours", "cohesion"});
+        volume_ = volumes_of(scene);
+        flat_saturation_ = scene.saturation;
+        cohesion_.emplace(*scene.cohesion, strands_, n_, volume_, flat_saturation_);
+    }
+    scratch_.resize(size_t(omp_get_max_threads()));
+    for (auto& s : scratch_) s.resize(n_, terms_, scene.integrator.kind == "implicit");
+    if (scene.integrator.settle > 0) {
+        settling_ = true;
+        const long steps = std::lround(scene.integrator.settle / dt_);
+        for (long k = 0; k < steps; ++k) substep(0);
+        settling_ = false;
+    }
+    display();
+}
+
+template <class T>
+void CpuSimulation<T>::place_strands() {
+    const bool bend = scene_.term<Bend>().has_value(), core = scene_.term<Core>().has_value();
+    const size_t cells = at(blocks_, 0);
+    const bool adhesion = scene_.term<Adhesion>().has_value();
+    mass_.resize(cells), rest_length_.resize(cells), root_.resize(size_t(blocks_) * 2);
+    if (bend) target_.resize(cells), frame_.resize(cells);
+    if (core) rest_core_.resize(cells);
+    if (scene_.wetness && (adhesion || scene_.term<Stiffness>())) saturation_.resize(cells);
+    if (scene_.has_attached_solid()) rest_depth_.resize(cells);
+    if (adhesion) {
+        touching_.assign(cells, S(0)), phi_.assign(cells, S(1e9));
+        normal_.assign(cells, {S(0), S(1), S(0)}), surface_velocity_.assign(cells, {S(0), S(0), S(0)});
+    }
+    if (scene_.term<CurlPush>()) push_.resize(cells);
+    head_ = head_before_ = scene_.motion.at(0);
+
+    auto put = [](Vec3<S>& to, int lane, const Vec3d& p) { to.x.set(lane, T(p.x)), to.y.set(lane, T(p.y)), to.z.set(lane, T(p.z)); };
+#pragma omp parallel for schedule(dynamic)
+    for (int block = 0; block < blocks_; ++block)
+        for (int lane = 0; lane < lanes; ++lane) {
+            // The last block is filled up with copies of the last strand.
+            const int s = std::min(block * lanes + lane, strands_ - 1);
+            const StrandRest rest = rest_state_of(scene_, s);
+            Quatd frame = Quatd::identity();
+            for (int i = 0; i < n_; ++i) {
+                const Vec3d p = cast<double>(scene_.groom.rest.at(s, i));
+                const size_t k = at(block, i);
+                const Vec3d world = head_(p);
+                put(x_[k], lane, world);
+                put(x_before_[k], lane, world);
+                if (i < 2) put(root_[size_t(block) * 2 + size_t(i)], lane, p);
+                mass_[k].set(lane, T(rest.mass[size_t(i)]));
+                if (!saturation_.empty()) saturation_[k].set(lane, T(scene_.saturation[size_t(s) * size_t(n_) + size_t(i)]));
+                if (!rest_depth_.empty()) {
+                    double depth = 0;
+                    for (const auto& solid : scene_.solids)
+                        if (solid.attached) depth = std::min(depth, distance(solid.shape, p).phi);
+                    rest_depth_[k].set(lane, T(depth));
+                }
+                if (i + 1 == n_) continue;
+                rest_length_[k].set(lane, T(rest.rest_length[size_t(i)]));
+                if (core) rest_core_[k].set(lane, T(rest.rest_core[size_t(i)]));
+                if (bend) {
+                    put(target_[k], lane, rest.target[size_t(i)]);
+                    const Vec3d e = head_(cast<double>(scene_.groom.rest.at(s, i + 1))) - world;
+                    frame = i == 0 ? head_.rotation * root_frame_of(normalized(rotate(conjugate(head_.rotation), e), Vec3d{1, 0, 0}))
+                                   : transported(frame, normalized(e, frame_direction(frame)));
+                    frame_[k].w.set(lane, T(frame.w)), frame_[k].x.set(lane, T(frame.x));
+                    frame_[k].y.set(lane, T(frame.y)), frame_[k].z.set(lane, T(frame.z));
+                }
+                if (!push_.empty()) {
+                    const Curl& curl = *scene_.curl;
+                    const double r = *curl.radius, omega = helix_angle(r, *curl.pitch / (2 * M_PI), rest.rest_length[size_t(i)]);
+                    const double weight = curl.w_h * scene_.saturation[size_t(s) * size_t(n_) + size_t(i)];
+                    put(push_[k], lane, weight * Vec3d{*curl.pitch / (2 * M_PI) * omega,
+                                                       r * (std::cos(omega * (i + 1)) - std::cos(omega * i)),
+                                                       r * (std::sin(omega * (i + 1)) - std::sin(omega * i))});
+                }
+            }
+        }
+}
+
+template <class T>
+void CpuSimulation<T>::set_root(int block, const Pose& head, Vec3<S>* root) const {
+    const Quat<S> r = cast<S>(cast<T>(head.rotation));
+    const Vec3<S> t = cast<S>(cast<T>(head.translation));
+    for (int i = 0; i < 2; ++i) root[i] = rotate(r, root_[size_t(block) * 2 + size_t(i)]) + t;
+}
+
+template <class T>
+Placement<T> CpuSimulation<T>::placement_at(double time, double dt) const {
+    Placement<T> p{scene_.motion.at(time), {}};
+    const Pose head_before = settling_ ? p.head : scene_.motion.at(time - dt);
+    for (const auto& solid : scene_.solids) {
+        const Pose now = solid.at(time, p.head), before = settling_ ? now : solid.at(time - dt, head_before);
+        p.solids.push_back({&solid.shape, cast<T>(now.rotation), cast<T>(now.translation),
+                            cast<T>((1 / dt) * (now.translation - before.translation)),
+                            cast<T>(angular_velocity(before.rotation, now.rotation, dt)), T(solid.friction), solid.attached});
+    }
+    return p;
+}
+
+template <class T>
+ChainView<Pack<T>> CpuSimulation<T>::view_of(int block, const Pose& head, const Pose& head_before) const {
+    auto from = [&](const auto& buffer) { return buffer.empty() ? nullptr : buffer.data() + at(block, 0); };
+    ChainView<S> view{};
+    view.n = n_;
+    view.x = from(x_);
+    view.v = from(v_);
+    view.mass = from(mass_);
+    view.rest_length = from(rest_length_);
+    view.target = from(target_);
+    view.frame = from(frame_);
+    view.rest_core = from(rest_core_);
+    view.saturation = from(saturation_);
+    view.push = from(push_);
+    view.phi = from(phi_);
+    view.normal = from(normal_);
+    view.surface_velocity = from(surface_velocity_);
+    view.touching = from(touching_);
+    view.given_adhesion = from(given_);
+    const Vec3d turn = angular_velocity(head_before.rotation, head.rotation, dt_);
+    view.turn = cast<S>(cast<T>(turn));
+    view.turn_center = cast<S>(cast<T>(head.translation));
+    view.drift = cast<S>(cast<T>((1 / dt_) * (head.translation - head_before.translation)));
+    return view;
+}
+
+template <class T>
+void CpuSimulation<T>::step_block(int block, const Placement<T>& p, ChainScratch<S>& scratch) {
+    const size_t k = at(block, 0);
+    Vec3<S> root[2];
+    set_root(block, p.head, root);
+    const auto& bend = std::get<std::optional<Bend>>(terms_);
+    const auto& adhesion = std::get<std::optional<Adhesion>>(terms_);
+    BlockStep<S> step{n_, T(dt_), first_, &x_[k], &x_before_[k], &v_[k], &v_before_[k], root, cast<T>(scene_.integrator.gravity),
+                      cast<T>(p.head.rotation * conjugate(head_.rotation)), bend ? &frame_[k] : nullptr};
+    ChainView<S> view = view_of(block, p.head, head_);
+    auto sample = [&](const Vec3<S>* x) {
+        if (adhesion && given_.empty()) sample_nearest(p.solids, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
+    };
+    if (scene_.integrator.kind == "implicit")
+        implicit_step(terms_, step, view, scratch, sample);
+    else
+        explicit_step(terms_, step, view, scratch, sample);
+
+    // What the step wrote over the older state is now the newer one.
+    Vec3<S>*x = step.x_before, *x_old = step.x, *v = step.v_before, *v_old = step.v;
+    if (scene_.integrator.limiter > 0) {
+        auto* unlimited = scratch.predicted_x.data();
+        std::copy_n(x, n_, unlimited);
+        const int limited = limit_strain(n_, &rest_length_[k], T(scene_.integrator.limiter), x);
+        for (int i = 2; i < n_; ++i) {
+            const Vec3<S> dx = x[i] - unlimited[i], dv = S(T(1 / dt_)) * dx;
+            x_old[i] += dx, v[i] += dv, v_old[i] += dv;
+        }
+#pragma omp atomic
+        limited_ += limited;
+    }
+    for (const auto& solid : p.solids)
+        resolve_contact(solid, n_, rest_depth_.empty() ? nullptr : &rest_depth_[k], T(dt_), x, x_old, v, v_old);
+    if (adhesion) update_touching(n_, &phi_[k], T(adhesion->h_a), &touching_[k]);
+    if (bend) {
+        transport_frames(n_, &frame_[k], step.root_turn, x, &frame_[k]);
+        if (bend->twist_rate > 0) relax_twist(*bend, n_, x, &target_[k], T(1 - std::exp(-bend->twist_rate * dt_)), &frame_[k]);
+    }
+}
+
+template <class T>
+void CpuSimulation<T>::substep(double time) {
+    const Placement<T> p = placement_at(time, dt_);
+    if (model_ || records_) evaluate_adhesion();
+#pragma omp parallel for schedule(static)
+    for (int block = 0; block < blocks_; ++block) step_block(block, p, scratch_[size_t(omp_get_thread_num())]);
+    std::swap(x_, x_before_);
+    std::swap(v_, v_before_);
+    head_before_ = head_;
+    head_ = p.head;
+    first_ = scene_.integrator.kind == "explicit";
+}
+
+// The twelve inputs of every particle near a solid, from the state as it is; the network's answers hold for the
+// substep that follows.
+template <class T>
+void CpuSimulation<T>::evaluate_adhesion() {
+    const Adhesion& term = *std::get<std::optional<Adhesion>>(terms_);
+    const Placement<T> p = placement_at(time_, dt_);
+    const size_t cells = at(blocks_, 0);
+    if (answers_.empty()) answers_.assign(cells * lanes, 0.f);
+    if (model_ && given_.empty()) given_.assign(cells, S(0));
+    for (int block = 0; block < blocks_; ++block) {
+        const size_t k = at(block, 0);
+        sample_nearest(p.solids, n_, &x_[k], &phi_[k], &normal_[k], &surface_velocity_[k]);
+        update_touching(n_, &phi_[k], T(term.h_a), &touching_[k]);
+    }
+    std::vector<AdhesionRecord> near;
+    std::vector<std::array<int, 3>> where;
+    const double speed = 1 / std::sqrt(term.a_max * term.h_a);
+    auto answer = [&](int block, int i, int lane) -> float& { return answers_[at(block, i) * lanes + size_t(lane)]; };
+    for (int s = 0; s < strands_; ++s)
+        for (int i = 1; i < n_; ++i) {
+            const int block = s / lanes, lane = s % lanes;
+            const size_t k = at(block, i);
+            if (!(saturation_[k][lane] > 0) || phi_[k].v[lane] > 2 * term.h_a) continue;
+            AdhesionRecord r;
+            const Vec3<T> n{normal_[k].x[lane], normal_[k].y[lane], normal_[k].z[lane]};
+            for (int side = -1; side <= 1; ++side) {
+                const int j = i + side < n_ ? i + side : i;
+                const size_t m = at(block, j);
+                const Vec3<S> slide = v_[m] - surface_velocity_[k];
+                float* in = r.inputs + 4 * (side + 1);
+                in[0] = float(touching_[m][lane]);
+                in[1] = float((slide.x[lane] * n.x + slide.y[lane] * n.y + slide.z[lane] * n.z) * speed);
+                in[2] = float(std::min(phi_[m][lane] / T(term.h_a), T(4)));
+                in[3] = answer(block, j, lane);
+            }
+            float value, slope;
+            Adhesion::shape(float(phi_[k][lane] / T(term.h_a)), value, slope);
+            r.contact = touching_[k][lane] > 0;
+            r.target = r.contact ? -value : 0;
+            near.push_back(r);
+            where.push_back({block, i, lane});
+        }
+    std::vector<float> out(near.size());
+    if (model_) {
+        std::vector<float> inputs;
+        for (const auto& r : near) inputs.insert(inputs.end(), r.inputs, r.inputs + 12);
+        if (!near.empty()) model_->evaluate(inputs.data(), near.size(), out.data());
+        std::fill(given_.begin(), given_.end(), S(0));
+    }
+    std::fill(answers_.begin(), answers_.end(), 0.f);
+    for (size_t k = 0; k < near.size(); ++k) {
+        const auto [block, i, lane] = where[k];
+        const float f = model_ ? (near[k].contact ? out[k] : 0.f) : near[k].target;
+        answer(block, i, lane) = f;
+        if (model_) given_[at(block, i)].set(lane, T(f));
+    }
+    if (records_) records_->insert(records_->end(), near.begin(), near.end());
+}
+
+template <class T>
+void CpuSimulation<T>::advance() {
+    const double begin = omp_get_wtime();
+    stage_ = {};
+    const int substeps = scene_.integrator.substeps;
+    for (int k = 0; k < substeps; ++k) {
+        substep(time_ + dt_);
+        time_ += dt_;
+    }
+    stage_[0] = omp_get_wtime() - begin;
+    display();
+    frame_seconds_ = omp_get_wtime() - begin;
+}
+
+template <class T>
+void CpuSimulation<T>::display() {
+    if (!cohesion_) return;
+    const double begin = omp_get_wtime();
+    const Strands p = unpacked(x_);
+    cohesion_->apply(p, displayed_);
+    if (!scene_.solids.empty()) {
+        // Drawn together, strands may have been drawn into a solid.
+        const Placement<float> place = [&] {
+            const auto d = placement_at(time_, dt_);
+            Placement<float> f{d.head, {}};
+            for (const auto& s : d.solids)
+                f.solids.push_back({s.shape, cast<float>(s.rotation), cast<float>(s.translation), {}, {}, 0.f, s.attached});
+            return f;
+        }();
+#pragma omp parallel for schedule(static)
+        for (int s = 0; s < strands_; ++s)
+            for (int i = 1; i < n_; ++i) {
+                Vec3f& x = displayed_.at(s, i);
+                const size_t k = at(s / lanes, i);
+                for (const auto& solid : place.solids) {
+                    const auto d = distance_in_world(solid, x);
+                    const float allowed = solid.attached ? float(rest_depth_[k][s % lanes]) : 0.f;
+                    if (d.phi < allowed) x += (allowed - d.phi) * d.normal;
+                }
+            }
+    }
+    stage_[1] = cohesion_->list_seconds();
+    stage_[2] = omp_get_wtime() - begin - stage_[1];
+}
+
+template <class T>
+Strands CpuSimulation<T>::unpacked(const Buffer<Vec3<S>>& x) const {
+    Strands out(strands_, n_);
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < strands_; ++s)
+        for (int i = 0; i < n_; ++i) {
+            const Vec3<S>& p = x[at(s / lanes, i)];
+            const int lane = s % lanes;
+            out.at(s, i) = {float(p.x[lane]), float(p.y[lane]), float(p.z[lane])};
+        }
+    return out;
+}
+
+template <class T>
+std::vector<Pack<T>> CpuSimulation<T>::energy_of(int block) const {
+    const ChainView<S> view = view_of(block, head_, head_before_);
+    std::vector<S> e(2, S(0));
+    const Vec3<S> gravity = cast<S>(cast<T>(scene_.integrator.gravity));
+    for (int i = 0; i < n_; ++i) {
+        e[0] += S(0.5) * view.mass[i] * dot(view.v[i], view.v[i]);
+        e[1] -= view.mass[i] * dot(gravity, view.x[i]);
+    }
+    for_each_present(terms_, [&](const auto& term) { e.push_back(term.energy(view)); });
+    return e;
+}
+
+template <class T>
+void CpuSimulation<T>::snapshot(RunFrame& frame) const {
+    frame.head = head_;
+    frame.positions = unpacked(x_);
+    frame.displayed = cohesion_ ? displayed_ : Strands();
+    frame.seconds = frame_seconds_;
+    frame.stage_seconds.assign(stage_.begin(), stage_.begin() + long(stages.size()));
+    std::vector<double> sum(energy_kinds.size(), 0);
+    for (int block = 0; block < blocks_; ++block) {
+        const auto e = energy_of(block);
+        for (size_t kind = 0; kind < e.size(); ++kind)
+            for (int lane = 0; lane < lanes && block * lanes + lane < strands_; ++lane) sum[kind] += double(e[kind][lane]);
+    }
+    frame.energy.assign(sum.begin(), sum.end());
+    frame.contact.clear();
+    if (!touching_.empty())
+        for (int s = 0; s < strands_; ++s)
+            for (int i = 0; i < n_; ++i) frame.contact.push_back(touching_[at(s / lanes, i)][s % lanes] > 0);
+}
+
+template <class T>
+std::optional<Divergence> CpuSimulation<T>::divergence() const {
+    for (int s = 0; s < strands_; ++s) {
+        const int block = s / lanes, lane = s % lanes;
+        double length = 0;
+        for (int i = 0; i + 1 < n_; ++i) length += double(rest_length_[at(block, i)][lane]);
+        auto position = [&](int i) {
+            const Vec3<S>& p = x_[at(block, i)];
+            return Vec3d{double(p.x[lane]), double(p.y[lane]), double(p.z[lane])};
+        };
+        for (int i = 0; i < n_; ++i) {
+            // Written so that NaN counts as far away.
+            if (norm(position(i) - position(0)) <= 10 * length) continue;
+            const auto e = energy_of(block);
+            size_t largest = 0;
+            for (size_t kind = 0; kind < e.size(); ++kind) {
+                const double value = std::abs(double(e[kind][lane]));
+                if (!std::isfinite(value)) { largest = kind; break; }
+                if (value > std::abs(double(e[largest][lane]))) largest = kind;
+            }
+            return Divergence{s, energy_kinds[largest]};
+        }
+    }
+    return std::nullopt;
+}
+
+template <class T>
+std::vector<BufferSize> CpuSimulation<T>::buffers() const {
+    std::vector<BufferSize> out;
+    auto add = [&](const char* name, const auto& b) {
+        using Value = typename std::decay_t<decltype(b)>::value_type;
+        if (!b.empty()) out.push_back({name, b.capacity() * sizeof(Value)});
+    };
+    add("positions", x_), add("positions before", x_before_), add("velocities", v_), add("velocities before", v_before_);
+    add("roots", root_), add("mass", mass_), add("rest lengths", rest_length_);
+    add("bend targets", target_), add("bend frames", frame_), add("core lengths", rest_core_);
+    add("saturation", saturation_), add("rest depth", rest_depth_), add("printed curl", push_);
+    add("adhesion contact", touching_), add("adhesion distance", phi_), add("adhesion normal", normal_);
+    add("adhesion surface velocity", surface_velocity_), add("adhesion given", given_), add("adhesion answers", answers_);
+    add("cohesion volumes", volume_), add("cohesion saturation", flat_saturation_);
+    if (cohesion_) {
+        out.push_back({"cohesion lists", cohesion_->bytes()});
+        add("displayed positions", displayed_.points);
+    }
+    size_t scratch = 0;
+    for (const auto& s : scratch_)
+        scratch += (s.predicted_x.size() + s.predicted_v.size() + s.force.size() + s.term.size()) * sizeof(Vec3<S>) +
+                   s.diagonal.size() * sizeof(Sym3<S>) + (s.upper1.size() + s.upper2.size()) * sizeof(Mat3<S>) + s.frame.size() * sizeof(Quat<S>);
+    out.push_back({"scratch of the threads", scratch});
+    for (const auto& solid : scene_.solids)
+        if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape))
+            out.push_back({"level set of " + solid.name, (*level_set)->bytes()});
+    return out;
+}
+
+}  // namespace
+
+std::unique_ptr<Simulation> make_simulation(const Scene& scene, const std::string& precision) {
+    if (precision == "double") return std::make_unique<CpuSimulation<double>>(scene);
+    return std::make_unique<CpuSimulation<float>>(scene);
+}
+
+}  // namespace wetcurl
