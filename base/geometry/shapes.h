@@ -40,7 +40,6 @@ WETCURL_HD DistanceSample<S> distance(const Sphere& sphere, const Vec3<S>& x) {
 
 template <class S>
 WETCURL_HD DistanceSample<S> distance(const Box& box, const Vec3<S>& x) {
-    const Vec3<S> zero{S(0), S(0), S(0)};
     const Vec3<S> side{select(x.x < S(0), S(-1), S(1)), select(x.y < S(0), S(-1), S(1)),
                        select(x.z < S(0), S(-1), S(1))};
     const Vec3<S> q{side.x * x.x - S(box.half.x), side.y * x.y - S(box.half.y), side.z * x.z - S(box.half.z)};
