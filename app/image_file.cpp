@@ -52,8 +52,8 @@ void make_folder_of(const std::string& path) {
     if (error) throw Error(folder.string() + ": cannot make the folder: " + error.message());
 }
 
-// Draws dark text with its baseline's middle at (column, row). Drawn large and shrunk: the strokes of
-// OpenCV's letters are whole pixels wide.
+// Draws dark text with its baseline's middle at (column, row), or as near as it fits. Drawn large and shrunk:
+// the strokes of OpenCV's letters are whole pixels wide.
 void draw_text(Image& image, const std::string& text, int column, int row, double height) {
     constexpr int large = 4;
     const double scale = large * height / 22;
@@ -66,7 +66,8 @@ void draw_text(Image& image, const std::string& text, int column, int row, doubl
     cv::putText(mask, text, {margin, margin + size.height}, cv::FONT_HERSHEY_DUPLEX, scale, cv::Scalar(255),
                 thickness, cv::LINE_AA);
     cv::resize(mask, small, {width, rows}, 0, 0, cv::INTER_AREA);
-    const int left = column - width / 2, top = row - (margin + size.height) / large;
+    const int left = std::clamp(column - width / 2, 0, std::max(0, image.width - width)),
+              top = row - (margin + size.height) / large;
     for (int r = 0; r < rows; ++r)
         for (int c = 0; c < width; ++c) {
             if (left + c < 0 || left + c >= image.width || top + r < 0 || top + r >= image.height) continue;
@@ -115,8 +116,7 @@ void draw_saturation_legend(Image& image) {
     const int middle = (left + right) / 2;
     draw_text(image, "1", middle, top - int(0.4 * height), height);
     draw_text(image, "0", middle, bottom + int(1.3 * height), height);
-    draw_text(image, "saturation", std::min(middle, image.width - int(3.1 * height)),
-              bottom + int(2.8 * height), height);
+    draw_text(image, "saturation", middle, bottom + int(2.8 * height), height);
 }
 
 struct VideoFile::Body {
