@@ -426,7 +426,7 @@ Vec3f Scene::shade_strand(const HairMaterial& m, const Vec3f& x, const Vec3f& ta
     const float facing = 0.35f + 0.65f * std::sqrt(std::max(0.f, 1 - sin_t * sin_t));
     return times(key, hair_reflection(m, tangent, lights_.key.direction, view)) +
            times(rim, hair_reflection(m, tangent, lights_.rim.direction, view)) +
-           0.42f * facing * times(around, m.color);
+           0.55f * facing * times(around, m.color);
 }
 
 Vec3f Scene::shade_solid(const Vec3f& x, Vec3f n) const {

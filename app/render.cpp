@@ -1,7 +1,5 @@
 // `wetcurl render`: runs side by side as a picture of one frame or a video of all.
 // Ours.
-#include <omp.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -101,7 +99,6 @@ void check(const RenderOptions& o, const std::string& extension) {
 int render_command(const RenderOptions& options) {
     const std::string extension = std::filesystem::path(options.output).extension().string();
     check(options, extension);
-    if (options.threads > 0) omp_set_num_threads(options.threads);
     Reel reel(options);
     const int last = reel.frames() - 1;
     std::string written = options.output;
