@@ -68,7 +68,8 @@ WETCURL_HD DistanceSample<T> sample_inside(const DistanceGrid& grid, const Vec3<
 }  // namespace detail
 
 // phi and normal at x [m] in body coordinates, T float or double. Outside the grid the surface point nearest
-// to the border of the grid stands for the nearest one: an upper bound of the distance, exact for a ball.
+// to the border of the grid stands for the nearest one: an upper bound of the distance, right at
+// the border and up to a quarter too far beyond (measured on a head).
 template <class T>
 WETCURL_HD DistanceSample<T> sample(const DistanceGrid& grid, const Vec3<T>& x) {
     const Vec3<T> low = cast<T>(grid.origin);

@@ -197,7 +197,7 @@ MeshDistance::Closest MeshDistance::closest(const Vec3d& x, int guess) const {
 
 double MeshDistance::winding_number(const Vec3d& x) const {
     // Barill 2018: a cluster seen from beyond beta times its radius is a dipole.
-    constexpr double beta = 2;
+    constexpr double beta = 3;
     double sum = 0;
     int stack[deepest], top = 0;
     stack[top++] = 0;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <charconv>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -84,9 +85,9 @@ T number_in(std::string_view word, const std::string& where, const char* what) {
     if (word.front() == '+') word.remove_prefix(1);
     T value{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    // A denormal that underflows is as good as zero.
-    if (std::is_floating_point_v<T> && error == std::errc::result_out_of_range && std::abs(value) <= T(1))
-        return value;
+    // from_chars does not tell too large from too small; the coordinate's own limit judges the former.
+    if (std::is_floating_point_v<T> && error == std::errc::result_out_of_range)
+        return T(std::strtod(std::string(word).c_str(), nullptr));
     if (error != std::errc{} || end != word.data() + word.size())
         fail(where, std::string("expected ") + what + ", found " + shown(word));
     return value;

@@ -149,7 +149,7 @@ TEST(Config, assignments_are_typed_win_and_are_named_in_errors) {
     Config config = scene("[bend]\nstiffness = 3\n");
     config.set("bend.stiffness=0.5");
     config.set("bend.form=printed");
-    config.set("head.radius = -1");
+    config.set("head.radius=-1");
     config.set("grid=[4, 8]");
     Table root = config.root();
     EXPECT_EQ(root.table("bend").number("stiffness", 1, 0, 9), 0.5);

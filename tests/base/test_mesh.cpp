@@ -146,7 +146,7 @@ std::vector<Bad> bad_files() {
         {"nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", {":2", "nan"}},
         {"inf.obj", "v 0 0 0\nv 0 inf 0\nv 0 1 0\nf 1 2 3\n", {":2", "inf"}},
         {"far.obj", "v 0 0 1e30\n", {":1", "1000000"}},
-        {"overflow.obj", "v 0 0 1e999\n", {":1", "1e999"}},
+        {"overflow.obj", "v 0 0 1e999\n", {":1", "inf", "1000000"}},
         {"beyond.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", {":4", "number 4 of 3"}},
         {"zero.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", {":4", "index 0"}},
         {"negative.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 -2 -1\n", {":4", "out of range"}},
@@ -395,8 +395,8 @@ TEST(WindingNumber, counts_nested_surfaces) {
     for (const auto& t : inner.triangles)
         mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
     const MeshDistance surface(mesh);
-    EXPECT_NEAR(surface.winding_number({0.01, 0.02, 0}), 2, 0.03);
-    EXPECT_NEAR(surface.winding_number({0.2, 0.02, 0}), 1, 0.03);
+    EXPECT_NEAR(surface.winding_number({0.01, 0.02, 0}), 2, 0.04);
+    EXPECT_NEAR(surface.winding_number({0.2, 0.02, 0}), 1, 0.02);
     EXPECT_TRUE(surface.inside({0.01, 0.02, 0}));
 }
 
