@@ -1,0 +1,31 @@
+// A trained network in Eq 11's place.
+#include "app/adhesion_network.h"
+
+#include "learn/network_module.h"
+
+namespace wetcurl {
+
+namespace {
+
+class NetworkAdhesion final : public AdhesionModel {
+  public:
+    explicit NetworkAdhesion(std::unique_ptr<Network> network) : network_(std::move(network)) {}
+    void evaluate(const float* inputs, size_t count, float* outputs) override {
+        network_->run(inputs, {long(count), 12, 1, 1}, outputs);
+    }
+
+  private:
+    std::unique_ptr<Network> network_;
+};
+
+}  // namespace
+
+std::unique_ptr<AdhesionModel> adhesion_model_of(const Scene& scene, const std::string& device, int threads) {
+    if (scene.adhesion_model.empty()) return nullptr;
+    auto network = network_module().load(scene.adhesion_model, device, threads);
+    if (network->card().codec != "adhesion")
+        throw Error(scene.adhesion_model + ": found a model of codec '" + network->card().codec + "', [adhesion] needs 'adhesion'");
+    return std::make_unique<NetworkAdhesion>(std::move(network));
+}
+
+}  // namespace wetcurl

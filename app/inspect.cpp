@@ -1,0 +1,185 @@
+// `wetcurl inspect`: what a file holds, and what a scene names and leaves out.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <omp.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/image_file.h"
+#include "app/results.h"
+#include "learn/network_module.h"
+#include "learn/pairs.h"
+#include "solver/simulation.h"
+
+namespace wetcurl {
+
+namespace {
+
+// Results go to one place: JSON where it is asked for, a table otherwise.
+void show(const InspectOptions& o, const Json& json) {
+    if (!o.json.empty()) return write_json(json, o.json);
+    for (const auto& [key, value] : json.items()) {
+        if (value.is_array() && !value.empty() && value[0].is_object()) {
+            fmt::print("{}:\n", key);
+            for (const auto& row : value) {
+                std::string line;
+                for (const auto& [k, v] : row.items()) line += fmt::format("  {} {}", k, v.is_string() ? v.get<std::string>() : v.dump());
+                fmt::print("  {}\n", line);
+            }
+        } else if (value.is_array()) {
+            std::vector<std::string> words;
+            for (const auto& v : value) words.push_back(v.is_string() ? v.get<std::string>() : v.dump());
+            fmt::print("{}: {}\n", key, fmt::join(words, ", "));
+        } else {
+            fmt::print("{}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+        }
+    }
+}
+
+Json scene_json(const InspectOptions& o) {
+    const Scene scene = load_scene(o.file, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 0, .solids = true});
+    const auto simulation = make_simulation(scene, "float");
+    const Presence p = presence_of(scene);
+    Json json{{"title", scene.title},
+              {"strands", scene.groom.rest.count},
+              {"particles_per_strand", scene.groom.rest.particles},
+              {"present", p.present},
+              {"absent", p.absent},
+              {"buffers", Json::array()},
+              {"stages", simulation->stages}};
+    size_t sum = 0;
+    for (const auto& b : simulation->buffers()) {
+        json["buffers"].push_back({{"name", b.name}, {"bytes", b.bytes}});
+        sum += b.bytes;
+    }
+    json["bytes"] = sum;
+    json["bytes_per_particle"] = double(sum) / double(scene.groom.rest.points.size());
+    json["stiffness_number"] = stiffness_number(scene);
+    return json;
+}
+
+Json run_json(const InspectOptions& o) {
+    const RunReader run(o.file);
+    const RunHeader& h = run.header();
+    Json json{{"method", h.method},
+              {"frames", run.frames()},
+              {"fps", h.fps},
+              {"strands", h.groom.rest.count},
+              {"particles_per_strand", h.groom.rest.particles},
+              {"grid", {h.groom.grid.width, h.groom.grid.height}},
+              {"stride", h.stride},
+              {"seed", h.seed},
+              {"device", h.device},
+              {"wetness_recorded", !h.saturation.empty()},
+              {"terms_present", h.terms_present},
+              {"terms_absent", h.terms_absent},
+              {"seconds_per_frame", time_statistics(run.seconds())}};
+    if (run.frames() > 0) {
+        const RunFrame last = run.frame(run.frames() - 1);
+        json["displayed"] = last.displayed.count > 0;
+        for (size_t k = 0; k < h.energy_kinds.size(); ++k) json["last_energy_joule"][h.energy_kinds[k]] = last.energy[k];
+        for (size_t k = 0; k < h.stages.size(); ++k) json["last_stage_seconds"][h.stages[k]] = last.stage_seconds[k];
+    }
+    return json;
+}
+
+// (channels, height, width) of a dataset's last frame, three channels, as a picture with interleaved colours.
+void write_geometry_image(const H5Reader& file, const std::string& dataset, const std::string& path) {
+    const auto shape = file.shape(dataset);
+    const size_t plane = shape[2] * shape[3];
+    std::vector<float> data(shape[1] * plane), rgb(3 * plane);
+    file.read_row(dataset, shape[0] - 1, data.data());
+    float low = 0, high = 1;
+    if (shape[1] != 3) {  // amplitudes [m], not colours: the first of each axis, over their range
+        low = 1e9f, high = -1e9f;
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t k = 0; k < plane; ++k) low = std::min(low, data[c * 16 * plane + k]), high = std::max(high, data[c * 16 * plane + k]);
+    }
+    for (size_t c = 0; c < 3; ++c)
+        for (size_t k = 0; k < plane; ++k) rgb[3 * k + c] = (data[(shape[1] == 3 ? c : c * 16) * plane + k] - low) / std::max(1e-9f, high - low);
+    write_image_png(path, rgb.data(), int(shape[3]), int(shape[2]), 1);
+}
+
+Json pairs_json(const InspectOptions& o) {
+    const H5Reader file(o.file, pairs_format, pairs_version);
+    Json json{{"codec", file.text("codec")}, {"particles_per_strand", file.number("particles")}, {"runs", Json::array()}, {"images", Json::array()}};
+    for (const auto& run : file.list("runs")) {
+        Json one{{"name", run}};
+        for (const auto& name : file.list("runs/" + run)) {
+            const std::string dataset = "runs/" + run + "/" + name;
+            const auto shape = file.shape(dataset);
+            one[name] = shape;
+            if (o.output.empty() || shape.size() != 4 || name == "static") continue;
+            const std::filesystem::path stem(o.output);
+            const std::string path = (stem.parent_path() / (stem.stem().string() + "_" + run + "_" + name + ".png")).string();
+            write_geometry_image(file, dataset, path);
+            json["images"].push_back(path);
+        }
+        json["runs"].push_back(one);
+    }
+    return json;
+}
+
+Json model_json(const InspectOptions& o) {
+    const ModelCard card = network_module().card(o.file);
+    return {{"codec", card.codec},       {"architecture", card.architecture},
+            {"width", card.width},       {"parameters", card.parameters},
+            {"inputs", card.input_channels}, {"outputs", card.output_channels},
+            {"upscale", card.upscale},   {"particles_per_strand", card.particles},
+            {"numbers", card.numbers},   {"trained_on", card.inputs},
+            {"recipe", card.recipe}};
+}
+
+template <class Term>
+void add_rows(Json& rows, const char* table) {
+    for (const auto& p : Term::parameters)
+        rows.push_back({{"key", std::string(table) + "." + p.key}, {"unit", p.unit}, {"default", p.fallback}, {"minimum", p.minimum},
+                        {"maximum", p.maximum}, {"meaning", p.meaning}});
+}
+
+Json terms_json() {
+    Json rows = Json::array();
+    add_rows<Stretch>(rows, "stretch");
+    add_rows<Bend>(rows, "bend");
+    add_rows<Core>(rows, "core");
+    add_rows<Wetness>(rows, "wetness");
+    add_rows<Curl>(rows, "curl");
+    add_rows<CurlPush>(rows, "curl");
+    add_rows<Cohesion>(rows, "cohesion");
+    add_rows<Adhesion>(rows, "adhesion");
+    add_rows<Stiffness>(rows, "stiffness");
+    return {{"parameters", rows}};
+}
+
+Json device_json() {
+    return {{"processors", omp_get_num_procs()}, {"lanes_float", lanes_of<float>}, {"lanes_double", lanes_of<double>}, {"compiler", __VERSION__},
+            {"instruction_set",
+#if defined(__AVX512F__)
+             "AVX-512"
+#elif defined(__AVX2__)
+             "AVX2"
+#else
+             "baseline"
+#endif
+            }};
+}
+
+}  // namespace
+
+int inspect_command(const InspectOptions& o) {
+    const bool needs_file = o.what != "terms" && o.what != "device";
+    if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
+    if (!o.output.empty() && o.what != "pairs") throw Misuse("inspect -o writes the images of pairs; it has no meaning for " + o.what);
+    if (o.what == "scene") show(o, scene_json(o));
+    if (o.what == "run") show(o, run_json(o));
+    if (o.what == "pairs") show(o, pairs_json(o));
+    if (o.what == "model") show(o, model_json(o));
+    if (o.what == "terms") show(o, terms_json());
+    if (o.what == "device") show(o, device_json());
+    return 0;
+}
+
+}  // namespace wetcurl

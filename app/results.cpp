@@ -1,0 +1,57 @@
+// Results as JSON, interrupts.
+#include "app/results.h"
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "base/error.h"
+
+namespace wetcurl {
+
+void write_json(const Json& json, const std::string& path) {
+    if (path.empty()) return;
+    const std::string text = json.dump(2) + "\n";
+    if (path == "-") {
+        std::fputs(text.c_str(), stdout);
+        return;
+    }
+    const std::string partial = path + ".partial";
+    {
+        std::ofstream out(partial);
+        out << text;
+        if (!out) throw Error(path + ": cannot be written");
+    }
+    std::filesystem::rename(partial, path);
+}
+
+Json time_statistics(std::vector<double> t) {
+    if (t.empty()) return {{"mean", 0}, {"median", 0}, {"min", 0}, {"max", 0}, {"std", 0}};
+    std::sort(t.begin(), t.end());
+    const size_t n = t.size();
+    const double mean = std::accumulate(t.begin(), t.end(), 0.0) / double(n);
+    double square = 0;
+    for (double x : t) square += (x - mean) * (x - mean);
+    return {{"mean", mean}, {"median", (t[(n - 1) / 2] + t[n / 2]) / 2}, {"min", t.front()}, {"max", t.back()}, {"std", std::sqrt(square / double(n))}};
+}
+
+static volatile std::sig_atomic_t interrupt_count = 0;
+static void (*handler_before)(int) = SIG_DFL;
+static void on_interrupt(int) {
+    // A second ctrl-C is meant.
+    if (++interrupt_count > 1) std::_Exit(130);
+}
+
+InterruptGuard::InterruptGuard() {
+    interrupt_count = 0;
+    handler_before = std::signal(SIGINT, on_interrupt);
+}
+InterruptGuard::~InterruptGuard() { std::signal(SIGINT, handler_before); }
+bool InterruptGuard::interrupted() const { return interrupt_count > 0; }
+
+}  // namespace wetcurl

@@ -1,0 +1,26 @@
+// Results as JSON and the interrupt key: what several commands share. Ours.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace wetcurl {
+
+using Json = nlohmann::ordered_json;
+
+// To `path`, "-" for standard output, "" for nowhere.
+void write_json(const Json& json, const std::string& path);
+
+// {mean, median, min, max, std} of run times [s].
+Json time_statistics(std::vector<double> seconds);
+
+// While alive, ctrl-C asks instead of killing: the frame at hand is finished and what is there is kept.
+class InterruptGuard {
+  public:
+    InterruptGuard();
+    ~InterruptGuard();
+    bool interrupted() const;
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,27 @@
+// Headers of run caches.
+#include "app/run_of_scene.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace wetcurl {
+
+RunHeader header_of(const Scene& scene, const Simulation& simulation, const std::string& method) {
+    RunHeader h;
+    h.scene = scene.text;
+    h.scene_folder = scene.folder;
+    h.method = method;
+    h.fps = scene.fps;
+    h.seed = scene.seed;
+    h.groom = scene.groom;
+    h.stride = scene.stride;
+    h.saturation = scene.saturation;
+    h.energy_kinds = simulation.energy_kinds;
+    h.stages = simulation.stages;
+    const Presence presence = presence_of(scene);
+    h.terms_present = fmt::format("{}", fmt::join(presence.present, ", "));
+    h.terms_absent = fmt::format("{}", fmt::join(presence.absent, ", "));
+    return h;
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,42 @@
+// The solids of a run, rebuilt from the scene text in its cache.
+#include "app/run_solids.h"
+
+#include <map>
+#include <memory>
+
+#include "solver/scene.h"
+
+namespace wetcurl {
+
+// A run's scene, read once for each text (rendering asks for every frame).
+static std::shared_ptr<const Scene> scene_of(const RunHeader& header) {
+    static std::map<std::string, std::shared_ptr<const Scene>> known;
+    auto& scene = known[header.scene];
+    if (!scene) {
+        SceneOptions options;
+        options.stride = header.stride;
+        scene = std::make_shared<Scene>(parse_scene(header.scene, "the run's scene", header.scene_folder, options));
+    }
+    return scene;
+}
+
+std::vector<PosedMesh> solids_of(const RunHeader& header, const RunFrame& frame, double time) {
+    std::vector<PosedMesh> out;
+    for (const auto& solid : scene_of(header)->solids) out.push_back({triangulated(solid.shape), solid.at(time, frame.head)});
+    return out;
+}
+
+std::function<float(const Vec3f&, const Pose&, double)> solid_distance_of(const RunHeader& header) {
+    const auto scene = scene_of(header);
+    if (scene->solids.empty()) return {};
+    return [scene](const Vec3f& x, const Pose& head, double time) {
+        float nearest = 1e9f;
+        for (const auto& solid : scene->solids) {
+            const Vec3d local = solid.at(time, head).inverse(cast<double>(x));
+            nearest = std::min(nearest, distance(solid.shape, cast<float>(local)).phi);
+        }
+        return nearest;
+    };
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,115 @@
+// `wetcurl simulate`: the physics of a scene into a run cache.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <omp.h>
+
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "app/adhesion_network.h"
+#include "app/commands.h"
+#include "app/results.h"
+#include "app/run_of_scene.h"
+#include "base/log.h"
+#include "base/progress.h"
+
+namespace wetcurl {
+
+// Mean distance of what is seen in two frames [mm].
+static double distance_mm(const RunFrame& a, const RunFrame& b) {
+    const auto &p = a.seen().points, &q = b.seen().points;
+    double sum = 0;
+    for (size_t k = 0; k < p.size(); ++k) sum += norm(cast<double>(p[k]) - cast<double>(q[k]));
+    return 1000 * sum / double(p.size());
+}
+
+int simulate_command(const SimulateOptions& o) {
+    if (o.device != "cpu") throw Misuse("--device " + o.device + ": this build simulates on the CPU alone");
+    SceneOptions options;
+    options.set = o.set;
+    options.frames = o.frames;
+    options.strands = o.strands;
+    options.seed = o.seed;
+    options.groom = o.groom;
+    Scene scene = load_scene(o.scene, options);
+    if (o.dry) make_dry(scene);
+    std::string precision = o.precision;
+    // Measured on chains: a float factorisation loses its digits above this.
+    if (const double number = stiffness_number(scene); number > 1e5 && precision == "float" && scene.integrator.kind == "implicit") {
+        log_warning(fmt::format("h² k / m is {:.2g}, above what single precision can factor (1e5): running in double", number));
+        precision = "double";
+    }
+    Scene fine = scene;
+    fine.integrator.substeps = 160;
+    std::unique_ptr<Simulation> reference = o.reference ? make_simulation(fine, "double") : nullptr;
+    auto simulation = make_simulation(scene, precision);
+    auto network = adhesion_model_of(scene, o.device, o.threads);
+    simulation->use_adhesion_model(network.get());
+
+    RunWriter writer(o.output, header_of(scene, *simulation, acts_wet(scene) ? "simulated wet" : "simulated dry"), o.overwrite);
+    InterruptGuard guard;
+    Progress progress("simulate", scene.frames, "frame");
+    RunFrame frame, exact;
+    std::vector<double> seconds, errors;
+    double output_seconds = 0;
+    std::optional<Divergence> diverged;
+    int done = 0;
+    for (; done < scene.frames && !guard.interrupted(); ++done) {
+        // Frame 0 is the state at time 0.
+        if (done > 0) simulation->advance();
+        if ((diverged = simulation->divergence())) break;
+        simulation->snapshot(frame);
+        if (done > 0) seconds.push_back(frame.seconds);
+        if (reference) {
+            if (done > 0) reference->advance();
+            reference->snapshot(exact);
+            errors.push_back(distance_mm(frame, exact));
+        }
+        const double begin = omp_get_wtime();
+        writer.append(frame);
+        output_seconds += omp_get_wtime() - begin;
+        progress.update(done + 1);
+    }
+    if (!diverged && !guard.interrupted()) writer.commit();
+
+    const Presence presence = presence_of(scene);
+    size_t bytes = 0;
+    for (const auto& b : simulation->buffers()) bytes += b.bytes;
+    Json json{{"frames", done},
+              {"strands", scene.groom.rest.count},
+              {"particles_per_strand", scene.groom.rest.particles},
+              {"seconds_per_frame", time_statistics(seconds)},
+              {"output_seconds_per_frame", output_seconds / std::max(1, done)},
+              {"device", "cpu"},
+              {"threads", o.threads},
+              {"precision", precision},
+              {"terms_present", presence.present},
+              {"terms_absent", presence.absent},
+              {"substeps", scene.integrator.substeps},
+              {"neighbours_mean", simulation->neighbours_mean()},
+              {"limited_edges", simulation->limited_edges()},
+              {"peak_bytes", bytes},
+              {"bytes_per_particle", double(bytes) / (double(scene.groom.rest.count) * scene.groom.rest.particles)},
+              {"diverged", diverged.has_value()}};
+    if (!errors.empty())
+        json["error_mm"] = {{"mean", std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size())},
+                            {"last", errors.back()},
+                            {"max", *std::max_element(errors.begin(), errors.end())}};
+    write_json(json, o.json);
+    if (diverged) {
+        throw Error(fmt::format("the run diverged at frame {}, strand {}, largest term '{}'; {} frames are kept in {}.partial "
+                                "(more [integrator] substeps, or less stiffness, may help)",
+                                done, diverged->strand, diverged->largest_term, done, o.output));
+    }
+    if (guard.interrupted()) {
+        log_warning(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
+        return 130;
+    }
+    log_info(fmt::format("{}: {} strands x {} particles, {} frames, median {:.1f} ms a frame, {:.0f} bytes a particle; present: {}",
+                         o.output, scene.groom.rest.count, scene.groom.rest.particles, done,
+                         1000 * json["seconds_per_frame"]["median"].get<double>(), json["bytes_per_particle"].get<double>(),
+                         fmt::join(presence.present, ", ")));
+    return 0;
+}
+
+}  // namespace wetcurl
