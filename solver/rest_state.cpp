@@ -1,6 +1,8 @@
 // The rest state of strands.
 #include "solver/rest_state.h"
 
+#include <algorithm>
+
 #include "base/geometry/filter.h"
 #include "base/geometry/frames.h"
 
@@ -88,6 +90,16 @@ StrandRest rest_state_of(const Scene& scene, int s) {
         }
     }
     return rest;
+}
+
+std::vector<float> rest_depths_of(const Scene& scene) {
+    const auto& points = scene.groom.rest.points;
+    std::vector<float> depth(scene.has_attached_solid() ? points.size() : 0, 0.f);
+#pragma omp parallel for schedule(static)
+    for (size_t k = 0; k < depth.size(); ++k)
+        for (const auto& solid : scene.solids)
+            if (solid.attached) depth[k] = std::min(depth[k], float(distance(solid.shape, cast<double>(points[k])).phi));
+    return depth;
 }
 
 std::vector<float> volumes_of(const Scene& scene) {

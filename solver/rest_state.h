@@ -21,6 +21,10 @@ StrandRest rest_state_of(const Scene& scene, int s);
 // Mean rest length of a segment over the whole groom [m].
 double mean_segment(const Groom& groom);
 
+// How deep each particle may lie in what is attached to the head: min(0, phi at rest) [m], (strand, particle); empty
+// where nothing is attached.
+std::vector<float> rest_depths_of(const Scene& scene);
+
 // V = m / rho (strand, particle) [m^3], as Eq 10 takes it.
 std::vector<float> volumes_of(const Scene& scene);
 

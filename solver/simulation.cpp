@@ -7,9 +7,8 @@
 #include <array>
 #include <cmath>
 
-#include "base/log.h"
+#include "solver/display.h"
 #include "solver/passes/chain_step.h"
-#include "solver/passes/cohesion.h"
 #include "solver/passes/contact.h"
 #include "solver/rest_state.h"
 
@@ -67,7 +66,7 @@ class CpuSimulation final : public Simulation {
     void snapshot(RunFrame& frame) const override;
     std::optional<Divergence> divergence() const override;
     std::vector<BufferSize> buffers() const override;
-    double neighbours_mean() const override { return cohesion_ ? cohesion_->neighbours_mean() : 0; }
+    double neighbours_mean() const override { return display_ ? display_->neighbours_mean() : 0; }
     long limited_edges() const override { return limited_; }
     void use_adhesion_model(AdhesionModel* model) override { model_ = model; }
     void record_adhesion(std::vector<AdhesionRecord>* records) override { records_ = records; }
@@ -98,8 +97,7 @@ class CpuSimulation final : public Simulation {
     Buffer<S> mass_, rest_length_, rest_core_, saturation_, rest_depth_, touching_, phi_, given_;
     Buffer<Vec3<S>> normal_, surface_velocity_;
     Buffer<Quat<S>> frame_;
-    std::vector<float> volume_, flat_saturation_;
-    std::optional<CohesionPass> cohesion_;
+    std::optional<Display> display_;
     Strands displayed_;
     std::vector<ChainScratch<S>> scratch_;
     std::array<double, 3> stage_{};  // chain, neighbours, cohesion
@@ -123,9 +121,7 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
     stages = {"chain"};
     if (scene.cohesion) {
         stages.insert(stages.end(), {"neighbours", "cohesion"});
-        volume_ = volumes_of(scene);
-        flat_saturation_ = scene.saturation;
-        cohesion_.emplace(*scene.cohesion, strands_, n_, volume_, flat_saturation_);
+        display_.emplace(scene);
     }
     scratch_.resize(size_t(omp_get_max_threads()));
     for (auto& s : scratch_) s.resize(n_, terms_, scene.integrator.kind == "implicit");
@@ -143,11 +139,12 @@ void CpuSimulation<T>::place_strands() {
     const bool bend = scene_.term<Bend>().has_value(), core = scene_.term<Core>().has_value();
     const size_t cells = at(blocks_, 0);
     const bool adhesion = scene_.term<Adhesion>().has_value();
+    const std::vector<float> depth = rest_depths_of(scene_);
     mass_.resize(cells), rest_length_.resize(cells), root_.resize(size_t(blocks_) * 2);
     if (bend) target_.resize(cells), frame_.resize(cells);
     if (core) rest_core_.resize(cells);
     if (scene_.wetness && (adhesion || scene_.term<Stiffness>())) saturation_.resize(cells);
-    if (scene_.has_attached_solid()) rest_depth_.resize(cells);
+    if (!depth.empty()) rest_depth_.resize(cells);
     if (adhesion) {
         touching_.assign(cells, S(0)), phi_.assign(cells, S(1e9));
         normal_.assign(cells, {S(0), S(1), S(0)}), surface_velocity_.assign(cells, {S(0), S(0), S(0)});
@@ -172,12 +169,7 @@ void CpuSimulation<T>::place_strands() {
                 if (i < 2) put(root_[size_t(block) * 2 + size_t(i)], lane, p);
                 mass_[k].set(lane, T(rest.mass[size_t(i)]));
                 if (!saturation_.empty()) saturation_[k].set(lane, T(scene_.saturation[size_t(s) * size_t(n_) + size_t(i)]));
-                if (!rest_depth_.empty()) {
-                    double depth = 0;
-                    for (const auto& solid : scene_.solids)
-                        if (solid.attached) depth = std::min(depth, distance(solid.shape, p).phi);
-                    rest_depth_[k].set(lane, T(depth));
-                }
+                if (!depth.empty()) rest_depth_[k].set(lane, T(depth[size_t(s) * size_t(n_) + size_t(i)]));
                 if (i + 1 == n_) continue;
                 rest_length_[k].set(lane, T(rest.rest_length[size_t(i)]));
                 if (core) rest_core_[k].set(lane, T(rest.rest_core[size_t(i)]));
@@ -375,33 +367,10 @@ void CpuSimulation<T>::advance() {
 
 template <class T>
 void CpuSimulation<T>::display() {
-    if (!cohesion_) return;
-    const double begin = omp_get_wtime();
-    const Strands p = unpacked(x_);
-    cohesion_->apply(p, displayed_);
-    if (!scene_.solids.empty()) {
-        // Drawn together, strands may have been drawn into a solid.
-        const Placement<float> place = [&] {
-            const auto d = placement_at(time_, dt_);
-            Placement<float> f{d.head, {}};
-            for (const auto& s : d.solids)
-                f.solids.push_back({s.shape, cast<float>(s.rotation), cast<float>(s.translation), {}, {}, 0.f, s.attached});
-            return f;
-        }();
-#pragma omp parallel for schedule(static)
-        for (int s = 0; s < strands_; ++s)
-            for (int i = 1; i < n_; ++i) {
-                Vec3f& x = displayed_.at(s, i);
-                const size_t k = at(s / lanes, i);
-                for (const auto& solid : place.solids) {
-                    const auto d = distance_in_world(solid, x);
-                    const float allowed = solid.attached ? float(rest_depth_[k][s % lanes]) : 0.f;
-                    if (d.phi < allowed) x += (allowed - d.phi) * d.normal;
-                }
-            }
-    }
-    stage_[1] = cohesion_->list_seconds();
-    stage_[2] = omp_get_wtime() - begin - stage_[1];
+    if (!display_) return;
+    display_->apply(unpacked(x_), head_, time_, displayed_);
+    stage_[1] = display_->list_seconds();
+    stage_[2] = display_->seconds() - stage_[1];
 }
 
 template <class T>
@@ -434,7 +403,7 @@ template <class T>
 void CpuSimulation<T>::snapshot(RunFrame& frame) const {
     frame.head = head_;
     frame.positions = unpacked(x_);
-    frame.displayed = cohesion_ ? displayed_ : Strands();
+    frame.displayed = display_ ? displayed_ : Strands();
     frame.seconds = frame_seconds_;
     frame.stage_seconds.assign(stage_.begin(), stage_.begin() + long(stages.size()));
     std::vector<double> sum(energy_kinds.size(), 0);
@@ -489,9 +458,8 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
     add("saturation", saturation_), add("rest depth", rest_depth_), add("printed curl", push_);
     add("adhesion contact", touching_), add("adhesion distance", phi_), add("adhesion normal", normal_);
     add("adhesion surface velocity", surface_velocity_), add("adhesion given", given_), add("adhesion answers", answers_);
-    add("cohesion volumes", volume_), add("cohesion saturation", flat_saturation_);
-    if (cohesion_) {
-        out.push_back({"cohesion lists", cohesion_->bytes()});
+    if (display_) {
+        out.push_back({"cohesion lists", display_->bytes()});
         add("displayed positions", displayed_.points);
     }
     size_t scratch = 0;

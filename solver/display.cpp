@@ -1,0 +1,41 @@
+// Displayed positions.
+#include "solver/display.h"
+
+#include <omp.h>
+
+#include "solver/passes/contact.h"
+#include "solver/rest_state.h"
+
+namespace wetcurl {
+
+Display::Display(const Scene& scene)
+    : scene_(scene), volume_(volumes_of(scene)), rest_depth_(rest_depths_of(scene)),
+      cohesion_(*scene.cohesion, scene.groom.rest.count, scene.groom.rest.particles, volume_, scene.saturation) {}
+
+void Display::apply(const Strands& p, const Pose& head, double time, Strands& displayed) {
+    const double begin = omp_get_wtime();
+    cohesion_.apply(p, displayed);
+    std::vector<PosedSolid<float>> solids;
+    for (const auto& solid : scene_.solids) {
+        const Pose pose = solid.at(time, head);
+        solids.push_back({&solid.shape, cast<float>(pose.rotation), cast<float>(pose.translation), {}, {}, 0.f, solid.attached});
+    }
+    const long count = solids.empty() ? 0 : long(displayed.points.size());
+#pragma omp parallel for schedule(static)
+    for (long k = 0; k < count; ++k) {
+        if (k % p.particles == 0) continue;
+        Vec3f& x = displayed.points[size_t(k)];
+        for (const auto& solid : solids) {
+            const auto d = distance_in_world(solid, x);
+            const float allowed = solid.attached ? rest_depth_[size_t(k)] : 0.f;
+            if (d.phi < allowed) x += (allowed - d.phi) * d.normal;
+        }
+    }
+    seconds_ = omp_get_wtime() - begin;
+}
+
+size_t Display::bytes() const {
+    return cohesion_.bytes() + (volume_.capacity() + rest_depth_.capacity()) * sizeof(float);
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,32 @@
+// What is seen of wet hair: p^w, strands drawn together (Eq 10) and projected out of solids. The simulation shows
+// its frames through it, and so does whoever puts learned strands in its place.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "solver/passes/cohesion.h"
+#include "solver/scene.h"
+
+namespace wetcurl {
+
+class Display {
+  public:
+    // For a scene with [cohesion]; the scene must outlive it.
+    explicit Display(const Scene& scene);
+    // p (all strands of the scene's groom), the head's pose, and the time [s] -> p^w.
+    void apply(const Strands& p, const Pose& head, double time, Strands& displayed);
+
+    double neighbours_mean() const { return cohesion_.neighbours_mean(); }
+    double list_seconds() const { return cohesion_.list_seconds(); }
+    double seconds() const { return seconds_; }  // of the last call, lists included
+    size_t bytes() const;
+
+  private:
+    const Scene& scene_;
+    std::vector<float> volume_, rest_depth_;  // (strand, particle)
+    CohesionPass cohesion_;
+    double seconds_ = 0;
+};
+
+}  // namespace wetcurl
