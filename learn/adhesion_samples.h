@@ -5,10 +5,7 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
-
-#include "base/vec3.h"
 
 namespace wetcurl {
 
@@ -21,33 +18,5 @@ struct AdhesionSample {
     float target = 0;     // F.n / (sigma m a_max) of this step
     uint8_t contact = 0;  // whether particle i is in contact: training draws as many of each kind
 };
-
-// The state of one particle before the step.
-struct AdhesionParticle {
-    bool contact = false;
-    Vec3f velocity{0, 0, 0};  // [m/s]
-    float phi = 0;            // distance to the solid [m]
-    float force = 0;          // F.n of the step before [N]
-    float scale = 0;          // sigma m a_max [N]
-};
-
-// The twelve inputs of particle i with unit normal n. At a strand's end the missing neighbour is particle i
-// itself. a_max [m/s^2], h [m] the shell. A particle with scale 0 (dry) bears no force, and 0 stands for its
-// share.
-inline std::array<float, adhesion_inputs> adhesion_input(const AdhesionParticle& before,
-                                                         const AdhesionParticle& at,
-                                                         const AdhesionParticle& after, const Vec3f& n,
-                                                         float a_max, float h) {
-    std::array<float, adhesion_inputs> out;
-    const float speed = 1 / std::sqrt(a_max * h);
-    float* o = out.data();
-    for (const AdhesionParticle* p : {&before, &at, &after}) {
-        *o++ = p->contact ? 1.0f : 0.0f;
-        *o++ = speed * dot(p->velocity, n);
-        *o++ = p->phi / h;
-        *o++ = p->scale > 0 ? p->force / p->scale : 0.0f;
-    }
-    return out;
-}
 
 }  // namespace wetcurl

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "learn/core_detail.h"
+#include "learn/root_grid.h"
 
 namespace wetcurl {
 
@@ -79,12 +80,9 @@ static Stencil stencil_of(const Groom& high, const Groom& low, int width, Fill f
 }
 
 Stencil quad_stencil(const Groom& high, const Groom& low) {
-    std::vector<std::array<int, 2>> pixel(size_t(high.rest.count));
-    for (int row = 0; row < high.grid.height; ++row)
-        for (int column = 0; column < high.grid.width; ++column)
-            if (int s = high.grid.at(column, row); s >= 0) pixel[size_t(s)] = {column, row};
+    const auto pixel = pixels_of_strands(high.grid, high.rest.count);
     return stencil_of(high, low, 4, [&](int s, int* from, float* weight) {
-        const auto [column, row] = pixel[size_t(s)];
+        const int column = pixel[size_t(s)] % high.grid.width, row = pixel[size_t(s)] / high.grid.width;
         for (int k = 0; k < 4; ++k) {
             // An even pixel meets its own twin in all four corners: one is enough.
             const int right = k % 2, down = k / 2;

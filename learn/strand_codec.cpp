@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "learn/core_detail.h"
+#include "learn/root_grid.h"
 
 namespace wetcurl {
 
@@ -22,6 +23,7 @@ static void profile(const float* sigma, int n, float* out, size_t stride) {
 
 StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation)
     : grid_(high.grid),
+      pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
       dct_(high.rest.particles),
       base_(Interpolation::quad, quad_stencil(high, low), high, low),
       scratch_(high.rest.count, high.rest.particles) {
@@ -30,19 +32,14 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
         throw Error("strand codec: found " + std::to_string(saturation.size()) +
                     " saturations, allowed one a particle of the high-resolution groom: " +
                     std::to_string(high.rest.points.size()));
-    pixel_of_.resize(size_t(strands));
     mask_.assign(pixels(), 0);
-    for (size_t pixel = 0; pixel < pixels(); ++pixel)
-        if (int s = grid_.strand[pixel]; s >= 0) {
-            pixel_of_[size_t(s)] = pixel;
-            mask_[pixel] = 1;
-        }
+    for (int pixel : pixel_of_) mask_[size_t(pixel)] = 1;
     fixed_.assign(size_t(static_channels) * pixels(), 0);
     length_.assign(pixels(), 0);
     encode(high.rest, Pose{}, fixed_.data());
     const auto radius = curl_radii(high.rest);
     for (int s = 0; s < strands; ++s) {
-        const size_t pixel = pixel_of_[size_t(s)];
+        const size_t pixel = size_t(pixel_of_[size_t(s)]);
         float* at = fixed_.data() + pixel;
         if (!saturation.empty())
             profile(saturation.data() + size_t(s) * n, n, at + size_t(strand_coefficients) * pixels(),

@@ -48,7 +48,7 @@ class StrandCodec {
 
   private:
     RootGrid grid_;
-    std::vector<size_t> pixel_of_;  // (strand)
+    std::vector<int> pixel_of_;  // (strand)
     StrandDct dct_;
     Interpolator base_;
     Strands scratch_;  // the base of the frame at hand

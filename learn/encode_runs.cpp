@@ -1,0 +1,124 @@
+// Runs to pairs.
+// Ours.
+#include "learn/encode_runs.h"
+
+#include "base/progress.h"
+#include "learn/root_codec.h"
+#include "learn/strand_codec.h"
+
+namespace wetcurl {
+
+RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
+    : dry(std::make_unique<RunReader>(dry_path)), wet(std::make_unique<RunReader>(wet_path)) {
+    const RunHeader &d = dry->header(), &w = wet->header();
+    auto same = [&](const std::string& what, double found, double allowed) {
+        if (found != allowed)
+            throw Error(dry_path + ": " + what + ": found " + std::to_string(found) + ", allowed " +
+                        std::to_string(allowed) + " (as " + wet_path + " has it)");
+    };
+    if (d.stride != 2 * w.stride)
+        throw Error(dry_path + ": stride of its grid: found " + std::to_string(d.stride) + ", allowed " +
+                    std::to_string(2 * w.stride) + ", twice that of " + wet_path);
+    same("seed", double(d.seed), double(w.seed));
+    same("frames", dry->frames(), wet->frames());
+    same("frames a second", d.fps, w.fps);
+    if (dry->frames() == 0) throw Error(dry_path + ": there is no frame in it");
+    if (w.saturation.empty())
+        throw Error(wet_path + ": knows no saturation, allowed is a run of a scene with [wetness]");
+    try {
+        require_nested(w.groom, d.groom);
+    } catch (const Error& e) {
+        throw Error(dry_path + ", " + wet_path + ": " + e.what());
+    }
+}
+
+// The frames of both, side by side, their heads checked.
+template <class Visit>
+static void for_each_frame(const RunPair& pair, const std::string& what, Visit visit) {
+    const int frames = pair.dry->frames();
+    Progress progress(what, frames, "frame");
+    for (FrameWindow window(*pair.dry); window.advance();) {
+        const RunFrame wet = pair.wet->frame(window.index());
+        const Pose &a = window.now().head, &b = wet.head;
+        const Vec3d apart = a.translation - b.translation;
+        const Quatd turn = conjugate(a.rotation) * b.rotation;
+        if (norm(apart) > 1e-6 || norm(Vec3d{turn.x, turn.y, turn.z}) > 1e-6)
+            throw Error(pair.dry->path() + ": frame " + std::to_string(window.index()) +
+                        ": the head is elsewhere than in " + pair.wet->path() + ", allowed the same motion");
+        visit(window, wet);
+        progress.update(window.index() + 1);
+    }
+}
+
+double encode_strands(const RunPair& pair, PairsWriter& out) {
+    const RunHeader& wet_header = pair.wet->header();
+    StrandCodec codec(wet_header.groom, pair.dry->header().groom, wet_header.saturation);
+    StrandPairs run;
+    run.frames = pair.dry->frames();
+    run.static_channels = static_channels;
+    run.dynamic_channels = dynamic_channels;
+    run.height = codec.height();
+    run.width = codec.width();
+    run.fixed = codec.fixed();
+    run.mask = codec.mask();
+    run.length = codec.length();
+    out.begin(run);
+    std::vector<float> dynamic(size_t(dynamic_channels) * codec.pixels());
+    std::vector<float> target(size_t(strand_coefficients) * codec.pixels());
+    Strands decoded;
+    double distance = 0;
+    for_each_frame(pair, "encode", [&](const FrameWindow& window, const RunFrame& wet) {
+        codec.dynamic(window.now().positions, window.heads(), dynamic.data());
+        codec.encode(wet.positions, wet.head, target.data());
+        codec.decode(target.data(), wet.head, decoded);
+        double sum = 0;
+        for (size_t k = 0; k < decoded.points.size(); ++k)
+            sum += norm(decoded.points[k] - wet.positions.points[k]);
+        distance += sum / double(decoded.points.size());
+        for (size_t k = 0; k < target.size(); ++k) target[k] -= dynamic[k];  // the base comes first
+        out.append(dynamic.data(), target.data());
+    });
+    return 1e3 * distance / run.frames;
+}
+
+namespace {
+
+// The roots of one pair over its frames: dry ones, and wet ones shifted by Eq 16.
+struct RootFramesOf {
+    std::vector<std::vector<Vec3f>> dry, wet;
+};
+
+std::vector<float> coloured(const RootImage& image, std::vector<Vec3f> roots, const Box& box) {
+    for (Vec3f& p : roots) p = colour_of(p, box);
+    std::vector<float> out(3 * image.pixels());
+    image.draw(roots, out.data());
+    return out;
+}
+
+}  // namespace
+
+void encode_roots(const std::vector<RunPair>& pairs, float support_radius, PairsWriter& out) {
+    Box box;
+    std::vector<RootFramesOf> all;
+    for (const RunPair& pair : pairs) {
+        RootFramesOf& roots = all.emplace_back();
+        for_each_frame(pair, "encode", [&](const FrameWindow& window, const RunFrame& wet) {
+            roots.dry.push_back(shifted_roots(window.now().positions, {}, support_radius));
+            roots.wet.push_back(shifted_roots(wet.seen(), pair.wet->header().saturation, support_radius));
+            grow(box, roots.dry.back());
+            grow(box, roots.wet.back());
+        });
+    }
+    if (!(box.diagonal() > 0))
+        throw Error("root codec: all roots lie in one point, allowed is a box with a diagonal");
+    out.box(&box.lower.x, &box.upper.x);
+    out.attribute("support_radius", support_radius);
+    for (size_t p = 0; p < pairs.size(); ++p) {
+        const RootImage low(pairs[p].dry->header().groom.grid), high(pairs[p].wet->header().groom.grid, 2);
+        out.begin(RootPairs{int(all[p].dry.size()), low.height(), low.width(), low.mask(), high.mask()});
+        for (size_t f = 0; f < all[p].dry.size(); ++f)
+            out.append(coloured(low, all[p].dry[f], box).data(), coloured(high, all[p].wet[f], box).data());
+    }
+}
+
+}  // namespace wetcurl
