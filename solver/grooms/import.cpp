@@ -223,14 +223,22 @@ Mesh import_mesh(const std::string& path, const FileUnits& meant) {
     return mesh;
 }
 
-void write_strands(const std::string& path, const StrandPoints& strands, bool overwrite) {
-    const auto* writer = std::find_if(std::begin(writers), std::end(writers),
-                                      [&](const Writer& w) { return ending_of(path) == w.ending; });
-    if (writer == std::end(writers)) unknown_ending(path, writable_endings());
+static const Writer& writer_for(const std::string& path) {
+    for (const auto& writer : writers)
+        if (ending_of(path) == writer.ending) return writer;
+    unknown_ending(path, writable_endings());
+}
+
+void require_writable(const std::string& path, bool overwrite) {
+    writer_for(path);
     if (!overwrite && std::filesystem::exists(path))
         throw Misuse(path + ": found a file of this name; say --overwrite to replace it");
+}
+
+void write_strands(const std::string& path, const StrandPoints& strands, bool overwrite) {
+    require_writable(path, overwrite);
     PartialFile out(path);
-    writer->write(out, strands);
+    writer_for(path).write(out, strands);
     out.finish();
 }
 

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "solver/grooms/import.h"
-
 namespace wetcurl {
 namespace {
 
@@ -137,21 +135,32 @@ Vec3d Grower::grow(double u, double v, Vec3f* points) const {
 
 }  // namespace
 
+FileUnits read_units(const Table& table) {
+    return {table.choice("units", "auto", {"m", "cm", "mm", "auto"}), table.choice("up", "y", {"y", "z"})};
+}
+
 std::shared_ptr<const ScalpMesh> read_scalp(const Table& table) {
-    const FileUnits meant{table.choice("scalp_units", "auto", {"m", "cm", "mm", "auto"}),
-                          table.choice("scalp_up", "y", {"y", "z"})};
     const std::string path = table.path("scalp");
-    return path.empty() ? nullptr : std::make_shared<const ScalpMesh>(import_mesh(path, meant));
+    if (path.empty()) return nullptr;
+    const FileUnits hair = read_units(table);
+    const FileUnits meant{table.choice("scalp_units", hair.units, {"m", "cm", "mm", "auto"}),
+                          table.choice("scalp_up", hair.up, {"y", "z"})};
+    return std::make_shared<const ScalpMesh>(import_mesh(path, meant));
+}
+
+GridSize read_grid(const Table& table, GridSize fallback) {
+    const auto grid = table.numbers("grid", {double(fallback.width), double(fallback.height)}, 1, 4096);
+    for (double n : grid)
+        if (n != std::floor(n)) table.fail("grid", "found " + std::to_string(n) + ", allowed whole numbers from 1 to 4096");
+    return {int(grid[0]), int(grid[1])};
 }
 
 ProceduralGroom read_procedural(const Table& table, unsigned long long seed) {
     ProceduralGroom g;
     g.seed = seed;
-    const auto grid = table.numbers("grid", {double(g.width), double(g.height)}, 1, 4096);
-    for (double n : grid)
-        if (n != std::floor(n)) table.fail("grid", "found " + std::to_string(n) + ", allowed whole numbers from 1 to 4096");
-    g.width = int(grid[0]);
-    g.height = int(grid[1]);
+    const GridSize grid = read_grid(table, {g.width, g.height});
+    g.width = grid.width;
+    g.height = grid.height;
     g.particles = int(table.integer("particles", g.particles, 2, 10000));
     read_parameters(g, procedural_parameters, table);
     g.head = read_scalp(table);

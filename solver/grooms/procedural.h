@@ -4,6 +4,8 @@
 
 #include "base/geometry/strands.h"
 #include "base/parameters.h"
+#include "solver/grooms/import.h"
+#include "solver/grooms/root_grid.h"
 #include "solver/grooms/scalp.h"
 
 namespace wetcurl {
@@ -43,11 +45,15 @@ inline constexpr Parameter<ProceduralGroom> procedural_parameters[] = {
 };
 
 // Reads `[groom]`: the rows above, `grid` = [W, H] (1 to 4096), `particles` (2 to 10000), `scalp_centre` [m],
-// and a head mesh, `scalp` with `scalp_units` (m | cm | mm | auto) and `scalp_up` (y | z), in the ball's place.
-// Throws Misuse for what is out of range.
+// and a head mesh, `scalp`, in the ball's place. Throws Misuse for what is out of range.
 ProceduralGroom read_procedural(const Table& table, unsigned long long seed);
 
-// The head's mesh of `[groom] scalp`; null where it names none.
+// `[groom] grid` = [W, H].
+GridSize read_grid(const Table& table, GridSize fallback);
+// `[groom] units` (m | cm | mm | auto) and `up` (y | z), of hair and scalp.
+FileUnits read_units(const Table& table);
+// The head's mesh that `[groom] scalp` names, with `scalp_units` and `scalp_up` where they are not those of the
+// hair; null where it names none.
 std::shared_ptr<const ScalpMesh> read_scalp(const Table& table);
 
 // Root (i, j) at (i / width, j / height) of the parameter square. A strand depends on that place, the seed and

@@ -32,7 +32,8 @@ static std::vector<Vec3d> outward_normals(const Mesh& mesh) {
     return normals;
 }
 
-ScalpMesh::ScalpMesh(Mesh mesh) : mesh_(std::move(mesh)), distance_(mesh_), normals_(outward_normals(mesh_)) {}
+ScalpMesh::ScalpMesh(Mesh mesh)
+    : mesh_(std::move(mesh)), box_(bounding_box(mesh_)), distance_(mesh_), normals_(outward_normals(mesh_)) {}
 
 ScalpPoint ScalpMesh::closest(const Vec3d& x) const {
     const auto found = distance_.closest(x);
@@ -40,14 +41,15 @@ ScalpPoint ScalpMesh::closest(const Vec3d& x) const {
     const Vec3d w = found.barycentric;
     const Vec3d n = w.x * normals_[size_t(t[0])] + w.y * normals_[size_t(t[1])] + w.z * normals_[size_t(t[2])];
     const Vec3d normal = normalized(n, Vec3d{0, 1, 0});
-    return {found.point, normal, dot(x - found.point, normal) < 0 ? -found.distance : found.distance};
+    // Behind the rim of an open mesh a point may lie behind its closest triangle and yet outside.
+    const bool below = dot(x - found.point, normal) < 0 && distance_.inside(x);
+    return {found.point, normal, below ? -found.distance : found.distance};
 }
 
 ScalpPoint ScalpMesh::outermost(const Vec3d& centre, const Vec3d& direction, double radius) const {
-    const Bounds box = bounding_box(mesh_);
-    const Vec3d reach{std::max(box.high.x - centre.x, centre.x - box.low.x),
-                      std::max(box.high.y - centre.y, centre.y - box.low.y),
-                      std::max(box.high.z - centre.z, centre.z - box.low.z)};
+    const Vec3d reach{std::max(box_.high.x - centre.x, centre.x - box_.low.x),
+                      std::max(box_.high.y - centre.y, centre.y - box_.low.y),
+                      std::max(box_.high.z - centre.z, centre.z - box_.low.z)};
     // From outside inward, each time by the distance to the mesh: no surface is stepped over.
     constexpr double touching = 1e-6;  // [m]
     constexpr int most_steps = 500;
@@ -61,7 +63,7 @@ ScalpPoint ScalpMesh::outermost(const Vec3d& centre, const Vec3d& direction, dou
     return closest(centre + radius * direction);
 }
 
-DiskPoint square_to_disk(double u, double v) {
+Planar square_to_disk(double u, double v) {
     const double a = 2 * u - 1, b = 2 * v - 1;
     if (a == 0 && b == 0) return {0, 0};
     constexpr double quarter = std::numbers::pi / 4;
@@ -71,7 +73,7 @@ DiskPoint square_to_disk(double u, double v) {
 }
 
 Vec3d Cap::direction(double u, double v) const {
-    const DiskPoint d = square_to_disk(u, v);
+    const Planar d = square_to_disk(u, v);
     const double r = std::min(1.0, std::hypot(d.x, d.y));
     // Lambert: a circle of radius r on the disk bounds r^2 of the cap's area, and area runs with 1 - cos.
     const double c = 1 - r * r * (1 - std::cos(coverage)), s = std::sqrt(std::max(0.0, 1 - c * c));

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/geometry/mesh.h"
+#include "solver/grooms/planar.h"
 
 namespace wetcurl {
 
@@ -30,15 +31,13 @@ class ScalpMesh {
 
   private:
     Mesh mesh_;
+    Bounds box_;
     MeshDistance distance_;
     std::vector<Vec3d> normals_;  // (vertex), unit, area-weighted
 };
 
 // Uniform area: unit square to unit disk, (0.5, 0.5) to the middle.
-struct DiskPoint {
-    double x, y;
-};
-DiskPoint square_to_disk(double u, double v);
+Planar square_to_disk(double u, double v);
 
 // A cap of directions about `pole`, `coverage` [rad] from it to the rim. x of the disk runs along `right`.
 struct Cap {

@@ -1,0 +1,121 @@
+// Grooms of scenes. Ours.
+#include "solver/grooms/groom.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "solver/grooms/procedural.h"
+
+namespace wetcurl {
+
+StrandPoints resampled_strands(const StrandPoints& strands, int particles) {
+    StrandPoints out(strands.size());
+#pragma omp parallel for schedule(dynamic, 64)
+    for (size_t s = 0; s < strands.size(); ++s) out[s] = resampled(strands[s], particles);
+    return out;
+}
+
+std::vector<Vec3d> roots_of(const StrandPoints& strands) {
+    std::vector<Vec3d> roots;
+    for (const auto& strand : strands) roots.push_back(strand[0]);
+    return roots;
+}
+
+RootDepth root_depth(const StrandPoints& strands, const ScalpMesh& scalp) {
+    RootDepth out;
+    out.roots = int(strands.size());
+    std::vector<double> depths;
+    for (const auto& root : roots_of(strands))
+        if (const double height = scalp.closest(root).height; height < 0) depths.push_back(-height);
+    std::sort(depths.begin(), depths.end());
+    out.below = int(depths.size());
+    if (out.below) out.median = depths[depths.size() / 2], out.deepest = depths.back();
+    return out;
+}
+
+std::string described(const RootDepth& depth) {
+    char text[160];
+    std::snprintf(text, sizeof text, "%d of %d roots lie under the scalp, by %.1f mm in the median, %.1f mm at most", depth.below,
+                  depth.roots, 1e3 * depth.median, 1e3 * depth.deepest);
+    return text;
+}
+
+static std::vector<Vec3f> normals_at(const std::vector<Vec3d>& roots, const ScalpMesh* scalp) {
+    const RootDome dome = dome_of(roots);
+    std::vector<Vec3f> normals;
+    for (const auto& x : roots) normals.push_back(cast<float>(scalp ? scalp->closest(x).normal : dome.outward(x)));
+    return normals;
+}
+
+static void move(StrandPoints& strands, double scale, const Vec3d& offset) {
+    for (auto& strand : strands)
+        for (auto& x : strand) x = scale * x + offset;
+}
+
+// The grid asked for, or {0, 0} for the finest there is.
+static GridSize grid_wanted(const Table& table, const std::string& file, size_t strands) {
+    const GridSize size = read_grid(table, {1, 1});
+    if (!table.has("grid")) return {0, 0};
+    if (size_t(size.width) * size_t(size.height) <= strands) return size;
+    log_warning(table.where("grid") + ": found " + std::to_string(size.width) + " x " + std::to_string(size.height) + ", but " +
+                file + " has " + std::to_string(strands) + " strands: taking the finest grid that they fill");
+    return {0, 0};
+}
+
+// A file laid over a scene's own groom leaves that one's keys without a part: they must be right all the same.
+static void rest_procedural_keys(const Table& table, const std::string& file) {
+    std::string resting;
+    ProceduralGroom ignored;
+    read_parameters(ignored, procedural_parameters, table);
+    table.numbers("scalp_centre", {0, 0, 0}, -100, 100);
+    for (const auto& row : procedural_parameters)
+        if (table.has(row.key)) resting += std::string(" ") + row.key;
+    if (table.has("scalp_centre")) resting += " scalp_centre";
+    if (!resting.empty()) log_info(table.where() + ": strands come from " + file + "; without effect:" + resting);
+}
+
+static Groom file_groom(const Table& table, const std::string& file) {
+    const FileUnits meant = read_units(table);
+    const double scale = table.number("scale", 1, 1e-6, 1e6);
+    const auto offset = table.numbers("offset", {0, 0, 0}, -1e4, 1e4);
+    const int particles = int(table.integer("particles", ProceduralGroom{}.particles, 2, 10000));
+    rest_procedural_keys(table, file);
+    const auto scalp = read_scalp(table);
+
+    StrandPoints strands = import_strands(file, meant).strands;
+    move(strands, scale, {offset[0], offset[1], offset[2]});
+    const std::vector<Vec3d> roots = roots_of(strands);
+    if (scalp) log_info(file + ": " + described(root_depth(strands, *scalp)));
+    const RootLayout layout = lay_on_grid(roots, scalp.get(), grid_wanted(table, file, roots.size()));
+    log_info(file + ": " + described(layout));
+
+    Groom full;
+    full.rest = Strands(int(strands.size()), particles);
+    const StrandPoints even = resampled_strands(strands, particles);
+    for (int s = 0; s < full.rest.count; ++s)
+        for (int i = 0; i < particles; ++i) full.rest.at(s, i) = cast<float>(even[size_t(s)][size_t(i)]);
+    full.normal = normals_at(roots, scalp.get());
+    full.grid = layout.grid;
+    return coarsened(full, 1);  // strands in the order of their pixels, those without one left out
+}
+
+Groom load_groom(const Table& table, unsigned long long seed, const std::string& groom_override) {
+    const std::string named = table.path("file");
+    const std::string& file = groom_override.empty() ? named : groom_override;
+    return file.empty() ? make_procedural(read_procedural(table, seed)) : file_groom(table, file);
+}
+
+Groom thinned(const Groom& full, int at_most, int* stride) {
+    if (at_most < 1) throw Misuse("--strands: found " + std::to_string(at_most) + ", allowed 1 or more");
+    for (int each = 1;; each *= 2) {
+        Groom out = coarsened(full, each);
+        if (out.rest.count > at_most) continue;
+        if (out.rest.count == 0) throw Error("a groom of at most " + std::to_string(at_most) + " strands: found no root on that grid");
+        if (stride) *stride = each;
+        return out;
+    }
+}
+
+}  // namespace wetcurl

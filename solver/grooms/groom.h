@@ -1,0 +1,38 @@
+// The groom that a scene names: the built-in one, or strands of a file laid on a grid. Ours.
+#pragma once
+
+#include <optional>
+
+#include "base/config.h"
+#include "base/geometry/strands.h"
+#include "solver/grooms/import.h"
+#include "solver/grooms/root_grid.h"
+
+namespace wetcurl {
+
+// Reads `[groom]`. Without `file`: the built-in groom (procedural.h). With it (or with `groom_override`, which
+// goes before it): the file's strands, with `units`, `up`, then x <- `scale` x + `offset` [m], each resampled to
+// `particles` points even in arc length, roots laid on a grid (`grid`, else the finest that they fill), normals
+// from the `scalp` where one is named, else off the middle of the roots. Keys of the built-in groom are then
+// checked and said to rest, since `--groom` lays a file over any scene.
+// Throws Misuse for keys and values, Error for bad files.
+Groom load_groom(const Table& table, unsigned long long seed, const std::string& groom_override);
+
+// The grid of every 1st, 2nd, 4th... root each way: the finest that has at most `at_most` strands, 1 or more.
+// `stride`, where given, receives which. Throws Misuse where at_most < 1, Error where no root is left.
+Groom thinned(const Groom& full, int at_most, int* stride = nullptr);
+
+// Every strand as `particles` points, even in arc length.
+StrandPoints resampled_strands(const StrandPoints& strands, int particles);
+
+// Roots under the surface of a scalp: real ones often are.
+struct RootDepth {
+    int roots = 0, below = 0;
+    double median = 0, deepest = 0;  // depth of those below [m]
+};
+RootDepth root_depth(const StrandPoints& strands, const ScalpMesh& scalp);
+std::string described(const RootDepth& depth);
+
+std::vector<Vec3d> roots_of(const StrandPoints& strands);
+
+}  // namespace wetcurl
