@@ -153,10 +153,6 @@ Scene read_scene(Config config, const SceneOptions& options) {
 
 }  // namespace
 
-bool Scene::has_attached_solid() const {
-    return std::any_of(solids.begin(), solids.end(), [](const Solid& s) { return s.attached; });
-}
-
 Scene load_scene(const std::string& path, const SceneOptions& options) { return read_scene(Config::load(path), options); }
 
 Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder, const SceneOptions& options) {

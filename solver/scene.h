@@ -60,7 +60,11 @@ struct Scene {
     std::optional<Term>& term() { return std::get<std::optional<Term>>(chain); }
     template <class Term>
     const std::optional<Term>& term() const { return std::get<std::optional<Term>>(chain); }
-    bool has_attached_solid() const;
+    bool has_attached_solid() const {
+        for (const auto& s : solids)
+            if (s.attached) return true;
+        return false;
+    }
 };
 
 struct SceneOptions {
