@@ -15,8 +15,8 @@ AdhesionMlp::AdhesionMlp() {
 
 Tensor AdhesionMlp::forward(const Tensor& input) {
     Tensor x = to_rows(input).to(body);
-    for (size_t i = 0; i + 1 < layers_.size(); ++i) x = torch::leaky_relu(apply(layers_[i], x));
-    return from_rows(apply(layers_.back(), x.to(torch::kFloat)), input);
+    for (size_t i = 0; i + 1 < layers_.size(); ++i) x = torch::leaky_relu(run_layer(layers_[i], x));
+    return from_rows(run_layer(layers_.back(), x.to(torch::kFloat)), input);
 }
 
 }  // namespace wetcurl

@@ -42,13 +42,12 @@ void set_zero(nn::Module& layer) {
     for (auto& p : layer.parameters()) p.zero_();
 }
 
-Tensor apply(nn::Conv2d& layer, const Tensor& x) {
-    const auto& o = layer->options;
-    return torch::conv2d(x, layer->weight.to(x.scalar_type()), layer->bias.to(x.scalar_type()), o.stride(),
-                         std::get<torch::ExpandingArray<2>>(o.padding()));
+Tensor run_layer(nn::Conv2d& layer, const Tensor& x) {
+    return torch::conv2d(x, layer->weight.to(x.scalar_type()), layer->bias.to(x.scalar_type()), /*stride=*/1,
+                         layer->weight.size(2) / 2);
 }
 
-Tensor apply(nn::Linear& layer, const Tensor& rows) {
+Tensor run_layer(nn::Linear& layer, const Tensor& rows) {
     return linear_rows(rows, layer->weight.to(rows.scalar_type()), layer->bias.to(rows.scalar_type()));
 }
 

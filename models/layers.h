@@ -32,9 +32,9 @@ torch::nn::Linear dense(int in, int out);
 void set_zero(torch::nn::Module& layer);
 
 // The layer on x, its weights cast to x's type.
-Tensor apply(torch::nn::Conv2d& layer, const Tensor& x);
+Tensor run_layer(torch::nn::Conv2d& layer, const Tensor& x);
 // (P, C) rows to (P, out): what a 1x1 convolution does to P pixels.
-Tensor apply(torch::nn::Linear& layer, const Tensor& rows);
+Tensor run_layer(torch::nn::Linear& layer, const Tensor& rows);
 // rows (P, C) times weight (O, C) transposed, plus bias (O) where it is defined.
 Tensor linear_rows(const Tensor& rows, const Tensor& weight, const Tensor& bias = {});
 // Transposed convolution 2x2, stride 2: (B, C, H, W) to (B, O, 2H, 2W), of a layer (C, O, 2, 2).

@@ -25,12 +25,12 @@ RecursiveResidual::RecursiveResidual(double width) {
 }
 
 Tensor RecursiveResidual::forward(const Tensor& input) {
-    Tensor x = apply(head_, input.to(body));  // (B, C, h, w)
+    Tensor x = run_layer(head_, input.to(body));  // (B, C, h, w)
     for (size_t i = 0; i < blocks_.size(); i += 2)
-        x = x + apply(blocks_[i + 1], torch::relu_(apply(blocks_[i], x)));
+        x = x + run_layer(blocks_[i + 1], run_layer(blocks_[i], x).relu_());
     x = up(x);  // (B, C, 2h, 2w)
-    for (size_t i = 0; i + 1 < tail_.size(); ++i) x = torch::relu_(apply(tail_[i], x));
-    return up(input) + apply(tail_.back(), x.to(torch::kFloat));
+    for (size_t i = 0; i + 1 < tail_.size(); ++i) x = run_layer(tail_[i], x).relu_();
+    return up(input) + run_layer(tail_.back(), x.to(torch::kFloat));
 }
 
 }  // namespace wetcurl

@@ -26,10 +26,10 @@ StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, 
 }
 
 Tensor StrandMlp::rows(const Tensor& input) {
-    Tensor x = apply(first_, ((input - mean_) / deviation_).to(body));  // (P, channels)
+    Tensor x = run_layer(first_, ((input - mean_) / deviation_).to(body));  // (P, channels)
     for (size_t i = 0; i < blocks_.size(); i += 2)
-        x = x + apply(blocks_[i + 1], torch::relu_(apply(blocks_[i], x)));
-    return apply(last_, torch::relu(x).to(torch::kFloat)) * scale_;
+        x = x + run_layer(blocks_[i + 1], run_layer(blocks_[i], x).relu_());
+    return run_layer(last_, torch::relu(x).to(torch::kFloat)) * scale_;
 }
 
 Tensor StrandMlp::forward(const Tensor& input) { return from_rows(rows(to_rows(input)), input); }

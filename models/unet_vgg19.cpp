@@ -27,14 +27,18 @@ UnetVgg19::UnetVgg19(double width) {
     int channels = 3;
     std::vector<int> skips;
     for (const Row& row : down_table) {
-        Level level{"C" + std::to_string(down_.size() + 1)};
+        Level level;
+        level.name = "C";
+        level.name += std::to_string(down_.size() + 1);
         const int out = scaled_channels(row.channels, width);
         add_convolutions(level, channels, out, row.convolutions);
         skips.push_back(channels = out);
         down_.push_back(level);
     }
     for (const Row& row : up_table) {
-        Level level{"r" + std::to_string(up_.size() + 1)};
+        Level level;
+        level.name = "r";
+        level.name += std::to_string(up_.size() + 1);
         const int out = scaled_channels(row.channels, width);
         level.doubling = register_module(level.name + "_up",
                                          nn::ConvTranspose2d(nn::ConvTranspose2dOptions(channels, out, 2).stride(2)));
@@ -52,7 +56,7 @@ UnetVgg19::UnetVgg19(double width) {
 }
 
 Tensor UnetVgg19::run(Level& level, Tensor x) {
-    for (auto& layer : level.convolutions) x = torch::relu_(apply(layer, x));
+    for (auto& layer : level.convolutions) x = run_layer(layer, x).relu_();
     if (watch) watch(level.name, x);
     return x;
 }
@@ -75,7 +79,7 @@ Tensor UnetVgg19::forward(const Tensor& input) {
         }
         x = run(level, x);
     }
-    const Tensor residual = apply(last_, x.to(torch::kFloat)).narrow(2, 0, 2 * h).narrow(3, 0, 2 * w);
+    const Tensor residual = run_layer(last_, x.to(torch::kFloat)).narrow(2, 0, 2 * h).narrow(3, 0, 2 * w);
     if (watch) watch("r7", residual);
     return up(input) + residual;
 }

@@ -1,0 +1,410 @@
+// Batches drawn from pairs files.
+// Ours.
+#include "training/data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include "base/error.h"
+#include "learn/dct.h"
+
+namespace wetcurl {
+namespace {
+
+using std::vector;
+
+// Of an epoch: the same for every training with this seed, whatever came before.
+std::mt19937_64 generator(double seed, long epoch) {
+    std::seed_seq mix{uint64_t(seed) & 0xffffffffu, uint64_t(seed) >> 32, uint64_t(epoch)};
+    return std::mt19937_64(mix);
+}
+
+// Below n; a modulus of 64 random bits is even enough, and the same in every standard library.
+size_t draw(std::mt19937_64& random, size_t n) { return size_t(random() % n); }
+
+vector<long> shuffled(vector<long> items, std::mt19937_64& random) {
+    for (size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[draw(random, i)]);
+    return items;
+}
+
+vector<long> counting(long n) {
+    vector<long> items(static_cast<size_t>(n));
+    std::iota(items.begin(), items.end(), 0l);
+    return items;
+}
+
+long ceil_divide(long a, long b) { return (a + b - 1) / b; }
+
+// How many of `count` frames, in order of time, training sees; the rest is held out.
+long trained_of(long count, double validation, const std::string& where) {
+    const long held = validation > 0 ? std::max(1l, std::lround(count * validation)) : 0;
+    if (held >= count)
+        throw Error(where + ": found " + std::to_string(count) + " frames, of which validation = " +
+                    std::to_string(validation) + " leaves none to train on; validation = 0 holds none out");
+    return count - held;
+}
+
+void require_finite(const Tensor& values, const std::string& where) {
+    if (!torch::isfinite(values).all().item<bool>())
+        throw Error(where + ": found a value that is not finite, only finite numbers are allowed");
+}
+
+std::string run_name(const PairsReader& pairs, int run) { return pairs.path() + ": runs/" + std::to_string(run); }
+
+// A frame that a batch can name.
+struct Place {
+    size_t run;
+    long frame;
+};
+
+vector<Place> places_of(const vector<long>& frames, const vector<long>& trained, bool held_out) {
+    vector<Place> places;
+    for (size_t r = 0; r < frames.size(); ++r)
+        for (long f = held_out ? trained[r] : 0; f < (held_out ? frames[r] : trained[r]); ++f) places.push_back({r, f});
+    return places;
+}
+
+Tensor image(const Tensor& rows) { return rows.unsqueeze(2).unsqueeze(3); }
+
+// ---- codec strand: masked pixels as rows, whole frames ----
+
+class StrandData : public TrainingData {
+  public:
+    StrandData(const vector<PairsReader*>& pairs, const Recipe& recipe) : recipe_(recipe) {
+        for (auto* file : pairs)
+            for (int r = 0; r < file->runs(); ++r) add_run(*file, r);
+        particles_ = pairs.front()->particles();
+        train_ = places_of(frames_, trained_, false);
+        held_ = places_of(frames_, trained_, true);
+        find_statistics();
+    }
+
+    void describe(ModelCard& card) const override {
+        card.input_channels = int(mean_.size(0));
+        card.particles = particles_;
+        card.arrays["input_mean"] = values(mean_);
+        card.arrays["input_std"] = values(deviation_);
+        card.arrays["output_scale"] = values(scale_);
+    }
+    void begin_epoch(long epoch) override {
+        auto random = generator(recipe_.seed, epoch);
+        order_ = shuffled(counting(long(train_.size())), random);
+    }
+    long steps() const override { return ceil_divide(long(train_.size()), long(recipe_.batch)); }
+    Batch batch(long step) const override {
+        vector<Place> places;
+        const long first = step * long(recipe_.batch);
+        for (long i = first; i < std::min(first + long(recipe_.batch), long(order_.size())); ++i)
+            places.push_back(train_[size_t(order_[size_t(i)])]);
+        return of(places);
+    }
+    long validation_batches() const override { return long(held_.size()); }
+    Batch validation_batch(long i) const override { return of({held_[size_t(i)]}); }
+    double unit() const override { return unit_; }
+
+  private:
+    struct Run {
+        Tensor fixed, dynamic, target;  // (P, Cs), (F, P, Cd), (F, P, 48)
+    };
+
+    static vector<float> values(const Tensor& t) { return {t.data_ptr<float>(), t.data_ptr<float>() + t.numel()}; }
+
+    // (C, H W) to rows of the masked pixels (P, C).
+    static Tensor masked_rows(const float* planes, long channels, const Tensor& pixels, long area) {
+        return torch::from_blob(const_cast<float*>(planes), {channels, area}).index_select(1, pixels).t().contiguous();
+    }
+
+    void add_run(const PairsReader& file, int r) {
+        const StrandPairs run = file.strand(r);
+        const std::string where = run_name(file, r);
+        const long area = long(run.pixels());
+        vector<long> inside;
+        for (long p = 0; p < area; ++p)
+            if (run.mask[size_t(p)]) {
+                inside.push_back(p);
+                length_sum_ += run.length[size_t(p)];
+            }
+        if (inside.empty()) throw Error(where + "/mask: found no strand");
+        const Tensor pixels = torch::tensor(inside);
+        const long count = pixels.size(0);
+        strands_ += count;
+
+        Run out;
+        out.fixed = masked_rows(run.fixed.data(), run.static_channels, pixels, area);
+        out.dynamic = torch::empty({run.frames, count, run.dynamic_channels});
+        out.target = torch::empty({run.frames, count, strand_coefficients});
+        vector<float> dynamic(size_t(run.dynamic_channels * area)), target(size_t(strand_coefficients * area));
+        for (int f = 0; f < run.frames; ++f) {
+            file.frame(r, f, dynamic.data(), target.data());
+            out.dynamic[f].copy_(masked_rows(dynamic.data(), run.dynamic_channels, pixels, area));
+            out.target[f].copy_(masked_rows(target.data(), strand_coefficients, pixels, area));
+        }
+        for (const auto& t : {out.fixed, out.dynamic, out.target}) require_finite(t, where);
+        if (!runs_.empty() && (runs_[0].fixed.size(1) != out.fixed.size(1) || runs_[0].dynamic.size(2) != out.dynamic.size(2)))
+            throw Error(where + ": found other channels than in the first run");
+        runs_.push_back(out);
+        frames_.push_back(run.frames);
+        trained_.push_back(trained_of(run.frames, recipe_.validation, where));
+    }
+
+    // Per channel over the frames that training sees, in double: mean and deviation of the inputs, size of the target.
+    void find_statistics() {
+        Tensor sum = torch::zeros({channels()}, torch::kDouble), squares = sum.clone();
+        Tensor targets = torch::zeros({strand_coefficients}, torch::kDouble);
+        double rows = 0;
+        for (const auto& place : train_) {
+            const Batch b = of({place});
+            const Tensor x = b.input.flatten(1).to(torch::kDouble), y = b.target.flatten(1).to(torch::kDouble);
+            sum += x.sum(0);
+            squares += x.square().sum(0);
+            targets += y.square().sum(0);
+            rows += double(x.size(0));
+        }
+        const Tensor mean = sum / rows;
+        const Tensor deviation = (squares / rows - mean.square()).clamp_min(0).sqrt();
+        // A channel that never changes tells nothing: it comes in as zero, whatever rounding leaves of its deviation.
+        const Tensor constant = deviation <= 1e-5 * mean.abs() + 1e-9;
+        mean_ = mean.to(torch::kFloat);
+        deviation_ = torch::where(constant, torch::ones_like(deviation), deviation).to(torch::kFloat);
+        const Tensor size = (targets / rows).sqrt();
+        // Amplitudes that hardly move keep a thousandth of the largest, so that none is out of reach.
+        scale_ = torch::maximum(size, 1e-3 * size.max()).clamp_min(1e-9).to(torch::kFloat);
+        unit_ = length_sum_ / double(strands_);
+        if (!(unit_ > 0)) throw Error("pairs: found a mean strand length of " + std::to_string(unit_) + " m, needed above 0");
+    }
+
+    long channels() const { return runs_[0].fixed.size(1) + runs_[0].dynamic.size(2); }
+
+    Batch of(const vector<Place>& places) const {
+        vector<Tensor> inputs, targets, bases;
+        for (const auto& [run, frame] : places) {
+            const Run& r = runs_[run];
+            const Tensor dynamic = r.dynamic[frame];
+            inputs.push_back(torch::cat({r.fixed, dynamic}, 1));
+            targets.push_back(r.target[frame]);
+            bases.push_back(dynamic.narrow(1, 0, strand_coefficients));
+        }
+        return {image(torch::cat(inputs)), image(torch::cat(targets)), torch::cat(bases), {}};
+    }
+
+    Recipe recipe_;
+    vector<Run> runs_;
+    vector<long> frames_, trained_, order_;
+    vector<Place> train_, held_;
+    Tensor mean_, deviation_, scale_;
+    int particles_ = 0;
+    long strands_ = 0;
+    double length_sum_ = 0, unit_ = 0;
+};
+
+// ---- codec root: patches of colour images ----
+
+class RootData : public TrainingData {
+  public:
+    RootData(const vector<PairsReader*>& pairs, const Recipe& recipe) : recipe_(recipe) {
+        pairs.front()->box(lower_, upper_);
+        for (auto* file : pairs) {
+            require_same_box(*file);
+            for (int r = 0; r < file->runs(); ++r) add_run(*file, r);
+        }
+        train_ = places_of(frames_, trained_, false);
+        held_ = places_of(frames_, trained_, true);
+        for (size_t p = 0; p < train_.size(); ++p)
+            for (long k = patches_of(runs_[train_[p].run]); k > 0; --k) samples_.push_back(long(p));
+    }
+
+    void describe(ModelCard& card) const override {
+        card.input_channels = 3;
+        card.arrays["b_min"] = {float(lower_[0]), float(lower_[1]), float(lower_[2])};
+        card.arrays["b_max"] = {float(upper_[0]), float(upper_[1]), float(upper_[2])};
+    }
+    // As many patches as cover each image once, at random places.
+    void begin_epoch(long epoch) override {
+        auto random = generator(recipe_.seed, epoch);
+        order_ = shuffled(samples_, random);
+        corners_.clear();
+        for (long sample : order_) {
+            const Run& run = runs_[train_[size_t(sample)].run];
+            const long y = long(draw(random, size_t(run.input.size(2) - side() + 1)));
+            corners_.push_back({y, long(draw(random, size_t(run.input.size(3) - side() + 1)))});
+        }
+    }
+    long steps() const override { return ceil_divide(long(samples_.size()), long(recipe_.batch)); }
+    Batch batch(long step) const override {
+        vector<Batch> patches;
+        const long first = step * long(recipe_.batch);
+        for (long i = first; i < std::min(first + long(recipe_.batch), long(order_.size())); ++i) {
+            const auto [y, x] = corners_[size_t(i)];
+            patches.push_back(patch(train_[size_t(order_[size_t(i)])], y, x, side(), side()));
+        }
+        return joined(patches);
+    }
+    long validation_batches() const override { return long(held_.size()); }
+    Batch validation_batch(long i) const override {
+        const Tensor& input = runs_[held_[size_t(i)].run].input;
+        return patch(held_[size_t(i)], 0, 0, input.size(2), input.size(3));
+    }
+    double unit() const override {
+        double square = 0;
+        for (int a = 0; a < 3; ++a) square += (upper_[a] - lower_[a]) * (upper_[a] - lower_[a]);
+        return std::sqrt(square);
+    }
+
+  private:
+    struct Run {
+        Tensor input, target, mask;  // (F, 3, h, w), (F, 3, 2h, 2w), (1, 1, 2h, 2w)
+    };
+
+    void require_same_box(const PairsReader& file) const {
+        double lower[3], upper[3];
+        file.box(lower, upper);
+        if (!std::equal(lower, lower + 3, lower_) || !std::equal(upper, upper + 3, upper_))
+            throw Error(file.path() + ": found another box (b_min, b_max) than in the first file; one model has one box: encode the runs together");
+        if (!(unit() > 0) || !std::isfinite(unit())) throw Error(file.path() + ": found an empty box (b_min, b_max)");
+    }
+
+    void add_run(const PairsReader& file, int r) {
+        const RootPairs run = file.root(r);
+        const std::string where = run_name(file, r);
+        Run out{torch::empty({run.frames, 3, run.height, run.width}),
+                torch::empty({run.frames, 3, 2 * run.height, 2 * run.width}),
+                torch::tensor(vector<int>(run.mask.begin(), run.mask.end())).ne(0).to(torch::kFloat)
+                    .view({1, 1, 2 * run.height, 2 * run.width})};
+        for (int f = 0; f < run.frames; ++f)
+            file.frame(r, f, out.input[f].data_ptr<float>(), out.target[f].data_ptr<float>());
+        for (const auto& t : {out.input, out.target}) require_finite(t, where);
+        if (out.mask.sum().item<float>() == 0) throw Error(where + "/mask: found no strand");
+        smallest_ = std::min({smallest_, long(run.height), long(run.width)});
+        runs_.push_back(out);
+        frames_.push_back(run.frames);
+        trained_.push_back(trained_of(run.frames, recipe_.validation, where));
+    }
+
+    // Patches of a batch are of one size: the recipe's, or the smallest image's.
+    long side() const { return std::min(long(recipe_.patch), smallest_); }
+    long patches_of(const Run& run) const {
+        return ceil_divide(run.input.size(2), side()) * ceil_divide(run.input.size(3), side());
+    }
+
+    Batch patch(const Place& place, long y, long x, long height, long width) const {
+        const Run& r = runs_[place.run];
+        auto cut = [&](const Tensor& t, long scale) {
+            return t.narrow(2, scale * y, scale * height).narrow(3, scale * x, scale * width);
+        };
+        const Tensor input = r.input.narrow(0, place.frame, 1);
+        // up() of the whole image: at its border a patch's own would be an extrapolation.
+        return {cut(input, 1), cut(r.target.narrow(0, place.frame, 1), 2), cut(up(input), 2), cut(r.mask, 2)};
+    }
+
+    static Batch joined(const vector<Batch>& patches) {
+        vector<Tensor> parts[4];
+        for (const auto& p : patches) {
+            parts[0].push_back(p.input);
+            parts[1].push_back(p.target);
+            parts[2].push_back(p.base);
+            parts[3].push_back(p.mask);
+        }
+        return {torch::cat(parts[0]), torch::cat(parts[1]), torch::cat(parts[2]), torch::cat(parts[3])};
+    }
+
+    Recipe recipe_;
+    double lower_[3], upper_[3];
+    vector<Run> runs_;
+    vector<long> frames_, trained_, samples_, order_;
+    vector<std::pair<long, long>> corners_;
+    vector<Place> train_, held_;
+    long smallest_ = std::numeric_limits<long>::max();
+};
+
+// ---- codec adhesion: single particles, as many in contact as free ----
+
+class AdhesionData : public TrainingData {
+  public:
+    AdhesionData(const vector<PairsReader*>& pairs, const Recipe& recipe) : recipe_(recipe) {
+        vector<AdhesionSample> train, held;
+        for (auto* file : pairs)
+            for (int r = 0; r < file->runs(); ++r) {
+                const auto samples = file->adhesion(r);
+                const auto split = samples.begin() + trained_of(long(samples.size()), recipe.validation, run_name(*file, r));
+                train.insert(train.end(), samples.begin(), split);
+                held.insert(held.end(), split, samples.end());
+            }
+        for (size_t s = 0; s < train.size(); ++s) (train[s].contact ? contact_ : free_).push_back(long(s));
+        if (contact_.empty() || free_.empty())
+            throw Error(pairs.front()->path() + ": found " + std::to_string(contact_.size()) + " samples in contact and " +
+                        std::to_string(free_.size()) + " free ones to train on, both kinds are needed");
+        train_ = of(train);
+        held_ = of(held);
+    }
+
+    void describe(ModelCard& card) const override { card.input_channels = adhesion_inputs; }
+    void begin_epoch(long epoch) override {
+        auto random = generator(recipe_.seed, epoch);
+        order_.clear();
+        for (long i = 0; i < half(); ++i) {
+            order_.push_back(contact_[draw(random, contact_.size())]);
+            order_.push_back(free_[draw(random, free_.size())]);
+        }
+    }
+    long steps() const override { return ceil_divide(2 * half(), long(recipe_.batch)); }
+    Batch batch(long step) const override {
+        const size_t first = size_t(step * long(recipe_.batch)), last = std::min(first + size_t(recipe_.batch), order_.size());
+        const Tensor chosen = torch::tensor(vector<long>(order_.begin() + long(first), order_.begin() + long(last)));
+        return {train_.input.index_select(0, chosen), train_.target.index_select(0, chosen),
+                train_.base.index_select(0, chosen), {}};
+    }
+    // The natural distribution.
+    long validation_batches() const override { return ceil_divide(held_.input.size(0), rows_a_batch); }
+    Batch validation_batch(long i) const override {
+        const long first = i * rows_a_batch, count = std::min(rows_a_batch, held_.input.size(0) - first);
+        return {held_.input.narrow(0, first, count), held_.target.narrow(0, first, count),
+                held_.base.narrow(0, first, count), {}};
+    }
+    double unit() const override { return 1; }
+
+  private:
+    static constexpr long rows_a_batch = 1 << 16;
+    static constexpr long force_before = 7;  // input of particle i: its F.n in the step before
+
+    long half() const { return std::min(long(recipe_.epoch_samples) / 2, long(contact_.size() + free_.size())); }
+
+    static Batch of(const vector<AdhesionSample>& samples) {
+        const long n = long(samples.size());
+        Tensor input = torch::empty({n, adhesion_inputs}), target = torch::empty({n, 1});
+        for (long s = 0; s < n; ++s) {
+            std::copy_n(samples[size_t(s)].input.data(), adhesion_inputs, input.data_ptr<float>() + s * adhesion_inputs);
+            target.data_ptr<float>()[s] = samples[size_t(s)].target;
+        }
+        return {image(input), image(target), image(input.narrow(1, force_before, 1)), {}};
+    }
+
+    Recipe recipe_;
+    Batch train_, held_;
+    vector<long> contact_, free_, order_;
+};
+
+}  // namespace
+
+Batch Batch::to(torch::Device device) const {
+    auto moved = [&](const Tensor& t) { return t.defined() ? t.to(device) : t; };
+    return {moved(input), moved(target), moved(base), moved(mask)};
+}
+
+std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, const Recipe& recipe) {
+    const PairsReader& first = *pairs.front();
+    for (auto* file : pairs)
+        if (file->codec() != first.codec() || file->particles() != first.particles())
+            throw Error(file->path() + ": found codec " + name_of(file->codec()) + " with " + std::to_string(file->particles()) +
+                        " particles, needed what " + first.path() + " has: " + name_of(first.codec()) + " with " +
+                        std::to_string(first.particles()));
+    switch (first.codec()) {
+        case Codec::strand: return std::make_unique<StrandData>(pairs, recipe);
+        case Codec::root: return std::make_unique<RootData>(pairs, recipe);
+        default: return std::make_unique<AdhesionData>(pairs, recipe);
+    }
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,44 @@
+// What a training step sees: batches drawn from pairs files, in an order that (seed, epoch) alone decides, so that
+// a resumed training draws what the uninterrupted one would have.
+// Ours; patches as in section V, 1:1 sampling of contact and free particles as in section IV.D.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "learn/pairs.h"
+#include "models/layers.h"
+#include "models/model_card.h"
+#include "training/recipe.h"
+
+namespace wetcurl {
+
+// Tensors lie on the CPU, single precision.
+struct Batch {
+    Tensor input;   // strand (P, C, 1, 1): masked pixels; root (B, 3, h, w); adhesion (n, 12, 1, 1)
+    Tensor target;  // strand (P, 48, 1, 1); root (B, 3, 2h, 2w); adhesion (n, 1, 1, 1)
+    Tensor base;    // strand (P, 48): amplitudes of the base; root (B, 3, 2h, 2w): up(input); adhesion: F.n before
+    Tensor mask;    // root alone (B, 1, 2h, 2w): 1 where a strand is
+    Batch to(torch::Device device) const;
+};
+
+class TrainingData {
+  public:
+    virtual ~TrainingData() = default;
+    // Fills what a model of these data must know: channels, particles, arrays.
+    virtual void describe(ModelCard& card) const = 0;
+    // Draws the order of an epoch.
+    virtual void begin_epoch(long epoch) = 0;
+    virtual long steps() const = 0;                     // an epoch
+    virtual Batch batch(long step) const = 0;           // 0 ≤ step < steps()
+    virtual long validation_batches() const = 0;        // of held-out data; 0: none is held out
+    virtual Batch validation_batch(long i) const = 0;
+    // [m]: mean strand length (strand), diagonal of the box (root); 1 (adhesion).
+    virtual double unit() const = 0;
+};
+
+// Throws Error where the files disagree, hold a value that is not finite, or too little to train on.
+std::unique_ptr<TrainingData> open_data(const std::vector<PairsReader*>& pairs, const Recipe& recipe);
+
+}  // namespace wetcurl

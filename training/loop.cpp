@@ -1,0 +1,342 @@
+// The training loop: data, model, optimise, validate, keep the best, leave a checkpoint.
+// Ours.
+#include "training/loop.h"
+
+#include <ATen/Context.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <torch/utils.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <numbers>
+#include <sstream>
+
+#include "base/geometry/strands.h"
+#include "models/model_file.h"
+#include "models/registry.h"
+#include "training/checkpoint.h"
+#include "training/data.h"
+#include "training/losses.h"
+#include "training/metrics_log.h"
+#include "training/optimiser.h"
+#include "training/recipe.h"
+
+namespace wetcurl {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int interrupted_status = 130;
+
+// While it lives, the first SIGINT asks for a stop between two steps; the second ends the program as usual.
+class InterruptGuard {
+  public:
+    InterruptGuard() {
+        asked_ = 0;
+        struct sigaction action {};
+        action.sa_handler = [](int) { asked_ = 1; };
+        action.sa_flags = int(SA_RESETHAND);
+        sigaction(SIGINT, &action, &before_);
+    }
+    ~InterruptGuard() { sigaction(SIGINT, &before_, nullptr); }
+    bool asked() const { return asked_; }
+
+  private:
+    static inline volatile std::sig_atomic_t asked_ = 0;
+    struct sigaction before_ {};
+};
+
+class Stopwatch {
+  public:
+    double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+    void restart() { start_ = Clock::now(); }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    Clock::time_point start_ = Clock::now();
+};
+
+std::string file_hash(const std::string& path) {
+    const int descriptor = open(path.c_str(), O_RDONLY);
+    struct stat about {};
+    if (descriptor < 0 || fstat(descriptor, &about) != 0) throw Error(path + ": cannot be read");
+    void* bytes = mmap(nullptr, size_t(about.st_size), PROT_READ, MAP_PRIVATE, descriptor, 0);
+    close(descriptor);
+    if (bytes == MAP_FAILED) throw Error(path + ": cannot be read");
+    const std::string hash = hash_bytes(bytes, size_t(about.st_size));
+    munmap(bytes, size_t(about.st_size));
+    return hash;
+}
+
+struct Validation {
+    double loss = 0, base_loss = 0;          // the same loss of no network at all
+    double distance = 0, base_distance = 0;  // [m]
+    bool positions = false;
+};
+
+class Trainer {
+  public:
+    explicit Trainer(const TrainRequest& request) : request_(request), device_(torch::kCPU) {}
+
+    int run() {
+        if (already_done()) return 0;
+        open_inputs();
+        make_network();
+        if (!resume()) start_anew();
+        MetricsLog log(request_.output + ".jsonl", state_.log_position);
+        InterruptGuard interrupt;
+        Stopwatch since_checkpoint;
+        for (; state_.epoch < epochs_; ++state_.epoch) {
+            data_->begin_epoch(state_.epoch);
+            for (; state_.step < data_->steps(); ++state_.step) {
+                if (interrupt.asked()) return stop(log);
+                if (since_checkpoint.seconds() > recipe_.checkpoint_seconds) {
+                    checkpoint(log);
+                    since_checkpoint.restart();
+                }
+                state_.loss_sum += optimise(data_->batch(state_.step));
+            }
+            finish_epoch(log);
+        }
+        finish();
+        return 0;
+    }
+
+  private:
+    std::string checkpoint_path() const { return request_.output + ".checkpoint"; }
+    void say(const std::string& text) const {
+        if (request_.log) request_.log(text);
+    }
+
+    // Whether a training that is asked to go on has nothing left to do.
+    bool already_done() const {
+        const bool model = fs::exists(request_.output), checkpoint = fs::exists(checkpoint_path());
+        if (request_.resume && model && !checkpoint) {
+            say(request_.output + ": is complete, nothing to resume");
+            return true;
+        }
+        if (model && !request_.overwrite && !request_.resume)
+            throw Error(request_.output + ": is there already; --overwrite replaces it");
+        if (checkpoint && !request_.overwrite && !request_.resume)
+            throw Error(checkpoint_path() + ": an interrupted training is there; --resume goes on, --overwrite begins anew");
+        return false;
+    }
+
+    void open_inputs() {
+        if (request_.pairs.empty()) throw Misuse("train: no pairs file is named");
+        for (const auto& path : request_.pairs) {
+            readers_.push_back(std::make_unique<PairsReader>(path));
+            inputs_ += (inputs_.empty() ? "" : "\n") + path + " " + file_hash(path);
+        }
+        codec_ = readers_.front()->codec();
+        if (request_.kind != "sr" && request_.kind != "adhesion")
+            throw Misuse("train: found '" + request_.kind + "', allowed sr, adhesion");
+        if ((request_.kind == "adhesion") != (codec_ == Codec::adhesion))
+            throw Misuse("train " + request_.kind + ": " + request_.pairs.front() + " holds pairs of codec " + name_of(codec_));
+        std::vector<std::string> names;
+        for (const auto& a : architectures())
+            if (a.codec == name_of(codec_)) names.push_back(a.name);
+        recipe_ = read_recipe(request_, codec_, names);
+        epochs_ = long(recipe_.epochs);
+        std::vector<PairsReader*> pointers;
+        for (const auto& reader : readers_) pointers.push_back(reader.get());
+        data_ = open_data(pointers, recipe_);
+    }
+
+    void make_network() {
+        set_threads(request_.threads);
+        device_ = device_named(recipe_.device);
+        const bool half = recipe_.precision == "bfloat16";
+        at::globalContext().setDeterministicCuDNN(true);
+        at::globalContext().setBenchmarkCuDNN(false);
+        at::globalContext().setAllowTF32CuDNN(half);  // "float" means single precision throughout
+        const Architecture& architecture = architecture_for(recipe_.architecture, name_of(codec_), recipe_.width);
+        card_.codec = architecture.codec;
+        card_.architecture = architecture.name;
+        card_.width = recipe_.width;
+        card_.output_channels = architecture.output_channels;
+        card_.upscale = architecture.upscale;
+        data_->describe(card_);
+        torch::manual_seed(uint64_t(recipe_.seed));
+        model_ = make_model(card_);
+        model_->to(device_);
+        if (half) model_->body = torch::kBFloat16;
+        card_.parameters = parameter_count(*model_);
+        optimiser_ = std::make_unique<Optimiser>(*model_, recipe_.weight_decay, recipe_.gradient_clip);
+        loss_ = make_loss(codec_, recipe_, readers_.front()->particles(), data_->unit(), device_);
+        total_steps_ = epochs_ * data_->steps();
+        say(card_.architecture + ", " + std::to_string(card_.parameters) + " parameters, " + std::to_string(epochs_) +
+            " epochs of " + std::to_string(data_->steps()) + " steps on " + recipe_.device);
+    }
+
+    bool resume() {
+        if (!request_.resume || !fs::exists(checkpoint_path())) return false;
+        state_ = load_checkpoint(checkpoint_path(), optimiser_->weights.numel());
+        if (state_.recipe != recipe_.text)
+            throw Misuse(checkpoint_path() + ": was made with another recipe:\n" + state_.recipe + "now it is\n" + recipe_.text);
+        if (state_.inputs != inputs_)
+            throw Error(checkpoint_path() + ": was made from other pairs: found " + state_.inputs + ", now " + inputs_);
+        optimiser_->weights.copy_(state_.weights);
+        optimiser_->first_moment.copy_(state_.first_moment);
+        optimiser_->second_moment.copy_(state_.second_moment);
+        optimiser_->steps = state_.optimiser_steps;
+        first_step_ = optimiser_->steps;
+        say("going on at epoch " + std::to_string(state_.epoch + 1) + " of " + std::to_string(epochs_));
+        return true;
+    }
+
+    void start_anew() {
+        state_.recipe = recipe_.text;
+        state_.inputs = inputs_;
+        state_.best = optimiser_->weights.to(torch::kCPU, torch::kFloat, /*non_blocking=*/false, /*copy=*/true);
+    }
+
+    double learning_rate() const {
+        if (recipe_.schedule == "constant") return recipe_.learning_rate;
+        const double done = double(optimiser_->steps) / double(total_steps_);
+        return recipe_.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * done));
+    }
+
+    // One step; the loss before it.
+    double optimise(const Batch& host) {
+        const Batch batch = host.to(device_);
+        optimiser_->clear_gradients();
+        const Tensor loss = loss_->of(model_->forward(batch.input), batch);
+        loss.backward();
+        const double rate = learning_rate(), value = loss.item<double>(), norm = optimiser_->step(rate);
+        if (!std::isfinite(value) || !std::isfinite(norm)) {
+            std::ostringstream text;
+            text << request_.output << ": training diverged at step " << optimiser_->steps + 1 << " (epoch "
+                 << state_.epoch + 1 << "): loss " << value << ", gradient " << norm << ", learning_rate " << rate
+                 << "; a smaller learning_rate or gradient_clip = 1 may help";
+            throw Error(text.str());
+        }
+        if (request_.progress) {
+            std::ostringstream note;
+            note.precision(3);
+            note << "loss " << value << best_note_;
+            request_.progress(optimiser_->steps - first_step_, total_steps_ - first_step_, note.str());
+        }
+        return value;
+    }
+
+    Validation validate() {
+        const torch::NoGradGuard no_grad;
+        Validation sum;
+        double count = 0;
+        for (long i = 0; i < data_->validation_batches(); ++i) {
+            const Batch batch = data_->validation_batch(i).to(device_);
+            const Tensor output = model_->forward(batch.input), base = loss_->base_output(batch);
+            const double weight = loss_->count(batch);
+            auto add = [&](double& to, const Tensor& value) { to += weight * value.item<double>(); };
+            add(sum.loss, loss_->of(output, batch));
+            add(sum.base_loss, loss_->of(base, batch));
+            if (const Tensor distance = loss_->distance(output, batch); distance.defined()) {
+                add(sum.distance, distance);
+                add(sum.base_distance, loss_->distance(base, batch));
+                sum.positions = true;
+            }
+            count += weight;
+        }
+        for (double* v : {&sum.loss, &sum.base_loss, &sum.distance, &sum.base_distance}) *v /= std::max(count, 1.0);
+        return sum;
+    }
+
+    // The end of an epoch: its line in the log, a validation where one is due, the best kept.
+    void finish_epoch(MetricsLog& log) {
+        const double mean_loss = state_.loss_sum / double(data_->steps());
+        std::vector<std::pair<std::string, double>> line = {{"epoch", double(state_.epoch + 1)},
+                                                            {"step", double(optimiser_->steps)},
+                                                            {"loss", mean_loss},
+                                                            {"learning_rate", learning_rate()},
+                                                            {"seconds", watch_.seconds()}};
+        const bool due = (state_.epoch + 1) % long(recipe_.validate_every) == 0 || state_.epoch + 1 == epochs_;
+        if (due && data_->validation_batches() > 0) {
+            const Validation found = validate();
+            line.insert(line.end(), {{"validation_loss", found.loss}, {"base_loss", found.base_loss}});
+            std::ostringstream note;
+            note.precision(3);
+            if (found.positions) {
+                line.insert(line.end(), {{"validation_mm", 1e3 * found.distance}, {"base_mm", 1e3 * found.base_distance}});
+                note << ", held out " << 1e3 * found.distance << " mm (base " << 1e3 * found.base_distance << ")";
+            } else {
+                note << ", held out " << found.loss << " (base " << found.base_loss << ")";
+            }
+            best_note_ = note.str();
+            keep_if_best(found.loss);
+        } else if (due) {
+            keep_if_best(mean_loss);
+        }
+        log.line(line);
+        state_.loss_sum = 0;
+        state_.step = 0;
+    }
+
+    void keep_if_best(double loss) {
+        if (state_.best_epoch >= 0 && !(loss < state_.best_loss)) return;
+        state_.best.copy_(optimiser_->weights);
+        state_.best_loss = loss;
+        state_.best_epoch = state_.epoch;
+    }
+
+    void checkpoint(const MetricsLog& log) {
+        state_.weights = optimiser_->weights;
+        state_.first_moment = optimiser_->first_moment;
+        state_.second_moment = optimiser_->second_moment;
+        state_.optimiser_steps = optimiser_->steps;
+        state_.log_position = log.position();
+        save_checkpoint(checkpoint_path(), state_);
+    }
+
+    int stop(const MetricsLog& log) {
+        checkpoint(log);
+        say("interrupted at epoch " + std::to_string(state_.epoch + 1) + "; " + checkpoint_path() + " is left, --resume goes on");
+        return interrupted_status;
+    }
+
+    // The best weights become the model; its card says how good they are.
+    void finish() {
+        optimiser_->weights.copy_(state_.best);
+        const Validation found = validate();
+        card_.numbers["best_epoch"] = double(state_.best_epoch + 1);
+        card_.numbers["best_loss"] = state_.best_loss;
+        if (found.positions) {
+            card_.numbers["validation_mm"] = 1e3 * found.distance;
+            card_.numbers["base_mm"] = 1e3 * found.base_distance;
+        }
+        card_.recipe = recipe_.text;
+        card_.inputs = inputs_;
+        save_model(request_.output, card_, *model_, request_.overwrite || request_.resume);
+        fs::remove(checkpoint_path());
+        std::ostringstream text;
+        text.precision(4);
+        text << request_.output << ": best at epoch " << state_.best_epoch + 1 << " of " << epochs_ << ", loss " << state_.best_loss
+             << best_note_ << ", " << watch_.seconds() << " s";
+        say(text.str());
+    }
+
+    const TrainRequest& request_;
+    torch::Device device_;
+    std::vector<std::unique_ptr<PairsReader>> readers_;
+    std::string inputs_;  // "file hash", one a line
+    Codec codec_ = Codec::strand;
+    Recipe recipe_{};
+    long epochs_ = 0, total_steps_ = 0, first_step_ = 0;
+    std::unique_ptr<TrainingData> data_;
+    ModelCard card_;
+    std::shared_ptr<Model> model_;
+    std::unique_ptr<Optimiser> optimiser_;
+    std::unique_ptr<Loss> loss_;
+    TrainingState state_;
+    std::string best_note_;
+    Stopwatch watch_;
+};
+
+}  // namespace
+
+int train(const TrainRequest& request) { return Trainer(request).run(); }
+
+}  // namespace wetcurl

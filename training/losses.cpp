@@ -1,0 +1,110 @@
+// What training minimises.
+// Ours, Eq 17, Eq 20.
+#include "training/losses.h"
+
+#include "learn/dct.h"
+
+namespace wetcurl {
+namespace {
+
+// Decoding is linear: every distance is a norm of D e, e the error of the amplitudes, D the basis or its differences
+// along the strand. One product gives all that the weights ask for.
+class StrandLoss : public Loss {
+  public:
+    StrandLoss(const Recipe& recipe, int particles, double length, torch::Device device)
+        : particles_(particles), length_weight_(recipe.length) {
+        const StrandDct dct(particles);
+        const Tensor basis = torch::from_blob(const_cast<float*>(dct.basis().data()), {dct_kept, particles}).t();
+        const long n = particles;
+        segment_ = length / double(n - 1);
+        const Tensor edges = basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, n - 1);  // (n-1, 16)
+        // Particle 0 is exact by construction, and the norm has no gradient there.
+        positions_ = (basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, 1)).contiguous().to(device);  // (n-1, 16)
+        edges_ = edges.contiguous().to(device);
+
+        std::vector<Tensor> rows, weights;
+        auto add = [&](double weight, const Tensor& d, double scale) {
+            if (weight == 0 || d.size(0) == 0) return;
+            rows.push_back(d.to(device));
+            weights.push_back(torch::full({d.size(0)}, weight / scale).to(device));
+        };
+        add(recipe.position, positions_, double(n) * length);
+        add(recipe.edge, edges, double(n - 1) * segment_);
+        if (n > 2) add(recipe.curvature, edges.narrow(0, 1, n - 2) - edges.narrow(0, 0, n - 2), double(n - 2) * segment_);
+        if (rows.empty()) return;
+        rows_ = torch::cat(rows).contiguous();
+        weights_ = torch::cat(weights);
+    }
+
+    Tensor of(const Tensor& output, const Batch& batch) const override {
+        const Tensor error = output.flatten(1) - batch.target.flatten(1);  // (P, 48)
+        Tensor loss = torch::zeros({}, error.options());
+        if (rows_.defined()) loss = (norms(error, rows_) * weights_).sum() / error.size(0);
+        if (length_weight_ > 0) {
+            const Tensor found = norms(batch.base + output.flatten(1), edges_);
+            const Tensor wanted = norms(batch.base + batch.target.flatten(1), edges_);
+            loss = loss + (found - wanted).abs().mean() * (length_weight_ / segment_);
+        }
+        return loss;
+    }
+    Tensor base_output(const Batch& batch) const override { return torch::zeros_like(batch.target); }
+    Tensor distance(const Tensor& output, const Batch& batch) const override {
+        const Tensor error = output.flatten(1) - batch.target.flatten(1);
+        return norms(error, positions_).sum() / double(error.size(0) * particles_);
+    }
+    double count(const Batch& batch) const override { return double(batch.target.size(0)); }
+
+  private:
+    // Amplitudes (P, 48) and rows D (R, 16) to |D c| (P, R) [m]. Below a nanometre the norm is rounded off, so that
+    // its gradient stays finite at 0.
+    static Tensor norms(const Tensor& amplitudes, const Tensor& rows) {
+        const Tensor decoded = linear_rows(amplitudes.reshape({-1, dct_kept}), rows);  // (3 P, R)
+        return decoded.view({-1, 3, rows.size(0)}).square().sum(1).add(1e-18).sqrt();
+    }
+
+    int particles_;
+    double length_weight_, segment_;
+    Tensor positions_, edges_, rows_, weights_;
+};
+
+class RootLoss : public Loss {
+  public:
+    explicit RootLoss(double diagonal) : diagonal_(diagonal) {}
+    // The output is up(input) + x and the target up(input) + r, so their difference is Eq 17's r - x.
+    Tensor of(const Tensor& output, const Batch& batch) const override {
+        return 0.5 * ((output - batch.target).square() * batch.mask).sum() / pixels(batch);
+    }
+    Tensor base_output(const Batch& batch) const override { return batch.base; }
+    Tensor distance(const Tensor& output, const Batch& batch) const override {
+        const Tensor squares = (output - batch.target).square().sum(1, true);
+        return (squares.sqrt() * batch.mask).sum() / pixels(batch) * diagonal_;
+    }
+    double count(const Batch& batch) const override { return batch.mask.sum().item<double>(); }
+
+  private:
+    // A patch may hold no strand: it counts nothing.
+    static Tensor pixels(const Batch& batch) { return batch.mask.sum().clamp_min(1); }
+    double diagonal_;
+};
+
+class AdhesionLoss : public Loss {
+  public:
+    Tensor of(const Tensor& output, const Batch& batch) const override {
+        return (output - batch.target).square().mean();
+    }
+    Tensor base_output(const Batch& batch) const override { return batch.base; }
+    Tensor distance(const Tensor&, const Batch&) const override { return {}; }
+    double count(const Batch& batch) const override { return double(batch.target.size(0)); }
+};
+
+}  // namespace
+
+std::unique_ptr<Loss> make_loss(Codec codec, const Recipe& recipe, int particles, double unit, torch::Device device) {
+    switch (codec) {
+        case Codec::strand: return std::make_unique<StrandLoss>(recipe, particles, unit, device);
+        case Codec::root: return std::make_unique<RootLoss>(unit);
+        default: return std::make_unique<AdhesionLoss>();
+    }
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,100 @@
+// The recipe of a training.
+// Ours.
+#include "training/recipe.h"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "base/config.h"
+
+namespace wetcurl {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+// [loss] edge for "loss.edge".
+std::pair<Table, std::string> place_of(const Table& root, const std::string& key) {
+    const size_t dot = key.find('.');
+    if (dot == std::string::npos) return {root, key};
+    return {root.table(key.substr(0, dot)), key.substr(dot + 1)};
+}
+
+double read_row(const RecipeRow& row, const Table& root, double fallback) {
+    const auto [table, key] = place_of(root, row.key);
+    if (row.whole) return double(table.integer(key, long(fallback), long(row.minimum), long(row.maximum)));
+    return table.number(key, fallback, row.minimum, row.maximum);
+}
+
+std::string as_text(double value) {
+    std::ostringstream out;
+    out.precision(17);
+    out << value;
+    return out.str();
+}
+
+std::string resolved_text(const Recipe& recipe, Codec codec) {
+    std::string out = "architecture = \"" + recipe.architecture + "\"\nschedule = \"" + recipe.schedule +
+                      "\"\nprecision = \"" + recipe.precision + "\"\n";
+    for (const auto& row : recipe_rows())
+        if (!std::isnan(row.fallback(codec)) && row.member != &Recipe::checkpoint_seconds)
+            out += std::string(row.key) + " = " + as_text(recipe.*row.member) + "\n";
+    return out;
+}
+
+}  // namespace
+
+double RecipeRow::fallback(Codec codec) const {
+    return codec == Codec::strand ? strand : codec == Codec::root ? root : adhesion;
+}
+
+const std::vector<RecipeRow>& recipe_rows() {
+    using R = Recipe;
+    static const std::vector<RecipeRow> rows = {
+        // key, member, strand, root, adhesion, minimum, maximum, whole, meaning
+        {"epochs", &R::epochs, 100, 200, 9000, 1, 1e7, true, "passes over the data"},
+        {"batch", &R::batch, 1, 128, 4096, 1, 1 << 20, true, "a step's frames (strand), patches (root), samples (adhesion)"},
+        {"learning_rate", &R::learning_rate, 1e-3, 1e-4, 1e-3, 1e-12, 10, false, "of Adam"},
+        {"weight_decay", &R::weight_decay, 1e-2, 0, 0, 0, 1, false, "decoupled (AdamW)"},
+        {"gradient_clip", &R::gradient_clip, 1, 0, 0, 0, 1e9, false, "largest norm of the gradient; 0: any"},
+        {"patch", &R::patch, none, 128, none, 8, 4096, true, "side of a patch [low-resolution pixels]; smaller images go whole"},
+        {"epoch_samples", &R::epoch_samples, none, none, 8192, 2, 1e9, true, "samples drawn an epoch, contact and free 1:1"},
+        {"width", &R::width, 1, 1, 1, 1e-3, 16, false, "channel multiplier"},
+        {"seed", &R::seed, 0, 0, 0, 0, 9e15, true, "of the first weights and of the order of the data"},
+        {"validation", &R::validation, 0.2, 0.2, 0.2, 0, 0.9, false, "share of each run's frames, the last ones, held out"},
+        {"validate_every", &R::validate_every, 1, 1, 100, 1, 1e7, true, "epochs between two validations"},
+        {"checkpoint_seconds", &R::checkpoint_seconds, 60, 60, 60, 0, 1e6, false, "between two checkpoints [s]"},
+        {"loss.position", &R::position, 1, none, none, 0, 1e6, false, "weight: mean distance of decoded particles / strand length"},
+        {"loss.edge", &R::edge, 0.3, none, none, 0, 1e6, false, "weight: mean difference of edges / segment length"},
+        {"loss.curvature", &R::curvature, 0, none, none, 0, 1e6, false, "weight: mean second difference / segment length"},
+        {"loss.length", &R::length, 0, none, none, 0, 1e6, false, "weight: mean difference of edge lengths / segment length"},
+    };
+    return rows;
+}
+
+Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<std::string>& architectures) {
+    Config config = request.recipe.empty() ? Config::parse("", "recipe") : Config::load(request.recipe);
+    for (const auto& assignment : request.set) config.set(assignment);
+    const Table root = config.root();
+    Recipe recipe{};
+    for (const auto& row : recipe_rows())
+        if (const double fallback = row.fallback(codec); !std::isnan(fallback))
+            recipe.*row.member = read_row(row, root, fallback);
+    recipe.architecture = root.choice("architecture", architectures.front(), architectures);
+    recipe.schedule = root.choice("schedule", codec == Codec::strand ? "cosine" : "constant", {"constant", "cosine"});
+    recipe.precision = root.choice("precision", "float", {"float", "bfloat16"});
+    recipe.device = root.text("device", "cpu");
+    config.require_all_used();
+
+    if (!request.architecture.empty()) recipe.architecture = request.architecture;
+    if (request.width != 0) recipe.width = request.width;
+    if (request.seed) recipe.seed = double(*request.seed);
+    if (!request.device.empty()) recipe.device = request.device;
+    if (!(recipe.width > 0)) throw Misuse("width: found " + as_text(recipe.width) + ", allowed above 0");
+    if (codec == Codec::strand && recipe.position + recipe.edge + recipe.curvature + recipe.length == 0)
+        throw Misuse("recipe: all weights of [loss] are 0, one above 0 is needed");
+    recipe.text = resolved_text(recipe, codec);
+    return recipe;
+}
+
+}  // namespace wetcurl
