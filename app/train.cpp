@@ -1,0 +1,51 @@
+// `wetcurl train`: a network on pairs files, by the library that holds LibTorch.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/results.h"
+#include "base/log.h"
+#include "base/progress.h"
+#include "learn/network_module.h"
+
+namespace wetcurl {
+
+int train_command(const TrainOptions& o) {
+    TrainRequest request;
+    request.kind = o.kind;
+    request.pairs = o.pairs;
+    request.output = o.output;
+    request.recipe = o.recipe;
+    request.set = o.set;
+    request.architecture = o.architecture;
+    request.width = o.width;
+    request.device = o.device == "cpu" ? "" : o.device;  // the recipe may name one
+    request.seed = o.seed;
+    request.threads = o.threads;
+    request.overwrite = o.overwrite;
+    request.resume = o.resume;
+    request.log = log_info;
+    std::unique_ptr<Progress> bar;  // how many steps there are is known at the first
+    request.progress = [&](long done, long total, const std::string& note) {
+        if (!bar) bar = std::make_unique<Progress>("train", total, "step");
+        bar->update(done, note);
+    };
+    const int status = network_module().train(request);
+    bar.reset();
+    if (status != 0) return status;
+
+    const ModelCard card = network_module().card(o.output);
+    Json json{{"model", o.output}, {"architecture", card.architecture}, {"codec", card.codec}, {"parameters", card.parameters}};
+    for (const auto& [name, value] : card.numbers) json[name] = value;
+    write_json(json, o.json);
+    if (o.json != "-") {
+        std::string line = fmt::format("{}: {}, {} parameters", o.output, card.architecture, card.parameters);
+        for (const auto& [name, value] : card.numbers) line += fmt::format(", {} {:.4g}", name, value);
+        fmt::print("{}\n", line);
+    }
+    return 0;
+}
+
+}  // namespace wetcurl
