@@ -308,6 +308,24 @@ class PlyValues {
     bool binary_;
 };
 
+// What a property is to a mesh: a coordinate (0, 1, 2), the corners of a face, or nothing.
+constexpr int no_role = -1, corners_role = 3;
+int role_of(const PlyElement& element, const PlyProperty& p) {
+    if (element.name == "vertex" && !p.list)
+        for (int axis = 0; axis < 3; ++axis)
+            if (p.name == std::string(1, char('x' + axis))) return axis;
+    const bool names_corners = p.name == "vertex_indices" || p.name == "vertex_index";
+    return element.name == "face" && p.list && names_corners ? corners_role : no_role;
+}
+
+void require_roles(const PlyElement& element, const std::string& path) {
+    bool has[4] = {};
+    for (const auto& p : element.properties)
+        if (const int role = role_of(element, p); role != no_role) has[role] = true;
+    if (element.name == "vertex" && !(has[0] && has[1] && has[2])) fail(path, "its vertices lack x, y or z");
+    if (element.name == "face" && !has[corners_role]) fail(path, "its faces lack the list vertex_indices");
+}
+
 Mesh read_ply(std::string_view text, const std::string& path, double scale) {
     Lines lines(text, path);
     const PlyHeader header = ply_header(lines);
@@ -315,39 +333,25 @@ Mesh read_ply(std::string_view text, const std::string& path, double scale) {
     MeshBuilder mesh(scale);
     std::vector<long long> corners;
     for (const PlyElement& element : header.elements) {
-        const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+        require_roles(element, path);
         values.require(element.count, path + ": element " + element.name);
-        bool has_corners = false, has_position[3] = {false, false, false};
-        for (const auto& p : element.properties) {
-            for (int axis = 0; axis < 3; ++axis)
-                has_position[axis] |= !p.list && p.name == std::string(1, char('x' + axis));
-            has_corners |= p.list && (p.name == "vertex_indices" || p.name == "vertex_index");
-        }
-        if (is_vertex && !(has_position[0] && has_position[1] && has_position[2]))
-            fail(path, "its vertices lack x, y or z");
-        if (is_face && !has_corners) fail(path, "its faces lack the list vertex_indices");
         for (long long row = 0; row < element.count; ++row) {
             const std::string where = path + ": " + element.name + " " + std::to_string(row);
             double position[3] = {0, 0, 0};
+            corners.clear();
             for (const auto& p : element.properties) {
+                const int role = role_of(element, p);
                 const long long n = p.list ? values.integer(p.count_type, where, "the length of a list") : 1;
                 if (n < 0) fail(where, "a list of " + std::to_string(n) + " values");
                 values.require(n, where);
-                const bool of_corners =
-                    is_face && p.list && (p.name == "vertex_indices" || p.name == "vertex_index");
-                if (of_corners) corners.clear();
-                for (long long k = 0; k < n; ++k) {
-                    if (of_corners) {
+                for (long long k = 0; k < n; ++k)
+                    if (role == corners_role)
                         corners.push_back(values.integer(p.type, where, "a vertex index"));
-                        continue;
-                    }
-                    const double value = values.number(p.type, where);
-                    if (!p.list && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z')
-                        position[p.name[0] - 'x'] = value;
-                }
+                    else if (const double value = values.number(p.type, where); role != no_role)
+                        position[role] = value;
             }
-            if (is_vertex) mesh.vertex({position[0], position[1], position[2]}, where);
-            if (is_face) mesh.polygon(corners, where);
+            if (element.name == "vertex") mesh.vertex({position[0], position[1], position[2]}, where);
+            if (element.name == "face") mesh.polygon(corners, where);
         }
     }
     return mesh.finish(path);
