@@ -1,6 +1,7 @@
 // One substep of one block of strands: the implicit step (BDF2) and the paper's explicit one.
 // EQUATIONS: A (v - v^) = M (v~ - v^) + h f(x~ + h v^, v^), A = M + h C + h² H, x = x~ + h v, with the history
-// x~, v~ and step h of BDF2 (backward Euler in the first step) and the predictor v^ = 2 v_n - v_{n-1}.
+// x~, v~ and step h of BDF2 (backward Euler in the first step) and the predictor v^ = v_n. Seen: the higher-order
+// predictor 2 v_n - v_{n-1} feeds energy in wherever H is a majoriser; none at all (v^ = 0) kills a swing.
 #pragma once
 
 #include <vector>
@@ -94,10 +95,9 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     const int n = b.n;
     const S h(b.first ? b.dt : b.dt * Plain<S>(2) / 3);
     const S now(b.first ? Plain<S>(1) : Plain<S>(4) / 3), before(b.first ? Plain<S>(0) : Plain<S>(-1) / 3);
-    const S ahead(b.first ? Plain<S>(1) : Plain<S>(2)), behind(b.first ? Plain<S>(0) : Plain<S>(-1));
     for (int i = 0; i < n; ++i) {
         // Differences to x_n: positions far from the origin keep their digits.
-        s.predicted_v[i] = ahead * b.v[i] + behind * b.v_before[i];
+        s.predicted_v[i] = b.v[i];
         s.predicted_x[i] = b.x[i] + before * (b.x_before[i] - b.x[i]) + h * s.predicted_v[i];
     }
     view.x = s.predicted_x.data();
