@@ -434,7 +434,8 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
 
     const auto seconds = other.seconds();
     Mean time;
-    for (int f = first_frame; f < end; ++f) time.add(seconds[size_t(f)]);
+    // Frame 0 is a state that nothing was computed for.
+    for (int f = std::max(first_frame, 1); f < end; ++f) time.add(seconds[size_t(f)]);
     out.seconds_per_frame = time.value();
     position.tell(out);
     depth.tell(out);

@@ -23,7 +23,7 @@ struct Spread {
 struct Comparison {
     std::string file, method;
     int frames = 0;                // compared
-    double seconds_per_frame = 0;  // mean over the compared frames
+    double seconds_per_frame = 0;  // mean over the compared frames but frame 0
     // Distance of equal particles [mm]; shared: strands of even pixels (the low-resolution ones), the rest
     // new.
     Spread position_mm, shared_mm, new_mm;

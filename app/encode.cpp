@@ -1,0 +1,134 @@
+// `wetcurl encode`: runs, or for adhesion scenes, to what training reads.
+// Ours.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/results.h"
+#include "base/log.h"
+#include "base/progress.h"
+#include "learn/encode_runs.h"
+#include "solver/simulation.h"
+
+namespace wetcurl {
+
+namespace {
+
+// FNV-1a of a whole file, 16 hexadecimal digits.
+std::string hash_of_file(const std::string& path) {
+    std::FILE* file = std::fopen(path.c_str(), "rb");
+    if (!file) throw Error(path + ": cannot be read");
+    std::vector<char> block(size_t(1) << 20);
+    std::string hash = hash_bytes(nullptr, 0);
+    while (const size_t n = std::fread(block.data(), 1, block.size(), file))
+        hash = hash_bytes(block.data(), n, std::stoull(hash, nullptr, 16));  // the state so far is the next seed
+    std::fclose(file);
+    return hash;
+}
+
+void record_input(PairsWriter& out, size_t run, const std::string& role, const std::string& path) {
+    out.attribute(fmt::format("input {:03d} {}", run, role), path + " " + hash_of_file(path));
+}
+
+std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
+    if (inputs.empty() || inputs.size() % 2)
+        throw Misuse(fmt::format("encode: found {} runs, allowed are pairs: DRY.h5 WET.h5 [DRY.h5 WET.h5 ...]", inputs.size()));
+    std::vector<RunPair> out;
+    for (size_t k = 0; k < inputs.size(); k += 2) out.emplace_back(inputs[k], inputs[k + 1]);
+    for (const auto& pair : out) {
+        const int found = pair.wet->header().groom.rest.particles, allowed = out[0].wet->header().groom.rest.particles;
+        if (found != allowed)
+            throw Error(fmt::format("{}: found {} particles a strand, allowed {} (as {} has it)", pair.wet->path(), found, allowed,
+                                    out[0].wet->path()));
+    }
+    return out;
+}
+
+// The cohesion radius of the scene [m], or its default where the scene has no cohesion: h of Eq 16.
+float support_radius_of(const RunHeader& header) {
+    Cohesion cohesion;
+    read_parameters(cohesion, Cohesion::parameters,
+                    Config::parse(header.scene, "the run's scene", header.scene_folder).root().table("cohesion"));
+    return float(cohesion.h_c);
+}
+
+Json encode_pairs(const EncodeOptions& o, Codec codec) {
+    const auto pairs = open_pairs(o.inputs);
+    PairsWriter out(o.output, codec, pairs[0].wet->header().groom.rest.particles, o.overwrite);
+    Json json{{"codec", o.codec}, {"runs", pairs.size()}};
+    if (codec == Codec::strand) {
+        double floor_mm = 0;
+        for (const auto& pair : pairs) floor_mm += encode_strands(pair, out) / double(pairs.size());
+        out.attribute("floor_mm", floor_mm);
+        json["floor_mm"] = floor_mm;
+        log_info(fmt::format("{}: encoding alone costs {:.2f} mm on average", o.output, floor_mm));
+    } else {
+        const float radius = support_radius_of(pairs[0].wet->header());
+        for (const auto& pair : pairs)
+            if (support_radius_of(pair.wet->header()) != radius)
+                throw Error(pair.wet->path() + ": its cohesion radius is not that of " + pairs[0].wet->path() + ", allowed one for all");
+        encode_roots(pairs, radius, out);
+    }
+    int frames = 0;
+    for (size_t k = 0; k < pairs.size(); ++k) {
+        frames += pairs[k].dry->frames();
+        record_input(out, k, "dry", pairs[k].dry->path());
+        record_input(out, k, "wet", pairs[k].wet->path());
+    }
+    json["frames"] = frames;
+    out.commit();
+    return json;
+}
+
+// Simulates each scene and keeps what Eq 11 answered near its solids, one group a frame that has some.
+Json encode_adhesion(const EncodeOptions& o) {
+    std::vector<Scene> scenes;
+    for (const auto& path : o.inputs) {
+        SceneOptions options;
+        options.set = o.set;
+        options.seed = o.seed;
+        scenes.push_back(load_scene(path, options));
+        if (!scenes.back().term<Adhesion>()) throw Misuse(path + ": has no [adhesion], which is what is to be learned");
+    }
+    PairsWriter out(o.output, Codec::adhesion, scenes.at(0).groom.rest.particles, o.overwrite);
+    size_t samples = 0, contacts = 0;
+    for (size_t k = 0; k < scenes.size(); ++k) {
+        const auto simulation = make_simulation(scenes[k], "float");
+        std::vector<AdhesionRecord> records;
+        simulation->record_adhesion(&records);
+        Progress progress("encode", scenes[k].frames, "frame");
+        for (int f = 1; f < scenes[k].frames; ++f) {
+            simulation->advance();
+            if (const auto diverged = simulation->divergence())
+                throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", o.inputs[k], f, diverged->strand));
+            std::vector<AdhesionSample> found;
+            for (const auto& record : records) {
+                AdhesionSample& sample = found.emplace_back();
+                std::copy_n(record.inputs, adhesion_inputs, sample.input.begin());
+                sample.target = record.target;
+                sample.contact = record.contact;
+                contacts += record.contact;
+            }
+            samples += found.size();
+            if (!found.empty()) out.add(found);
+            records.clear();
+            progress.update(f + 1, fmt::format("{} samples", samples));
+        }
+        record_input(out, k, "scene", o.inputs[k]);
+    }
+    if (samples == 0) throw Error(o.output + ": no particle came near a solid, so there is nothing to learn from");
+    out.commit();
+    log_info(fmt::format("{}: {} samples, {} of them in contact", o.output, samples, contacts));
+    return {{"codec", o.codec}, {"scenes", scenes.size()}, {"samples", samples}, {"in_contact", contacts}};
+}
+
+}  // namespace
+
+int encode_command(const EncodeOptions& o) {
+    const Codec codec = codec_named(o.codec);
+    write_json(codec == Codec::adhesion ? encode_adhesion(o) : encode_pairs(o, codec), o.json);
+    return 0;
+}
+
+}  // namespace wetcurl
