@@ -88,7 +88,7 @@ struct RootFramesOf {
     std::vector<std::vector<Vec3f>> dry, wet;
 };
 
-std::vector<float> coloured(const RootImage& image, std::vector<Vec3f> roots, const Box& box) {
+std::vector<float> coloured(const RootImage& image, std::vector<Vec3f> roots, const ColourBox& box) {
     for (Vec3f& p : roots) p = colour_of(p, box);
     std::vector<float> out(3 * image.pixels());
     image.draw(roots, out.data());
@@ -98,7 +98,7 @@ std::vector<float> coloured(const RootImage& image, std::vector<Vec3f> roots, co
 }  // namespace
 
 void encode_roots(const std::vector<RunPair>& pairs, float support_radius, PairsWriter& out) {
-    Box box;
+    ColourBox box;
     std::vector<RootFramesOf> all;
     for (const RunPair& pair : pairs) {
         RootFramesOf& roots = all.emplace_back();

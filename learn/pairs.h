@@ -1,8 +1,9 @@
 // The pairs file: what training reads. HDF5 "wetcurl pairs", version 1, one group runs/NNN an encoded pair of
 // runs. Ours.
 //
-// Attributes: `codec` (strand | root | adhesion), `particles` a strand, `floor_mm` (codec strand: mean distance
-// that encoding alone costs), `support_radius` (codec root: h of Eq 16 [m]), and the inputs with their hashes
+// Attributes: `codec` (strand | root | adhesion), `particles` a strand, `floor_mm` (codec strand: mean
+// distance that encoding alone costs), `support_radius` (codec root: h of Eq 16 [m]), and the inputs with
+// their hashes
 // ("input 000 dry", "input 000 wet": "FILE HASH").
 //
 // codec strand, F frames, (H, W) the high-resolution root grid:
@@ -10,8 +11,8 @@
 //   `dynamic` are the base; target (F, 48, H, W) f32: wet amplitudes less the base; mask (H, W) u8: 1 where a
 //   strand is; length (H, W) f32 [m]. Amplitudes: learn/dct.h.
 // codec root: b_min, b_max (3) f64 [m] at the top, shared by all runs; input (F, 3, h, w) f32 colours of the
-//   dry low-resolution roots, target (F, 3, 2h, 2w) f32 of the wet ones; h, w multiples of 32; mask_low (h, w)
-//   and mask (2h, 2w) u8. Colours outside the mask repeat the nearest strand's.
+//   dry low-resolution roots, target (F, 3, 2h, 2w) f32 of the wet ones; h, w multiples of 32; mask_low (h,
+//   w) and mask (2h, 2w) u8. Colours outside the mask repeat the nearest strand's.
 // codec adhesion: input (n, 12) f32, target (n) f32, contact (n) u8: learn/adhesion_samples.h.
 #pragma once
 

@@ -11,7 +11,7 @@
 
 namespace wetcurl {
 
-void grow(Box& box, const std::vector<Vec3f>& points) {
+void grow(ColourBox& box, const std::vector<Vec3f>& points) {
     bool empty = !(box.diagonal() > 0);
     for (const Vec3f& q : points) {
         const Vec3d p = cast<double>(q);

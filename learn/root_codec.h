@@ -11,18 +11,18 @@
 namespace wetcurl {
 
 // b_min, b_max of Eq 14 [m], world axes.
-struct Box {
+struct ColourBox {
     Vec3d lower{0, 0, 0}, upper{0, 0, 0};
     double diagonal() const { return norm(upper - lower); }
 };
 // Grows `box` by the points; an empty box (diagonal 0) takes the points' own.
-void grow(Box& box, const std::vector<Vec3f>& points);
+void grow(ColourBox& box, const std::vector<Vec3f>& points);
 
 // Eq 14 and 15: one scalar diagonal, so that colours keep angles. The box must not be a point.
-inline Vec3f colour_of(const Vec3f& p, const Box& box) {
+inline Vec3f colour_of(const Vec3f& p, const ColourBox& box) {
     return cast<float>((1 / box.diagonal()) * (cast<double>(p) - box.lower));
 }
-inline Vec3f position_of(const Vec3f& colour, const Box& box) {
+inline Vec3f position_of(const Vec3f& colour, const ColourBox& box) {
     return cast<float>(box.diagonal() * cast<double>(colour) + box.lower);
 }
 

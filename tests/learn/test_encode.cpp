@@ -1,0 +1,288 @@
+// Runs to pairs files and back; the features that training and inference see.
+// Ours.
+#include "learn/encode_runs.h"
+#include "learn/root_codec.h"
+#include "learn/strand_codec.h"
+#include "tests/learn/hair.h"
+
+namespace wetcurl::testing {
+namespace {
+
+constexpr int frames = 5;
+
+std::vector<float> tip_wetness(const Groom& groom) {
+    std::vector<float> out;
+    for (int s = 0; s < groom.rest.count; ++s)
+        for (int i = 0; i < groom.rest.particles; ++i)
+            out.push_back(float(i) / float(groom.rest.particles - 1));
+    return out;
+}
+
+// A dry low-resolution run that sways, and a wet one that is shorter as well.
+struct Runs {
+    Scratch scratch;
+    Groom high = curly_groom({}), low = coarsened(high, 2);
+    std::vector<float> saturation = tip_wetness(high);
+    std::string dry = scratch.path("dry.h5"), wet = scratch.path("wet.h5"), pairs = scratch.path("pairs.h5");
+
+    Runs() {
+        write_run(dry, low, 2, frames, {}, [](int, int i, int f) { return Vec3d{2e-4 * i * f, 0, 0}; });
+        write_run(wet, high, 1, frames, saturation, [](int, int i, int f) {
+            return Vec3d{2e-4 * i * f, 1e-3 * i, 0};
+        });
+    }
+    double encode() {
+        PairsWriter out(pairs, Codec::strand, high.rest.particles, true);
+        const double floor_mm = encode_strands(RunPair(dry, wet), out);
+        out.commit();
+        return floor_mm;
+    }
+};
+
+TEST(StrandCodec, decodes_what_it_encoded) {
+    const Groom high = curly_groom({});
+    const StrandCodec codec(high, coarsened(high, 2), {});
+    const Pose head = some_pose(2);
+    const Strands strands = moved(high.rest, head);
+    std::vector<float> c(strand_coefficients * codec.pixels()), again(c.size());
+    Strands once, twice;
+    codec.encode(strands, head, c.data());
+    codec.decode(c.data(), head, once);
+    codec.encode(once, head, again.data());
+    codec.decode(again.data(), head, twice);
+    EXPECT_LT(largest_distance(once, twice), 2e-6);
+    EXPECT_LT(largest_distance(once, strands),
+              4e-3);  // the codec's floor at its worst particle, the root's neighbour
+    for (int s = 0; s < strands.count; ++s) EXPECT_LT(norm(once.at(s, 0) - strands.at(s, 0)), 1e-7);
+}
+
+TEST(StrandCodec, amplitudes_do_not_know_the_heads_pose) {
+    const Groom high = curly_groom({});
+    const StrandCodec codec(high, coarsened(high, 2), {});
+    std::vector<float> still(strand_coefficients * codec.pixels()), turned(still.size());
+    const Pose head = some_pose(3);
+    codec.encode(high.rest, Pose{}, still.data());
+    codec.encode(moved(high.rest, head), head, turned.data());
+    ASSERT_GT(*std::max_element(still.begin(), still.end()), 0.1f);
+    for (size_t k = 0; k < still.size(); ++k) EXPECT_NEAR(still[k], turned[k], 2e-6);
+}
+
+TEST(StrandCodec, static_features_are_rest_shape_wetness_length_and_curl) {
+    const Curls curls;
+    const Groom high = curly_groom(curls);
+    const StrandCodec codec(high, coarsened(high, 2), tip_wetness(high));
+    std::vector<float> rest(strand_coefficients * codec.pixels());
+    codec.encode(high.rest, Pose{}, rest.data());
+    for (size_t k = 0; k < rest.size(); ++k) ASSERT_EQ(codec.fixed()[k], rest[k]);
+    for (size_t pixel = 0; pixel < codec.pixels(); ++pixel) {
+        auto channel = [&](int c) { return codec.fixed()[size_t(c) * codec.pixels() + pixel]; };
+        // Fifty particles, the first six in the first piece, the last seven in the last one.
+        EXPECT_NEAR(channel(48), 2.5 / 49, 1e-6);
+        EXPECT_NEAR(channel(55), 46.0 / 49, 1e-6);
+        EXPECT_EQ(channel(56), codec.length()[pixel]);
+        EXPECT_NEAR(channel(56), arc_length(high.rest.strand(int(pixel)), 50), 1e-6);
+        EXPECT_NEAR(channel(57), curls.radius, 0.06 * curls.radius);
+    }
+}
+
+TEST(StrandCodec, motion_features_are_gravity_turning_and_the_roots_acceleration) {
+    const Groom high = curly_groom({}), low = coarsened(high, 2);
+    StrandCodec codec(high, low, {});
+    // A head that turns about y at 2 rad/s: the root's acceleration is -omega^2 times its distance from the
+    // axis.
+    const double fps = 240, omega = 2;
+    auto pose = [&](double t) { return Pose{rotation_about({0, 1, 0}, omega * t), {0, 0.3, 0}}; };
+    HeadWindow heads{pose(0.5 - 1 / fps), pose(0.5), pose(0.5 + 1 / fps), true, fps, {0, -9.81, 0}};
+    std::vector<float> out(dynamic_channels * codec.pixels());
+    codec.dynamic(moved(low.rest, heads.now), heads, out.data());
+    const RootFrames frames_of_roots = root_frames(high);
+    for (int s = 0; s < high.rest.count; ++s) {
+        const Vec3d root = cast<double>(high.rest.at(s, 0));
+        const Vec3d expected[3] = {{0, -9.81, 0}, {0, omega, 0}, -omega * omega * Vec3d{root.x, 0, root.z}};
+        for (int v = 0; v < 3; ++v) {
+            auto channel = [&](int axis) {
+                return out[size_t(48 + 3 * v + axis) * codec.pixels() + size_t(s)];
+            };
+            // The pose itself is a turn about gravity, so head's and world's axes agree on these vectors.
+            const Vec3f found =
+                rotate(frames_of_roots.rotation[size_t(s)], Vec3f{channel(0), channel(1), channel(2)});
+            EXPECT_LT(norm(cast<double>(found) - expected[v]), 1e-4) << v;
+        }
+    }
+    heads.inner = false;
+    codec.dynamic(moved(low.rest, heads.now), heads, out.data());
+    for (size_t k = 51 * codec.pixels(); k < out.size(); ++k) EXPECT_EQ(out[k], 0);
+}
+
+TEST(StrandCodec, holes_of_the_grid_hold_zeros) {
+    Groom high = curly_groom({});
+    high.grid.width = 9;  // a column without strands
+    std::vector<int> wider;
+    for (int row = 0; row < 8; ++row) {
+        for (int column = 0; column < 8; ++column) wider.push_back(row * 8 + column);
+        wider.push_back(-1);
+    }
+    high.grid.strand = wider;
+    StrandCodec codec(high, coarsened(high, 2), tip_wetness(high));
+    std::vector<float> out(dynamic_channels * codec.pixels(), 7);
+    codec.dynamic(coarsened(high, 2).rest, HeadWindow{}, out.data());
+    for (size_t pixel = 8; pixel < codec.pixels(); pixel += 9) {
+        EXPECT_EQ(codec.mask()[pixel], 0);
+        for (int c = 0; c < dynamic_channels; ++c) EXPECT_EQ(out[size_t(c) * codec.pixels() + pixel], 0);
+        for (int c = 0; c < static_channels; ++c)
+            EXPECT_EQ(codec.fixed()[size_t(c) * codec.pixels() + pixel], 0);
+    }
+    high.grid.strand[0] = -1;
+    expect_error([&] { StrandCodec(high, coarsened(high, 2), {}); }, {"strand 0 is at no pixel"});
+}
+
+TEST(Encode, training_and_inference_see_the_same_features) {
+    Runs runs;
+    runs.encode();
+    const PairsReader pairs(runs.pairs);
+    ASSERT_EQ(pairs.runs(), 1);
+    const StrandPairs stored = pairs.strand(0);
+    EXPECT_EQ(stored.frames, frames);
+    EXPECT_EQ(stored.static_channels, static_channels);
+    EXPECT_EQ(stored.dynamic_channels, dynamic_channels);
+
+    const RunReader dry(runs.dry);  // what inference has: this, the rest groom and the wetness
+    StrandCodec codec(runs.high, dry.header().groom, runs.saturation);
+    EXPECT_EQ(stored.fixed, codec.fixed());
+    EXPECT_EQ(stored.mask, codec.mask());
+    EXPECT_EQ(stored.length, codec.length());
+    std::vector<float> mine(dynamic_channels * codec.pixels()), theirs(mine.size()),
+        target(strand_coefficients * codec.pixels());
+    double motion = 0;
+    for (FrameWindow window(dry); window.advance();) {
+        codec.dynamic(window.now().positions, window.heads(), mine.data());
+        pairs.frame(0, window.index(), theirs.data(), target.data());
+        EXPECT_EQ(mine, theirs) << window.index();
+        for (size_t k = 51 * codec.pixels(); k < mine.size(); ++k)
+            motion = std::max(motion, double(std::abs(mine[k])));
+    }
+    EXPECT_GT(motion, 0.1);
+}
+
+TEST(Encode, base_and_target_decode_to_the_wet_strands) {
+    Runs runs;
+    const double floor_mm = runs.encode();
+    EXPECT_GT(floor_mm, 0.05);
+    EXPECT_LT(floor_mm, 1);
+    const PairsReader pairs(runs.pairs);
+    const RunReader wet(runs.wet);
+    const StrandCodec codec(runs.high, runs.low, runs.saturation);
+    std::vector<float> dynamic(dynamic_channels * codec.pixels()),
+        target(strand_coefficients * codec.pixels());
+    for (int f = 0; f < frames; ++f) {
+        pairs.frame(0, f, dynamic.data(), target.data());
+        ASSERT_GT(*std::max_element(target.begin(), target.end()), 0.01f);
+        for (size_t k = 0; k < target.size(); ++k) target[k] += dynamic[k];
+        Strands decoded;
+        const RunFrame frame = wet.frame(f);
+        codec.decode(target.data(), frame.head, decoded);
+        double sum = 0;
+        for (size_t k = 0; k < decoded.points.size(); ++k)
+            sum += norm(decoded.points[k] - frame.positions.points[k]);
+        EXPECT_NEAR(1e3 * sum / double(decoded.points.size()), floor_mm, 0.2 * floor_mm);
+    }
+}
+
+TEST(Encode, root_pairs_share_a_box_and_hold_colours_of_the_roots) {
+    Runs runs;
+    std::vector<RunPair> both;
+    both.emplace_back(runs.dry, runs.wet);
+    both.emplace_back(runs.dry, runs.wet);
+    const float reach = 0.012f;
+    {
+        PairsWriter out(runs.pairs, Codec::root, runs.high.rest.particles, true);
+        encode_roots(both, reach, out);
+        out.commit();
+    }
+    const PairsReader pairs(runs.pairs);
+    ASSERT_EQ(pairs.runs(), 2);
+    ColourBox box;
+    pairs.box(&box.lower.x, &box.upper.x);
+    ASSERT_GT(box.diagonal(), 0.03);
+    const RootPairs stored = pairs.root(1);
+    EXPECT_EQ(stored.height, 32);
+    EXPECT_EQ(std::count(stored.mask_low.begin(), stored.mask_low.end(), 1), 16);
+    EXPECT_EQ(std::count(stored.mask.begin(), stored.mask.end(), 1), 64);
+    std::vector<float> input(3 * stored.pixels()), target(4 * input.size());
+    pairs.frame(1, 3, input.data(), target.data());
+    const auto low = RootImage(runs.low.grid).read(input.data()),
+               high = RootImage(runs.high.grid, 2).read(target.data());
+    const RunFrame dry = RunReader(runs.dry).frame(3), wet = RunReader(runs.wet).frame(3);
+    for (int s = 0; s < runs.low.rest.count; ++s)
+        EXPECT_LT(norm(position_of(low[size_t(s)], box) - dry.positions.at(s, 0)), 1e-6);
+    const auto expected = shifted_roots(wet.positions, runs.saturation, reach);
+    double shift = 0;
+    for (int s = 0; s < runs.high.rest.count; ++s) {
+        EXPECT_LT(norm(position_of(high[size_t(s)], box) - expected[size_t(s)]), 1e-6);
+        shift = std::max(shift, double(norm(expected[size_t(s)] - wet.positions.at(s, 0))));
+    }
+    EXPECT_GT(shift, 1e-4);
+}
+
+TEST(Encode, runs_that_are_no_pair_are_errors) {
+    Runs runs;
+    expect_error([&] { RunPair(runs.wet, runs.dry); }, {runs.wet, "stride", "found 1", "allowed 4"});
+    const std::string other = runs.scratch.path("other.h5");
+    write_run(other, runs.low, 2, frames - 1, {});
+    expect_error([&] { RunPair(other, runs.wet); }, {other, "frames", "found 4", "allowed 5"});
+    write_run(other, coarsened(curly_groom({}, 2), 2), 2, frames, {});
+    expect_error([&] { RunPair(other, runs.wet); }, {other, "do not nest", "strand 0"});
+    write_run(other, runs.high, 1, frames, {});
+    expect_error([&] { RunPair(runs.dry, other); }, {other, "knows no saturation"});
+    write_run(
+        other, runs.low, 2, frames, {},
+        [](int, int, int) {
+            return Vec3d{0, 0, 0};
+        },
+        [](int f) {
+            return Pose{Quatd::identity(), {0.1 * f, 0, 0}};
+        });
+    PairsWriter out(runs.pairs, Codec::strand, 50, true);
+    expect_error([&] { encode_strands(RunPair(other, runs.wet), out); },
+                 {other, "frame 0", "head is elsewhere"});
+}
+
+TEST(Pairs, adhesion_samples_come_back) {
+    const Scratch scratch;
+    Random random(5);
+    std::vector<AdhesionSample> samples(7);
+    for (auto& s : samples) {
+        for (float& x : s.input) x = float(random.number());
+        s.target = float(random.number());
+        s.contact = random.number() > 0;
+    }
+    {
+        PairsWriter out(scratch.path("a.h5"), Codec::adhesion, 50, false);
+        out.add(samples);
+        out.add({samples[2]});
+        out.commit();
+    }
+    const PairsReader in(scratch.path("a.h5"));
+    EXPECT_EQ(in.codec(), Codec::adhesion);
+    ASSERT_EQ(in.runs(), 2);
+    const auto back = in.adhesion(0);
+    ASSERT_EQ(back.size(), samples.size());
+    for (size_t k = 0; k < back.size(); ++k) {
+        EXPECT_EQ(back[k].input, samples[k].input);
+        EXPECT_EQ(back[k].target, samples[k].target);
+        EXPECT_EQ(back[k].contact, samples[k].contact);
+    }
+    EXPECT_EQ(in.adhesion(1)[0].target, samples[2].target);
+    expect_error([&] { in.strand(0); }, {"codec adhesion", "needed is codec strand"});
+}
+
+TEST(Pairs, files_without_runs_and_unknown_codecs_are_errors) {
+    const Scratch scratch;
+    { PairsWriter(scratch.path("e.h5"), Codec::strand, 50, false).commit(); }
+    expect_error([&] { PairsReader in(scratch.path("e.h5")); }, {"e.h5", "no encoded run"});
+    expect_error<Misuse>([] { codec_named("strands"); },
+                         {"'strands'", "strand, root, adhesion", "did you mean 'strand'"});
+}
+
+}  // namespace
+}  // namespace wetcurl::testing

@@ -1,0 +1,191 @@
+// Interpolation of a low-resolution run, without a network.
+// Ours.
+#include "learn/core_detail.h"
+#include "learn/interpolate.h"
+#include "tests/learn/hair.h"
+
+namespace wetcurl::testing {
+namespace {
+
+constexpr Interpolation kinds[] = {Interpolation::nearest, Interpolation::quad, Interpolation::core};
+
+Strands interpolated(Interpolation kind, const Stencil& stencil, const Groom& high, const Strands& low,
+                     const Pose& head = {}) {
+    Strands out;
+    Interpolator(kind, stencil, high, coarsened(high, 2)).apply(low, head, out);
+    return out;
+}
+
+double mean_curl(const Strands& strands) {
+    double sum = 0;
+    for (float r : curl_radii(strands)) sum += r;
+    return sum / strands.count;
+}
+
+// Strands of the pixels with an odd row and an odd column: those with four neighbours.
+Strands inner(const Groom& groom, const Strands& strands) {
+    std::vector<int> kept;
+    for (int row = 1; row + 1 < groom.grid.height; row += 2)
+        for (int column = 1; column + 1 < groom.grid.width; column += 2)
+            kept.push_back(groom.grid.at(column, row));
+    Strands out(int(kept.size()), strands.particles);
+    for (size_t k = 0; k < kept.size(); ++k)
+        std::copy_n(strands.strand(kept[k]), strands.particles, out.strand(int(k)));
+    return out;
+}
+
+TEST(Stencil, weights_sum_to_one_on_whole_grids_and_grids_with_holes) {
+    Groom whole = curly_groom({});
+    Groom holed = whole;
+    holed.grid.strand.assign(holed.grid.strand.size(), -1);
+    holed.rest = Strands(0, whole.rest.particles);
+    holed.normal.clear();
+    std::vector<int> kept;
+    for (int s = 0; s < whole.rest.count; ++s)
+        if (s % 3 != 0) kept.push_back(s);
+    holed.rest = Strands(int(kept.size()), whole.rest.particles);
+    for (size_t k = 0; k < kept.size(); ++k) {
+        std::copy_n(whole.rest.strand(kept[k]), whole.rest.particles, holed.rest.strand(int(k)));
+        holed.normal.push_back(whole.normal[size_t(kept[k])]);
+        holed.grid.strand[size_t(kept[k])] = int(k);
+    }
+    for (const Groom& groom : {whole, holed})
+        for (const Stencil& stencil :
+             {quad_stencil(groom, coarsened(groom, 2)), triangle_stencil(groom, coarsened(groom, 2))}) {
+            ASSERT_EQ(stencil.count(), groom.rest.count);
+            for (int s = 0; s < stencil.count(); ++s) {
+                double sum = 0;
+                for (int k = 0; k < stencil.width; ++k) {
+                    const float w = stencil.weight[size_t(s * stencil.width + k)];
+                    EXPECT_GE(w, 0);
+                    sum += w;
+                }
+                EXPECT_NEAR(sum, 1, 1e-6);
+            }
+        }
+}
+
+TEST(Stencil, an_inner_root_has_four_equal_neighbours) {
+    const Groom groom = curly_groom({});
+    const Stencil stencil = quad_stencil(groom, coarsened(groom, 2));
+    const int s = groom.grid.at(3, 5);
+    for (int k = 0; k < 4; ++k) EXPECT_FLOAT_EQ(stencil.weight[size_t(s) * 4 + k], 0.25f);
+    std::vector<int> found(stencil.from.begin() + s * 4, stencil.from.begin() + s * 4 + 4);
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(found, (std::vector<int>{2 * 4 + 1, 2 * 4 + 2, 3 * 4 + 1, 3 * 4 + 2}));
+}
+
+TEST(Stencil, grooms_that_do_not_nest_are_an_error) {
+    const Groom groom = curly_groom({});
+    Groom low = coarsened(groom, 2);
+    low.rest.at(3, 7).x += 0.001f;
+    expect_error([&] { quad_stencil(groom, low); }, {"strand 3", "particle 7", "allowed 0.01 mm"});
+    expect_error([&] { quad_stencil(groom, coarsened(groom, 4)); },
+                 {"2 x 2 roots", "every second root", "4 x 4 roots"});
+}
+
+TEST(Interpolation, shared_strands_come_back_as_they_are) {
+    const Groom groom = curly_groom({});
+    std::vector<int> kept;
+    const Groom low = coarsened(groom, 2, &kept);
+    for (const Stencil& stencil : {quad_stencil(groom, low), triangle_stencil(groom, low)})
+        for (Interpolation kind : kinds) {
+            const Strands out = interpolated(kind, stencil, groom, low.rest);
+            for (int s = 0; s < low.rest.count; ++s)
+                for (int i = 0; i < low.rest.particles; ++i)
+                    EXPECT_LT(norm(out.at(kept[size_t(s)], i) - low.rest.at(s, i)), 2e-7);
+        }
+}
+
+TEST(Interpolation, equal_strands_around_give_a_copy) {
+    Curls curls;
+    curls.phase_spread = 0;
+    const Groom groom = curly_groom(curls);
+    const Groom low = coarsened(groom, 2);
+    ASSERT_NEAR(mean_curl(groom.rest) / curls.radius, 1, 0.05);
+    for (const Stencil& stencil : {quad_stencil(groom, low), triangle_stencil(groom, low)})
+        for (Interpolation kind : kinds)
+            EXPECT_LT(largest_distance(interpolated(kind, stencil, groom, low.rest), groom.rest), 5e-7);
+}
+
+TEST(Interpolation, roots_are_exact_and_all_follows_the_head) {
+    const Groom groom = curly_groom({});
+    const Groom low = coarsened(groom, 2);
+    const Pose pose = some_pose(7);
+    const Strands turned_rest = moved(groom.rest, pose);
+    for (const Stencil& stencil : {quad_stencil(groom, low), triangle_stencil(groom, low)})
+        for (Interpolation kind : kinds) {
+            const Strands still = interpolated(kind, stencil, groom, low.rest);
+            const Strands turned = interpolated(kind, stencil, groom, moved(low.rest, pose), pose);
+            ASSERT_GT(largest_distance(still, groom.rest), 1e-3);  // it is no copy
+            EXPECT_LT(largest_distance(moved(still, pose), turned), 2e-6);
+            for (int s = 0; s < groom.rest.count; ++s)
+                EXPECT_LT(norm(turned.at(s, 0) - turned_rest.at(s, 0)), 1e-7);
+        }
+}
+
+// The same roots in another order of strands.
+TEST(Interpolation, the_order_of_strands_does_not_matter) {
+    const Groom groom = curly_groom({});
+    Groom other = groom;
+    const int n = groom.rest.count;
+    for (int s = 0; s < n; ++s) {
+        const int to = (s * 37 + 11) % n;  // 37 is prime to 64
+        std::copy_n(groom.rest.strand(s), groom.rest.particles, other.rest.strand(to));
+        other.normal[size_t(to)] = groom.normal[size_t(s)];
+        other.grid.strand[size_t(s)] = to;
+    }
+    const Groom low = coarsened(groom, 2), other_low = coarsened(other, 2);
+    for (Interpolation kind : kinds) {
+        const Strands a = interpolated(kind, quad_stencil(groom, low), groom, low.rest);
+        const Strands b = interpolated(kind, quad_stencil(other, other_low), other, other_low.rest);
+        for (int s = 0; s < n; ++s)
+            for (int i = 0; i < a.particles; ++i)
+                EXPECT_LT(norm(a.at(s, i) - b.at((s * 37 + 11) % n, i)), 1e-7);
+    }
+}
+
+TEST(Interpolation, a_linear_field_of_offsets_is_reproduced_inside) {
+    // Offsets that grow linearly over a flat scalp.
+    Groom groom = curly_groom({});
+    for (int s = 0; s < groom.rest.count; ++s) {
+        const float x = float(s % 8), z = float(s / 8);
+        for (int i = 0; i < groom.rest.particles; ++i)
+            groom.rest.at(s, i) = {0.01f * x + 1e-4f * float(i) * (x + 2 * z), -0.004f * float(i),
+                                   0.01f * z - 1e-4f * float(i) * z};
+        groom.normal[size_t(s)] = {0, 1, 0};
+    }
+    const Groom low = coarsened(groom, 2);
+    for (const Stencil& stencil : {quad_stencil(groom, low), triangle_stencil(groom, low)})
+        for (Interpolation kind : {Interpolation::quad, Interpolation::core})
+            EXPECT_LT(largest_distance(inner(groom, interpolated(kind, stencil, groom, low.rest)),
+                                       inner(groom, groom.rest)),
+                      kind == Interpolation::quad ? 1e-6 : 1e-5);
+}
+
+TEST(Interpolation, core_and_detail_keeps_the_curl_of_random_phases_and_the_mean_loses_it) {
+    Curls curls;
+    curls.width = curls.height = 32;
+    curls.spacing = 0.002;
+    curls.lean = 0;
+    const Groom groom = curly_groom(curls);
+    const Groom low = coarsened(groom, 2);
+    const double truth = mean_curl(inner(groom, groom.rest));
+    ASSERT_NEAR(truth / curls.radius, 1, 0.05);
+    const Stencil stencil = quad_stencil(groom, low);
+    auto kept = [&](Interpolation kind) {
+        return mean_curl(inner(groom, interpolated(kind, stencil, groom, low.rest))) / truth;
+    };
+    EXPECT_GT(kept(Interpolation::core), 0.9);
+    EXPECT_LT(kept(Interpolation::core), 1.1);
+    // The mean length of the mean of four random unit vectors in the plane: 1.799 / 4.
+    EXPECT_NEAR(kept(Interpolation::quad), 0.45, 0.03);
+}
+
+TEST(Interpolation, unknown_names_are_a_misuse) {
+    expect_error<Misuse>([] { interpolation_named("quat"); },
+                         {"'quat'", "nearest, quad, core", "did you mean 'quad'"});
+}
+
+}  // namespace
+}  // namespace wetcurl::testing
