@@ -111,7 +111,7 @@ class RootMethod final : public Method {
     QuadTransform transform_;
     Interpolator plain_;
     float radius_;
-    Box box_;
+    ColourBox box_;
     std::vector<float> input_, output_;
     const RunFrame* low_ = nullptr;
     Strands plain_strands_;

@@ -44,7 +44,8 @@ static volatile std::sig_atomic_t interrupt_count = 0;
 static void (*handler_before)(int) = SIG_DFL;
 static void on_interrupt(int) {
     // A second ctrl-C is meant.
-    if (++interrupt_count > 1) std::_Exit(130);
+    interrupt_count = interrupt_count + 1;
+    if (interrupt_count > 1) std::_Exit(130);
 }
 
 InterruptGuard::InterruptGuard() {
