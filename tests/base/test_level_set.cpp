@@ -240,12 +240,14 @@ TEST(LevelSetCache, gives_back_the_same_bits) {
 TEST(LevelSetCache, tells_meshes_and_spacings_apart) {
     const Scratch scratch;
     Mesh mesh = triangulated(Sphere{0.1}, 24);
-    LevelSet::cached(mesh, 0.02, scratch.path());
-    EXPECT_FALSE(LevelSet::cached(mesh, 0.021, scratch.path())->from_cache());
+    const auto made = LevelSet::cached(mesh, 0.0195, scratch.path());
+    const auto other = LevelSet::cached(mesh, 0.0196, scratch.path());
+    EXPECT_FALSE(other->from_cache());
+    ASSERT_EQ(made->phi().size(), other->phi().size());  // the size alone would not tell them apart
     mesh.vertices[7].x *= 1.01f;
-    EXPECT_FALSE(LevelSet::cached(mesh, 0.02, scratch.path())->from_cache());
+    EXPECT_FALSE(LevelSet::cached(mesh, 0.0195, scratch.path())->from_cache());
     mesh.triangles.pop_back();
-    EXPECT_FALSE(LevelSet::cached(mesh, 0.02, scratch.path())->from_cache());
+    EXPECT_FALSE(LevelSet::cached(mesh, 0.0195, scratch.path())->from_cache());
 }
 
 TEST(LevelSetCache, rebuilds_damaged_files) {
