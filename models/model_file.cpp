@@ -42,11 +42,21 @@ ModelCard card_of(const H5Reader& file) {
     card.inputs = file.text("inputs");
     for (const auto& name : file.list("numbers")) card.numbers[name] = file.read<double>("numbers/" + name, {1})[0];
     for (const auto& name : file.list("arrays")) card.arrays[name] = file.read<float>("arrays/" + name, {0});
-    if (card.output_channels != architecture->output_channels || card.upscale != architecture->upscale)
-        throw Error(file.path() + ": found " + std::to_string(card.output_channels) + " output channels, upscale " +
-                    std::to_string(card.upscale) + "; " + card.architecture + " has " +
-                    std::to_string(architecture->output_channels) + ", " + std::to_string(architecture->upscale));
+    const Architecture& a = *architecture;
+    if ((a.input_channels && card.input_channels != a.input_channels) || card.output_channels != a.output_channels ||
+        card.upscale != a.upscale)
+        throw Error(file.path() + ": found " + std::to_string(card.input_channels) + " input and " +
+                    std::to_string(card.output_channels) + " output channels, upscale " + std::to_string(card.upscale) +
+                    ", which " + a.name + " does not have");
     return card;
+}
+
+std::shared_ptr<Model> model_of(const std::string& path, const ModelCard& card) {
+    try {
+        return make_model(card);
+    } catch (const Error& error) {
+        throw Error(path + ": " + error.what());
+    }
 }
 
 }  // namespace
@@ -93,7 +103,7 @@ ModelCard read_card(const std::string& path) { return card_of(H5Reader(path, mod
 std::pair<ModelCard, std::shared_ptr<Model>> load_model(const std::string& path) {
     const H5Reader file(path, model_format, model_version);
     ModelCard card = card_of(file);
-    auto model = make_model(card);
+    auto model = model_of(path, card);
     read_weights(file, *model);
     if (parameter_count(*model) != card.parameters)
         throw Error(path + ": claims " + std::to_string(card.parameters) + " parameters, its network has " +

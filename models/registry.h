@@ -13,6 +13,7 @@ namespace wetcurl {
 
 struct Architecture {
     std::string name, codec;
+    int input_channels;  // 0: any
     int output_channels, upscale;
     bool scalable;  // whether a width other than 1 is allowed
     std::shared_ptr<Model> (*make)(const ModelCard& card);

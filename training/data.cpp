@@ -165,10 +165,11 @@ class StrandData : public TrainingData {
         }
         const Tensor mean = sum / rows;
         const Tensor deviation = (squares / rows - mean.square()).clamp_min(0).sqrt();
-        // A channel that never changes tells nothing: it comes in as zero, whatever rounding leaves of its deviation.
+        // A channel that never changes taught nothing: it comes in as zero, also where it differs at run time.
+        constexpr double mute = 1e30;
         const Tensor constant = deviation <= 1e-5 * mean.abs() + 1e-9;
         mean_ = mean.to(torch::kFloat);
-        deviation_ = torch::where(constant, torch::ones_like(deviation), deviation).to(torch::kFloat);
+        deviation_ = torch::where(constant, torch::full_like(deviation, mute), deviation).to(torch::kFloat);
         const Tensor size = (targets / rows).sqrt();
         // Amplitudes that hardly move keep a thousandth of the largest, so that none is out of reach.
         scale_ = torch::maximum(size, 1e-3 * size.max()).clamp_min(1e-9).to(torch::kFloat);

@@ -1,0 +1,465 @@
+// The networks: counts, shapes, layers by hand, gradients, files. One translation unit: LibTorch's headers are slow.
+// Ours.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <torch/nn/functional/conv.h>
+#include <torch/utils.h>
+#include <unistd.h>
+
+#include <cstring>
+
+#include "models/model_file.h"
+#include "models/registry.h"
+#include "models/strand_mlp.h"
+#include "models/unet_vgg19.h"
+#include "tests/base/scratch.h"
+
+namespace wetcurl {
+namespace {
+
+namespace nn = torch::nn;
+using testing::expect_error;
+using testing::Scratch;
+
+constexpr int strand_inputs = 115;
+
+// A small card of each architecture; `width` where it scales.
+ModelCard card_of(const Architecture& a, double width) {
+    ModelCard card;
+    card.codec = a.codec;
+    card.architecture = a.name;
+    card.width = a.scalable ? width : 1;
+    card.output_channels = a.output_channels;
+    card.upscale = a.upscale;
+    card.input_channels = a.input_channels ? a.input_channels : strand_inputs;
+    card.particles = a.codec == "strand" ? 20 : 0;
+    if (a.codec == "strand") {
+        for (int c = 0; c < strand_inputs; ++c) {
+            card.arrays["input_mean"].push_back(0.01f * float(c));
+            card.arrays["input_std"].push_back(0.5f + 0.01f * float(c));
+        }
+        for (int c = 0; c < 48; ++c) card.arrays["output_scale"].push_back(1 / (1.0f + float(c)));
+    }
+    return card;
+}
+
+// The card's network with no weight left at zero.
+std::shared_ptr<Model> stirred(const ModelCard& card, uint64_t seed = 1) {
+    torch::manual_seed(seed);
+    auto model = make_model(card);
+    torch::NoGradGuard no_grad;
+    for (auto& p : model->parameters()) p.add_(0.02 * torch::randn_like(p));
+    return model;
+}
+
+Tensor input_of(const ModelCard& card, long batch = 2, long side = 32) {
+    torch::manual_seed(7);
+    return torch::rand({batch, card.input_channels, side, side});
+}
+
+double largest(const Tensor& t) { return t.abs().max().item<double>(); }
+bool same_bits(const Tensor& a, const Tensor& b) {
+    const Tensor x = a.contiguous(), y = b.contiguous();
+    return a.sizes() == b.sizes() && std::memcmp(x.data_ptr<float>(), y.data_ptr<float>(), x.nbytes()) == 0;
+}
+
+TEST(ParameterCounts, AreThoseOfTheEquationsAtWidthOne) {
+    const long hidden = 256;
+    const std::map<std::string, long> expected = {
+        {"unet_vgg19", 60031235},
+        {"recursive_residual", 2366339},
+        {"adhesion_mlp", 142},
+        {"strand_mlp", strand_inputs * hidden + hidden + 10 * (hidden * hidden + hidden) + hidden * 48 + 48}};
+    ASSERT_EQ(expected.size(), architectures().size());
+    for (const auto& a : architectures())
+        EXPECT_EQ(parameter_count(*make_model(card_of(a, 1))), expected.at(a.name)) << a.name;
+}
+
+TEST(Width, MultipliesChannelsAndRoundsThemUpToEight) {
+    EXPECT_EQ(scaled_channels(64, 1), 64);
+    EXPECT_EQ(scaled_channels(64, 0.5), 32);
+    EXPECT_EQ(scaled_channels(64, 0.51), 40);
+    EXPECT_EQ(scaled_channels(64, 0.001), 8);
+    EXPECT_EQ(scaled_channels(256, 2), 512);
+}
+
+TEST(UnetVgg19, EveryBlockHasTheShapeOfTable1) {
+    UnetVgg19 model(1);
+    std::vector<std::string> seen;
+    auto note = [&](const std::string& block, const Tensor& x) {
+        seen.push_back(block + " " + std::to_string(x.size(2)) + "x" + std::to_string(x.size(3)) + "x" +
+                       std::to_string(x.size(1)));
+    };
+    model.watch = note;
+    torch::NoGradGuard no_grad;
+    const Tensor out = model.forward(torch::rand({1, 3, 128, 128}));
+    const std::vector<std::string> table = {
+        "C1 128x128x64", "C2 64x64x128", "C3 32x32x256", "C4 16x16x512",   "C5 8x8x512",   "r1 8x8x64",
+        "r2 16x16x64",   "r3 32x32x64",  "r4 64x64x64",  "r5 128x128x64", "r6 256x256x64", "r7 256x256x3"};
+    EXPECT_EQ(seen, table);
+    EXPECT_EQ(out.sizes(), (std::vector<int64_t>{1, 3, 256, 256}));
+}
+
+// Input 1..9 in a 3x3 image; a 5x5 kernel that takes 2 times the pixel itself, 10 times the one two to the right and
+// 100 times the one above: out = 2 x[r][c] + 10 x[r][c+2] + 100 x[r-1][c] + 0.5, zeros outside.
+TEST(Convolution, GivesWhatAHandFinds) {
+    nn::Conv2d layer = convolution(1, 1, 5);
+    torch::NoGradGuard no_grad;
+    layer->weight.zero_();
+    layer->weight[0][0][2][2] = 2;
+    layer->weight[0][0][2][4] = 10;
+    layer->weight[0][0][1][2] = 100;
+    layer->bias.fill_(0.5);
+    const Tensor x = torch::arange(1, 10).to(torch::kFloat).view({1, 1, 3, 3});
+    const Tensor expected =
+        torch::tensor({32.5, 4.5, 6.5, 168.5, 210.5, 312.5, 504.5, 516.5, 618.5}).to(torch::kFloat).view({1, 1, 3, 3});
+    EXPECT_TRUE(torch::equal(run_layer(layer, x), expected)) << run_layer(layer, x);
+}
+
+TEST(Doubling, IsTheTransposedConvolution) {
+    torch::manual_seed(3);
+    nn::ConvTranspose2d layer(nn::ConvTranspose2dOptions(5, 8, 2).stride(2));
+    const Tensor x = torch::randn({2, 5, 7, 6});
+    const Tensor expected = torch::conv_transpose2d(x, layer->weight, layer->bias, 2);
+    ASSERT_GT(largest(expected), 0.1);
+    EXPECT_LT(largest(apply_doubling(layer, x) - expected), 1e-5);  // sums of five products, rounded apart
+}
+
+TEST(LinearRows, IsTheMatrixProductForAnyNumberOfRowsAndThreads) {
+    torch::manual_seed(4);
+    const Tensor weight = torch::randn({9, 20}), bias = torch::randn({9});
+    for (int threads : {1, 2})
+        for (long rows : {1, 15, 16, 33, 160}) {
+            torch::set_num_threads(threads);
+            const Tensor x = torch::randn({rows, 20});
+            const Tensor expected =
+                torch::linear(x.to(torch::kDouble), weight.to(torch::kDouble), bias.to(torch::kDouble));
+            ASSERT_GT(largest(expected), 1);
+            EXPECT_LT(largest(linear_rows(x, weight, bias) - expected), 1e-5) << rows << " rows, " << threads << " threads";
+        }
+}
+
+TEST(StrandMlp, IsAStackOfOneByOneConvolutions) {
+    const ModelCard card = card_of(*find_architecture("strand_mlp"), 0.1);
+    auto model = stirred(card);
+    const Tensor x = torch::rand({2, strand_inputs, 3, 5});
+    torch::NoGradGuard no_grad;
+    auto p = model->named_parameters();
+    auto conv = [&](const std::string& name, const Tensor& t) {
+        const Tensor w = p[name + ".weight"];
+        return torch::conv2d(t, w.view({w.size(0), w.size(1), 1, 1}), p[name + ".bias"]);
+    };
+    auto plane = [&](const std::string& name) { return torch::tensor(card.arrays.at(name)).view({1, -1, 1, 1}); };
+    Tensor h = conv("first", (x - plane("input_mean")) / plane("input_std"));
+    for (int b = 0; b < 5; ++b) {
+        const std::string block = "block" + std::to_string(b);
+        h = h + conv(block + "_1", torch::relu(conv(block + "_0", h)));
+    }
+    const Tensor expected = conv("last", torch::relu(h)) * plane("output_scale");
+    ASSERT_GT(largest(expected), 0.1);
+    EXPECT_LT(largest(model->forward(x) - expected), 1e-5 * largest(expected));
+}
+
+TEST(EveryNetwork, GivesTheSameInChannelsLast) {
+    torch::NoGradGuard no_grad;
+    for (const auto& a : architectures()) {
+        const ModelCard card = card_of(a, 0.125);
+        auto model = stirred(card);
+        const Tensor x = input_of(card), expected = model->forward(x);
+        ASSERT_GT(largest(expected), 1e-2) << a.name;
+        const Tensor found = model->forward(x.contiguous(torch::MemoryFormat::ChannelsLast));
+        EXPECT_LT(largest(found - expected), 1e-4 * largest(expected)) << a.name;
+    }
+}
+
+// A bfloat16 has 8 bits: 0.4 % a rounding, which grows as a walk over the layers.
+TEST(EveryNetwork, AgreesWithItselfInBfloat16) {
+    torch::NoGradGuard no_grad;
+    for (const auto& a : architectures()) {
+        const ModelCard card = card_of(a, 0.125);
+        auto model = stirred(card);
+        const Tensor x = input_of(card), base = a.codec == "root" ? up(x) : torch::zeros({1});
+        const Tensor expected = model->forward(x) - base;
+        model->body = torch::kBFloat16;
+        const Tensor found = model->forward(x) - base;
+        ASSERT_EQ(found.sizes(), expected.sizes()) << a.name;
+        ASSERT_GT(largest(expected), 1e-2) << a.name;
+        EXPECT_LT((found - expected).norm().item<double>(), 0.03 * expected.norm().item<double>()) << a.name;
+        EXPECT_GT(largest(found - expected), 0) << a.name << ": nothing ran in bfloat16";
+    }
+}
+
+TEST(Up, KeepsEvenPixelsAveragesOddOnesAndExtrapolatesTheLast) {
+    const Tensor x = torch::tensor({1.0f, 5.0f, 2.0f}).view({1, 1, 1, 3});
+    const Tensor row = up(x)[0][0][0];
+    EXPECT_TRUE(torch::equal(row, torch::tensor({1.0f, 3.0f, 5.0f, 3.5f, 2.0f, 0.5f}))) << row;
+    torch::manual_seed(2);
+    const Tensor image = torch::rand({2, 3, 4, 6}), twice = up(image);
+    EXPECT_EQ(twice.sizes(), (std::vector<int64_t>{2, 3, 8, 12}));
+    const auto even = torch::indexing::Slice(torch::indexing::None, torch::indexing::None, 2);
+    EXPECT_TRUE(torch::equal(twice.index({"...", even, even}), image));
+}
+
+TEST(Up, ReproducesAPlaneToItsBorder) {
+    auto plane = [](long h, long w, double step) {
+        const Tensor y = torch::arange(h).to(torch::kFloat).view({h, 1}) * step, x = torch::arange(w).to(torch::kFloat) * step;
+        return (0.25 + 2 * y - 3 * x).view({1, 1, h, w});
+    };
+    EXPECT_LT(largest(up(plane(5, 4, 1)) - plane(10, 8, 0.5)), 1e-6);
+    EXPECT_TRUE(torch::equal(up(torch::full({1, 1, 1, 1}, 3.0f)), torch::full({1, 1, 2, 2}, 3.0f)));
+}
+
+TEST(EveryNetwork, BeginsAsTheBaseBecauseItsLastLayerIsZero) {
+    torch::NoGradGuard no_grad;
+    for (const auto& a : architectures()) {
+        if (a.codec == "adhesion") continue;  // it has no base
+        const ModelCard card = card_of(a, 0.125);
+        const Tensor x = input_of(card, 1, 40), found = make_model(card)->forward(x);
+        const Tensor base = a.codec == "root" ? up(x) : torch::zeros({1, 48, 40, 40});
+        EXPECT_TRUE(same_bits(found, base)) << a.name;
+    }
+}
+
+TEST(RootNetworks, TakeAnySizeOfImage) {
+    torch::NoGradGuard no_grad;
+    for (const auto& a : architectures())
+        if (a.codec == "root") {
+            auto model = stirred(card_of(a, 0.1));
+            const Tensor x = torch::rand({1, 3, 20, 33}), out = model->forward(x);
+            EXPECT_EQ(out.sizes(), (std::vector<int64_t>{1, 3, 40, 66})) << a.name;
+            EXPECT_GT(largest(out - up(x)), 1e-3) << a.name;
+        }
+}
+
+TEST(EveryNetwork, GradientReachesEveryWeight) {
+    for (const auto& a : architectures()) {
+        const ModelCard card = card_of(a, 0.125);
+        auto model = stirred(card);
+        // 64 pixels leave 4 at the bottom of the U: each tap of a 5x5 kernel meets one.
+        const Tensor out = model->forward(input_of(card, 2, 64));
+        (out * torch::randn_like(out)).sum().backward();
+        long silent = 0;
+        for (const auto& p : model->named_parameters()) {
+            ASSERT_TRUE(p.value().grad().defined()) << a.name << " " << p.key();
+            EXPECT_TRUE(torch::isfinite(p.value().grad()).all().item<bool>()) << a.name << " " << p.key();
+            EXPECT_GT(largest(p.value().grad()), 0) << a.name << " " << p.key();
+            silent += p.value().grad().eq(0).sum().item<long>();
+        }
+        // A ReLU that is off for the whole batch silences its weights: a few may.
+        EXPECT_LT(double(silent), 0.2 * double(parameter_count(*model))) << a.name;
+    }
+}
+
+TEST(Registry, NamesWhatIsAllowed) {
+    EXPECT_EQ(architecture_for("", "strand", 1).name, "strand_mlp");
+    EXPECT_EQ(architecture_for("", "root", 1).name, "unet_vgg19");
+    expect_error<Misuse>([] { architecture_for("unet_vgg16", "root", 1); }, {"unet_vgg16", "did you mean 'unet_vgg19'"});
+    expect_error<Misuse>([] { architecture_for("strand_mlp", "root", 1); }, {"strand_mlp", "codec root", "recursive_residual"});
+    expect_error<Misuse>([] { architecture_for("adhesion_mlp", "adhesion", 0.5); }, {"width", "adhesion_mlp"});
+}
+
+TEST(Device, IsNamedOrRefused) {
+    EXPECT_TRUE(device_named("cpu").is_cpu());
+    for (const char* wrong : {"", "gpu", "cuda:", "cuda:x", "cuda:-1", "cpu:0"})
+        expect_error<Misuse>([&] { device_named(wrong); }, {"allowed cpu, cuda, cuda:N"});
+    expect_error([] { device_named("cuda:999"); }, {"cuda:999", "CUDA devices"});
+}
+
+// ---- files ----
+
+TEST(ModelFile, GivesBackCardAndBits) {
+    Scratch scratch;
+    for (const auto& a : architectures()) {
+        ModelCard card = card_of(a, 0.125);
+        card.numbers["validation_mm"] = 1.25;
+        card.recipe = "epochs = 3\n";
+        card.inputs = "pairs.h5 0123";
+        auto model = stirred(card);
+        const std::string path = scratch.path(a.name);
+        save_model(path, card, *model, false);
+        const auto [read, loaded] = load_model(path);
+        EXPECT_EQ(read.architecture, a.name);
+        EXPECT_EQ(read.codec, a.codec);
+        EXPECT_EQ(read.width, card.width);
+        EXPECT_EQ(read.parameters, parameter_count(*model));
+        EXPECT_EQ(read.particles, card.particles);
+        EXPECT_EQ(read.numbers, card.numbers);
+        EXPECT_EQ(read.arrays, card.arrays);
+        EXPECT_EQ(read.recipe, card.recipe);
+        EXPECT_EQ(read.inputs, card.inputs);
+        torch::NoGradGuard no_grad;
+        const Tensor x = input_of(card), expected = model->forward(x);
+        ASSERT_GT(largest(expected), 1e-2);
+        EXPECT_TRUE(same_bits(loaded->forward(x), expected)) << a.name;
+    }
+}
+
+constexpr const char* fresh_flag = "--answer";
+
+// Each model's answer to the usual input, as raw bytes beside it.
+void answer(const std::vector<std::string>& models, const std::string& suffix) {
+    set_threads(2);  // their number orders the sums
+    torch::NoGradGuard no_grad;
+    for (const auto& path : models) {
+        const auto [card, model] = load_model(path);
+        const Tensor y = model->forward(input_of(card)).contiguous();
+        std::ofstream(path + suffix, std::ios::binary)
+            .write(reinterpret_cast<const char*>(y.data_ptr<float>()), long(y.nbytes()));
+    }
+}
+
+TEST(ModelFile, GivesTheSameBitsInAFreshProcess) {
+    Scratch scratch;
+    std::vector<std::string> paths;
+    for (const auto& a : architectures()) {
+        const ModelCard card = card_of(a, 0.125);
+        paths.push_back(scratch.path(a.name));
+        save_model(paths.back(), card, *stirred(card, 5), false);
+    }
+    const pid_t child = fork();
+    if (child == 0) {
+        std::vector<char*> arguments{const_cast<char*>("test_models"), const_cast<char*>(fresh_flag)};
+        for (auto& path : paths) arguments.push_back(path.data());
+        arguments.push_back(nullptr);
+        execv("/proc/self/exe", arguments.data());
+        _exit(127);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_EQ(status, 0);
+    answer(paths, ".here");
+    for (const auto& path : paths) {
+        const std::string there = testing::bytes_of(path + ".there");
+        ASSERT_GT(there.size(), 1000u) << path;
+        EXPECT_TRUE(there == testing::bytes_of(path + ".here")) << path;
+    }
+}
+
+class BadModelFile : public ::testing::Test {
+  protected:
+    BadModelFile() : card(card_of(*find_architecture("adhesion_mlp"), 1)), model(stirred(card)), path(scratch.path("m.h5")) {
+        save_model(path, card, *model, false);
+    }
+    // A file as save_model writes it, but for what `change` does to the card and to the weights.
+    void write(const std::function<void(H5Writer&)>& weights, ModelCard c, int version = model_version,
+               const char* format = model_format, double parameters = 142) {
+        H5Writer file(path, format, version, true);
+        file.attribute("codec", c.codec);
+        file.attribute("architecture", c.architecture);
+        file.attribute("width", c.width);
+        file.attribute("input_channels", double(c.input_channels));
+        file.attribute("output_channels", double(c.output_channels));
+        file.attribute("upscale", double(c.upscale));
+        file.attribute("particles", double(c.particles));
+        file.attribute("parameters", parameters);
+        file.attribute("recipe", c.recipe);
+        file.attribute("inputs", c.inputs);
+        weights(file);
+        file.commit();
+    }
+    void expect_refused(std::initializer_list<std::string> parts) {
+        expect_error([&] { load_model(path); }, parts);
+        expect_error([&] { load_model(path); }, {path});
+    }
+    std::function<void(H5Writer&)> all = [&](H5Writer& f) { write_weights(f, *model); };
+
+    Scratch scratch;
+    ModelCard card;
+    std::shared_ptr<Model> model;
+    std::string path;
+};
+
+TEST_F(BadModelFile, WrittenByHandUnchangedLoads) {
+    write(all, card);
+    EXPECT_EQ(load_model(path).first.parameters, 142);
+}
+TEST_F(BadModelFile, Missing) {
+    std::filesystem::remove(path);
+    expect_refused({"no such file"});
+}
+TEST_F(BadModelFile, EmptyOrText) {
+    scratch.file("m.h5", "");
+    expect_refused({"empty"});
+    scratch.file("m.h5", "weights = 12\n");
+    expect_refused({"found no HDF5 file"});
+}
+TEST_F(BadModelFile, CutShort) {
+    const auto size = std::filesystem::file_size(path);
+    for (auto part : {size / 4, size / 2, size - 100}) {
+        save_model(path, card, *model, true);
+        std::filesystem::resize_file(path, part);
+        expect_refused({});
+    }
+}
+TEST_F(BadModelFile, ForeignOrNewer) {
+    write(all, card, model_version, "wetcurl run");
+    expect_refused({"found a 'wetcurl run' file", "'wetcurl model'"});
+    write(all, card, model_version + 1);
+    expect_refused({"found version 2", "newer"});
+}
+TEST_F(BadModelFile, WeightThatIsNotFinite) {
+    for (float bad : {std::nanf(""), INFINITY}) {
+        torch::NoGradGuard no_grad;
+        model->parameters()[2][1][1] = bad;
+        save_model(path, card, *model, true);
+        expect_refused({"layer1.weight", "finite"});
+    }
+}
+TEST_F(BadModelFile, WeightsThatDoNotFit) {
+    write([](H5Writer&) {}, card);
+    expect_refused({"weights/", "missing"});
+    auto extra = [&](H5Writer& f) {
+        all(f);
+        f.write("weights/layer9.bias", std::vector<float>{1});
+    };
+    write(extra, card);
+    expect_refused({"layer9.bias", "no layer"});
+    auto other_shape = [&](H5Writer& f) { f.write("weights/layer0.weight", std::vector<float>(72)); };
+    write(other_shape, card);
+    expect_refused({"layer0.weight", "shape", "(6, 12)"});
+    write(all, card, model_version, model_format, 143);
+    expect_refused({"143 parameters"});
+}
+TEST_F(BadModelFile, CardThatCannotBe) {
+    auto with = [&](auto change) {
+        ModelCard c = card;
+        change(c);
+        write(all, c);
+    };
+    with([](ModelCard& c) { c.architecture = "resnet"; });
+    expect_refused({"architecture 'resnet'"});
+    with([](ModelCard& c) { c.codec = "root"; });
+    expect_refused({"codec 'root'"});
+    with([](ModelCard& c) { c.width = 1e9; });
+    expect_refused({"width", "allowed"});
+    with([](ModelCard& c) { c.input_channels = 2000000000; });
+    expect_refused({"input_channels", "allowed"});
+    with([](ModelCard& c) { c.upscale = 2; });
+    expect_refused({"upscale 2"});
+    with([](ModelCard& c) { c.input_channels = 13; });
+    expect_refused({"13 input"});
+}
+TEST_F(BadModelFile, NormalisationThatDoesNotFit) {
+    card = card_of(*find_architecture("strand_mlp"), 0.1);
+    model = stirred(card);
+    card.arrays["input_std"].pop_back();
+    save_model(path, card, *model, true);
+    expect_refused({"input_std", "114", "115"});
+}
+TEST_F(BadModelFile, IsNotOverwrittenUnasked) {
+    const std::string before = testing::bytes_of(path);
+    expect_error([&] { save_model(path, card, *model, false); }, {path, "--overwrite"});
+    EXPECT_TRUE(before == testing::bytes_of(path));
+}
+
+}  // namespace
+}  // namespace wetcurl
+
+int main(int argc, char** argv) {
+    if (argc > 1 && std::string(argv[1]) == wetcurl::fresh_flag) {
+        wetcurl::answer({argv + 2, argv + argc}, ".there");
+        return 0;
+    }
+    ::testing::InitGoogleTest(&argc, argv);
+    return RUN_ALL_TESTS();
+}
