@@ -147,17 +147,18 @@ static void weighted_mean(const Strands& strands, const int* from, const float* 
     }
 }
 
-// Adds to the core `out` the detail of strand p around its own core, each particle's turned as the core's
-// edge turns.
+// Adds to the core `out` the detail of strand p around its own core. The turn that takes one core's edge to
+// the other's is carried on from edge to edge, so that it does not flip where the two point opposite ways.
 static void add_detail(const Vec3f* p, const Vec3f* core, int n, Vec3f* out) {
-    const Vec3f down{0, -1, 0};
     Quatf turn = Quatf::identity();
     // In this order edge i of `out` is still bare core when particle i asks for it; the tip takes the last
-    // edge's turn.
+    // one's.
     for (int i = 0; i < n; ++i) {
-        if (i + 1 < n)
-            turn = minimal_rotation(normalized(core[i + 1] - core[i], down),
-                                    normalized(out[i + 1] - out[i], down));
+        if (i + 1 < n) {
+            const Vec3f from = rotate(turn, core[i + 1] - core[i]), to = out[i + 1] - out[i];
+            if (norm(from) > tiny_length<float> && norm(to) > tiny_length<float>)
+                turn = normalized(minimal_rotation(normalized(from, to), normalized(to, from)) * turn);
+        }
         out[i] += rotate(turn, p[i] - core[i]);
     }
 }

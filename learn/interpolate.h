@@ -34,7 +34,7 @@ Stencil quad_stencil(const Groom& high, const Groom& low);
 Stencil triangle_stencil(const Groom& high, const Groom& low);
 
 // nearest: a copy of the nearest strand; quad: the weighted mean; core: the weighted mean of the cores (Form
-// V+), with the nearest strand's detail, turned edge by edge with the core.
+// V+), with the nearest strand's detail in the core's frames.
 enum class Interpolation { nearest, quad, core };
 // Throws Misuse for another name.
 Interpolation interpolation_named(const std::string& name);
