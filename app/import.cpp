@@ -11,8 +11,8 @@ namespace wetcurl {
 namespace {
 
 struct Extent {
-    Vec3d low, high;         // of all points [m]
-    double median_length;    // [m]
+    Vec3d low, high;       // of all points [m]
+    double median_length;  // [m]
     size_t points = 0;
 };
 
@@ -35,41 +35,44 @@ Extent extent_of(const StrandPoints& strands) {
 Json vector_json(const Vec3d& x) { return {x.x, x.y, x.z}; }
 
 // Lengths in metres.
-Json report(const ImportOptions& options, const ImportedStrands& in, const Extent& extent, const RootDepth* depth,
-            const RootLayout& layout) {
-    Json json{{"file", options.input},
-              {"output", options.output},
-              {"strands", in.strands.size()},
-              {"points", extent.points},
-              {"strands_in_file", in.found},
-              {"dropped", {{"no_points", in.no_points}, {"one_point", in.one_point}, {"no_length", in.no_length}}},
-              {"repeated_points", in.repeated_points},
-              {"units", in.units},
-              {"units_guessed", in.guessed},
-              {"up", options.up},
-              {"bounds", {{"low", vector_json(extent.low)}, {"high", vector_json(extent.high)}}},
-              {"median_length", extent.median_length},
-              {"grid",
-               {{"width", layout.grid.width},
-                {"height", layout.grid.height},
-                {"roots_left_out", layout.quality.roots - layout.quality.pixels},
-                {"neighbour_distance_mean", layout.quality.neighbour_mean},
-                {"nearest_distance_mean", layout.quality.nearest_mean},
-                {"parameterisation", layout.parameterisation},
-                {"assignment", layout.assignment}}}};
+Json report(const ImportOptions& options, const ImportedStrands& in, const Extent& extent,
+            const RootDepth* depth, const RootLayout& layout) {
+    Json json{
+        {"file", options.input},
+        {"output", options.output},
+        {"strands", in.strands.size()},
+        {"points", extent.points},
+        {"strands_in_file", in.found},
+        {"dropped", {{"no_points", in.no_points}, {"one_point", in.one_point}, {"no_length", in.no_length}}},
+        {"repeated_points", in.repeated_points},
+        {"units", in.units},
+        {"units_guessed", in.guessed},
+        {"up", options.up},
+        {"bounds", {{"low", vector_json(extent.low)}, {"high", vector_json(extent.high)}}},
+        {"median_length", extent.median_length},
+        {"grid",
+         {{"width", layout.grid.width},
+          {"height", layout.grid.height},
+          {"roots_left_out", layout.quality.roots - layout.quality.pixels},
+          {"neighbour_distance_mean", layout.quality.neighbour_mean},
+          {"nearest_distance_mean", layout.quality.nearest_mean},
+          {"parameterisation", layout.parameterisation},
+          {"assignment", layout.assignment}}}};
     if (depth)
-        json["below_scalp"] = {{"roots", depth->below}, {"median_depth", depth->median}, {"deepest", depth->deepest}};
+        json["below_scalp"] = {
+            {"roots", depth->below}, {"median_depth", depth->median}, {"deepest", depth->deepest}};
     return json;
 }
 
-void print(const ImportOptions& options, const ImportedStrands& in, const Extent& extent, const RootDepth* depth,
-           const RootLayout& layout) {
+void print(const ImportOptions& options, const ImportedStrands& in, const Extent& extent,
+           const RootDepth* depth, const RootLayout& layout) {
     const Vec3d a = extent.low, b = extent.high;
     std::printf("%s: %zu strands, %zu points\n", options.input.c_str(), in.strands.size(), extent.points);
-    std::printf("dropped   %zu of %zu strands: %zu without points, %zu of one point, %zu without length\n", in.dropped(),
-                in.found, in.no_points, in.one_point, in.no_length);
+    std::printf("dropped   %zu of %zu strands: %zu without points, %zu of one point, %zu without length\n",
+                in.dropped(), in.found, in.no_points, in.one_point, in.no_length);
     std::printf("left out  %zu points that repeat the one before\n", in.repeated_points);
-    std::printf("units     %s%s, %s up\n", in.units.c_str(), in.guessed ? " (not given: assumed)" : "", options.up.c_str());
+    std::printf("units     %s%s, %s up\n", in.units.c_str(), in.guessed ? " (not given: assumed)" : "",
+                options.up.c_str());
     std::printf("bounds    x %.3f to %.3f, y %.3f to %.3f, z %.3f to %.3f m\n", a.x, b.x, a.y, b.y, a.z, b.z);
     std::printf("length    %.3f m in the median\n", extent.median_length);
     if (depth) std::printf("scalp     %s\n", described(*depth).c_str());

@@ -15,7 +15,8 @@ static std::string bytes_of(const std::string& path) {
     if (!in) throw Error(path + ": found a file that cannot be opened for reading");
     std::string bytes(size_t(std::filesystem::file_size(path)), '\0');
     in.read(bytes.data(), std::streamsize(bytes.size()));
-    if (size_t(in.gcount()) != bytes.size()) throw Error(path + ": found a file that cannot be read to its end");
+    if (size_t(in.gcount()) != bytes.size())
+        throw Error(path + ": found a file that cannot be read to its end");
     if (bytes.empty()) throw Error(path + ": found an empty file");
     return bytes;
 }
@@ -26,13 +27,15 @@ void ByteReader::fail(const std::string& found, const std::string& allowed) cons
     fail_at("byte " + std::to_string(at_), found, allowed);
 }
 
-void ByteReader::fail_at(const std::string& where, const std::string& found, const std::string& allowed) const {
+void ByteReader::fail_at(const std::string& where, const std::string& found,
+                         const std::string& allowed) const {
     throw Error(path_ + ": " + where + ": found " + found + ", allowed " + allowed);
 }
 
 void ByteReader::need(size_t bytes, const char* what) const {
     if (left() < bytes)
-        fail(std::to_string(left()) + " bytes left (cut short?)", std::to_string(bytes) + " or more for " + what);
+        fail(std::to_string(left()) + " bytes left (cut short?)",
+             std::to_string(bytes) + " or more for " + what);
 }
 
 size_t ByteReader::fitting(long long found, size_t bytes_each, const char* what) const {

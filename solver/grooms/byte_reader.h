@@ -39,7 +39,8 @@ class ByteReader {
     // Throws Error where bytes are left over: the file is not what its counts say.
     void finish() const;
     [[noreturn]] void fail(const std::string& found, const std::string& allowed) const;
-    [[noreturn]] void fail_at(const std::string& where, const std::string& found, const std::string& allowed) const;
+    [[noreturn]] void fail_at(const std::string& where, const std::string& found,
+                              const std::string& allowed) const;
 
   private:
     void need(size_t bytes, const char* what) const;

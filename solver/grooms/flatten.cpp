@@ -3,11 +3,10 @@
 #include "solver/grooms/flatten.h"
 
 #include <algorithm>
-#include <map>
-#include <queue>
-
 #include <Eigen/Sparse>
 #include <Eigen/SparseCholesky>
+#include <map>
+#include <queue>
 
 namespace wetcurl {
 namespace {
@@ -27,13 +26,15 @@ std::vector<Triple> triangle_neighbours(const Mesh& mesh) {
     std::map<std::pair<int, int>, std::vector<std::pair<int, int>>> sides;  // edge: (triangle, corner)
     for (int t = 0; t < int(mesh.triangles.size()); ++t)
         for (int k = 0; k < 3; ++k) {
-            const int a = mesh.triangles[size_t(t)][size_t(k + 1) % 3], b = mesh.triangles[size_t(t)][size_t(k + 2) % 3];
+            const int a = mesh.triangles[size_t(t)][size_t(k + 1) % 3],
+                      b = mesh.triangles[size_t(t)][size_t(k + 2) % 3];
             sides[std::minmax(a, b)].push_back({t, k});
         }
     std::vector<Triple> across(mesh.triangles.size(), Triple{-1, -1, -1});
     for (const auto& [edge, two] : sides)
         if (two.size() == 2)
-            for (int side : {0, 1}) across[size_t(two[side].first)][size_t(two[side].second)] = two[1 - side].first;
+            for (int side : {0, 1})
+                across[size_t(two[side].first)][size_t(two[side].second)] = two[1 - side].first;
     return across;
 }
 
@@ -42,7 +43,8 @@ std::vector<Triple> triangle_neighbours(const Mesh& mesh) {
 std::vector<int> disk_of_triangles(const Mesh& mesh, const std::vector<char>& allowed, int seed) {
     const auto across = triangle_neighbours(mesh);
     std::vector<char> inside(mesh.triangles.size(), 0), used(mesh.vertices.size(), 0);
-    // A triangle keeps the disk a disk if it touches it along one edge and brings a new vertex, or along two edges.
+    // A triangle keeps the disk a disk if it touches it along one edge and brings a new vertex, or along two
+    // edges.
     auto fits = [&](int t) {
         int edges = 0, free_corner = 0;
         for (int k = 0; k < 3; ++k)
@@ -183,15 +185,16 @@ Eigen::MatrixX2d right_side(const std::vector<Planar>& place, const std::vector<
     return b;
 }
 
-// Sum of (singular value - 1)^2 of the map of a triangle: with the mean rotation c and the mean reflection d of
-// its complex derivative they are |c| + |d| and |c| - |d|.
+// Sum of (singular value - 1)^2 of the map of a triangle: with the mean rotation c and the mean reflection d
+// of its complex derivative they are |c| + |d| and |c| - |d|.
 double squared_distortion(const std::vector<Planar>& place, const FlatTriangle& t) {
     const Planar x1 = t.at[1] - t.at[0], x2 = t.at[2] - t.at[0];
     const Planar u1 = place[size_t(t.corner[1])] - place[size_t(t.corner[0])],
                  u2 = place[size_t(t.corner[2])] - place[size_t(t.corner[0])];
     const double det = cross(x1, x2);
     const Planar du = (1 / det) * (x2.y * u1 - x1.y * u2), dv = (1 / det) * (x1.x * u2 - x2.x * u1);
-    const double c = 0.5 * std::hypot(du.x + dv.y, du.y - dv.x), d = 0.5 * std::hypot(du.x - dv.y, du.y + dv.x);
+    const double c = 0.5 * std::hypot(du.x + dv.y, du.y - dv.x),
+                 d = 0.5 * std::hypot(du.x - dv.y, du.y + dv.x);
     return (c + d - 1) * (c + d - 1) + (c - d - 1) * (c - d - 1);
 }
 
@@ -216,7 +219,8 @@ Flattening flatten_arap(const Mesh& disk, const std::vector<Planar>& guess) {
     double before = energy(out.place, triangles);
     while (out.iterations < most_iterations) {
         const Eigen::MatrixX2d solved = factor.solve(right_side(out.place, triangles));
-        for (size_t v = 0; v < out.place.size(); ++v) out.place[v] = {solved(Eigen::Index(v), 0), solved(Eigen::Index(v), 1)};
+        for (size_t v = 0; v < out.place.size(); ++v)
+            out.place[v] = {solved(Eigen::Index(v), 0), solved(Eigen::Index(v), 1)};
         ++out.iterations;
         const double now = energy(out.place, triangles);
         if (before - now < 1e-5 * before || now < 1e-14 * whole) break;

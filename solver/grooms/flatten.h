@@ -9,8 +9,9 @@
 
 namespace wetcurl {
 
-// The triangles among `allowed` (one flag each) that a disk grown from triangle `seed` reaches, nearest first;
-// indices of the mesh. The result is a topological disk, whatever the mesh: one rim, no hole, no handle.
+// The triangles among `allowed` (one flag each) that a disk grown from triangle `seed` reaches, nearest
+// first; indices of the mesh. The result is a topological disk, whatever the mesh: one rim, no hole, no
+// handle.
 std::vector<int> disk_of_triangles(const Mesh& mesh, const std::vector<char>& allowed, int seed);
 
 // The triangles named, with their own vertices alone.
@@ -23,7 +24,8 @@ struct Flattening {
     int iterations = 0;
 };
 
-// Flattens a disk from a first guess (one place a vertex). Throws Error where the mesh and the guess do not fit.
+// Flattens a disk from a first guess (one place a vertex). Throws Error where the mesh and the guess do not
+// fit.
 Flattening flatten_arap(const Mesh& disk, const std::vector<Planar>& guess);
 
 }  // namespace wetcurl

@@ -37,15 +37,17 @@ RootDepth root_depth(const StrandPoints& strands, const ScalpMesh& scalp) {
 
 std::string described(const RootDepth& depth) {
     char text[160];
-    std::snprintf(text, sizeof text, "%d of %d roots lie under the scalp, by %.1f mm in the median, %.1f mm at most", depth.below,
-                  depth.roots, 1e3 * depth.median, 1e3 * depth.deepest);
+    std::snprintf(text, sizeof text,
+                  "%d of %d roots lie under the scalp, by %.1f mm in the median, %.1f mm at most",
+                  depth.below, depth.roots, 1e3 * depth.median, 1e3 * depth.deepest);
     return text;
 }
 
 static std::vector<Vec3f> normals_at(const std::vector<Vec3d>& roots, const ScalpMesh* scalp) {
     const RootDome dome = dome_of(roots);
     std::vector<Vec3f> normals;
-    for (const auto& x : roots) normals.push_back(cast<float>(scalp ? scalp->closest(x).normal : dome.outward(x)));
+    for (const auto& x : roots)
+        normals.push_back(cast<float>(scalp ? scalp->closest(x).normal : dome.outward(x)));
     return normals;
 }
 
@@ -59,12 +61,14 @@ static GridSize grid_wanted(const Table& table, const std::string& file, size_t 
     const GridSize size = read_grid(table, {1, 1});
     if (!table.has("grid")) return {0, 0};
     if (size_t(size.width) * size_t(size.height) <= strands) return size;
-    log_warning(table.where("grid") + ": found " + std::to_string(size.width) + " x " + std::to_string(size.height) + ", but " +
-                file + " has " + std::to_string(strands) + " strands: taking the finest grid that they fill");
+    log_warning(table.where("grid") + ": found " + std::to_string(size.width) + " x " +
+                std::to_string(size.height) + ", but " + file + " has " + std::to_string(strands) +
+                " strands: taking the finest grid that they fill");
     return {0, 0};
 }
 
-// A file laid over a scene's own groom leaves that one's keys without a part: they must be right all the same.
+// A file laid over a scene's own groom leaves that one's keys without a part: they must be right all the
+// same.
 static void rest_procedural_keys(const Table& table, const std::string& file) {
     std::string resting;
     ProceduralGroom ignored;
@@ -73,7 +77,8 @@ static void rest_procedural_keys(const Table& table, const std::string& file) {
     for (const auto& row : procedural_parameters)
         if (table.has(row.key)) resting += std::string(" ") + row.key;
     if (table.has("scalp_centre")) resting += " scalp_centre";
-    if (!resting.empty()) log_info(table.where() + ": strands come from " + file + "; without effect:" + resting);
+    if (!resting.empty())
+        log_info(table.where() + ": strands come from " + file + "; without effect:" + resting);
 }
 
 static Groom file_groom(const Table& table, const std::string& file) {
@@ -112,7 +117,9 @@ Groom thinned(const Groom& full, int at_most, int* stride) {
     for (int each = 1;; each *= 2) {
         Groom out = coarsened(full, each);
         if (out.rest.count > at_most) continue;
-        if (out.rest.count == 0) throw Error("a groom of at most " + std::to_string(at_most) + " strands: found no root on that grid");
+        if (out.rest.count == 0)
+            throw Error("a groom of at most " + std::to_string(at_most) +
+                        " strands: found no root on that grid");
         if (stride) *stride = each;
         return out;
     }

@@ -66,16 +66,18 @@ struct ToMetres {
     Vec3d operator()(const Vec3d& x) const { return unit.metres * (z_up ? z_to_y_up(x) : x); }
 };
 
-ToMetres conversion(const std::string& path, const FileUnits& meant, const std::string& prescribed, const Bounds& box) {
-    if (meant.up != "y" && meant.up != "z") throw Misuse(path + ": found the up axis '" + meant.up + "', allowed y, z");
+ToMetres conversion(const std::string& path, const FileUnits& meant, const std::string& prescribed,
+                    const Bounds& box) {
+    if (meant.up != "y" && meant.up != "z")
+        throw Misuse(path + ": found the up axis '" + meant.up + "', allowed y, z");
     const bool z_up = meant.up == "z";
     if (meant.units != "auto") return {unit_named(path, meant.units), false, z_up};
     const double diagonal = norm(box.high - box.low);
     const Unit unit = prescribed.empty() ? guessed_unit(diagonal) : unit_named(path, prescribed);
     char size[64];
     std::snprintf(size, sizeof size, "%.4g units across, %.3g m", diagonal, diagonal * unit.metres);
-    log_warning(path + ": units not given, " + (prescribed.empty() ? "guessed " : "took the format's ") + unit.name + " (" +
-                size + "); say m, cm or mm to be sure");
+    log_warning(path + ": units not given, " + (prescribed.empty() ? "guessed " : "took the format's ") +
+                unit.name + " (" + size + "); say m, cm or mm to be sure");
     return {unit, true, z_up};
 }
 
@@ -104,7 +106,8 @@ std::vector<Vec3d> distinct(const std::vector<Vec3d>& strand) {
 // A file under another name until it is whole.
 class PartialFile {
   public:
-    explicit PartialFile(std::string path) : path_(std::move(path)), out_(path_ + ".partial", std::ios::binary) {
+    explicit PartialFile(std::string path)
+        : path_(std::move(path)), out_(path_ + ".partial", std::ios::binary) {
         if (!out_) throw Error(path_ + ": found a place that cannot be written to");
     }
     ~PartialFile() {
@@ -184,7 +187,8 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
     const StrandPoints raw = format->read(path);
     if (raw.empty()) throw Error(path + ": found 0 strands, allowed 1 or more");
     if (std::all_of(raw.begin(), raw.end(), [](const auto& strand) { return strand.empty(); }))
-        throw Error(path + ": found " + std::to_string(raw.size()) + " strands without a point, allowed 1 with two or more");
+        throw Error(path + ": found " + std::to_string(raw.size()) +
+                    " strands without a point, allowed 1 with two or more");
 
     const ToMetres to_metres = conversion(path, meant, format->units, bounds_of(raw));
     ImportedStrands out;
@@ -207,12 +211,15 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
         }
     }
     if (out.dropped())
-        log_warning(path + ": dropped " + std::to_string(out.dropped()) + " of " + std::to_string(out.found) + " strands: " +
-                    std::to_string(out.no_points) + " without points, " + std::to_string(out.one_point) +
-                    " of one point, " + std::to_string(out.no_length) + " without length");
+        log_warning(path + ": dropped " + std::to_string(out.dropped()) + " of " + std::to_string(out.found) +
+                    " strands: " + std::to_string(out.no_points) + " without points, " +
+                    std::to_string(out.one_point) + " of one point, " + std::to_string(out.no_length) +
+                    " without length");
     if (out.repeated_points)
-        log_warning(path + ": left out " + std::to_string(out.repeated_points) + " points that repeat the one before");
-    if (out.strands.empty()) throw Error(path + ": found no strand of two distinct points, allowed 1 or more");
+        log_warning(path + ": left out " + std::to_string(out.repeated_points) +
+                    " points that repeat the one before");
+    if (out.strands.empty())
+        throw Error(path + ": found no strand of two distinct points, allowed 1 or more");
     return out;
 }
 

@@ -20,9 +20,10 @@ struct ImportedStrands {
     size_t found = 0;      // strands in the file, the dropped ones included
     // Dropped strands, by reason.
     size_t no_points = 0, one_point = 0, no_length = 0;
-    size_t repeated_points = 0;  // points left out of strands that were kept, since they stand on the one before
-    std::string units;           // m | cm | mm, as used
-    bool guessed = false;        // by the file's size, and said in the log
+    size_t repeated_points =
+        0;                 // points left out of strands that were kept, since they stand on the one before
+    std::string units;     // m | cm | mm, as used
+    bool guessed = false;  // by the file's size, and said in the log
 
     size_t dropped() const { return no_points + one_point + no_length; }
 };
@@ -37,8 +38,8 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant);
 // A head or scalp mesh [m], Y up; units as above.
 Mesh import_mesh(const std::string& path, const FileUnits& meant);
 
-// Throws Misuse where the ending of `path` is none that write_strands knows, or the file exists and `overwrite`
-// is not given: to be found out before the work is done.
+// Throws Misuse where the ending of `path` is none that write_strands knows, or the file exists and
+// `overwrite` is not given: to be found out before the work is done.
 void require_writable(const std::string& path, bool overwrite);
 // Writes metres, Y up, by the ending of `path`: through NAME.partial, renamed when whole.
 // Throws as above; Error where writing fails or a strand has more points than the format holds.

@@ -1,4 +1,5 @@
-// The nearest of a set of points, by a sweep along x: exact, and quick enough for every root of a groom. Ours.
+// The nearest of a set of points, by a sweep along x: exact, and quick enough for every root of a groom.
+// Ours.
 #pragma once
 
 #include <algorithm>
@@ -14,10 +15,12 @@ class NearestPoint {
   public:
     explicit NearestPoint(std::vector<Vec3d> points) : points_(std::move(points)), order_(points_.size()) {
         std::iota(order_.begin(), order_.end(), 0);
-        std::sort(order_.begin(), order_.end(), [&](int a, int b) { return points_[size_t(a)].x < points_[size_t(b)].x; });
+        std::sort(order_.begin(), order_.end(),
+                  [&](int a, int b) { return points_[size_t(a)].x < points_[size_t(b)].x; });
     }
 
-    // Distance [m] from x to the nearest point, the one of index `but` left out; infinite where there is none.
+    // Distance [m] from x to the nearest point, the one of index `but` left out; infinite where there is
+    // none.
     double distance(const Vec3d& x, int but = -1) const {
         double best = std::numeric_limits<double>::infinity();
         // False once the sweep is farther along x than the best found.
@@ -27,8 +30,9 @@ class NearestPoint {
             if (index != but) best = std::min(best, norm(away));
             return true;
         };
-        const auto middle = std::lower_bound(order_.begin(), order_.end(), x.x,
-                                             [&](int index, double at) { return points_[size_t(index)].x < at; });
+        const auto middle = std::lower_bound(order_.begin(), order_.end(), x.x, [&](int index, double at) {
+            return points_[size_t(index)].x < at;
+        });
         for (auto up = middle; up != order_.end() && consider(*up);) ++up;
         for (auto down = middle; down != order_.begin() && consider(*(down - 1));) --down;
         return best;

@@ -20,8 +20,8 @@ uint64_t mixed(uint64_t z) {
     return z ^ (z >> 31);
 }
 
-// Random numbers of one strand: a function of the seed and the place alone. i / W and (2 i) / (2 W) are the same
-// double, since division rounds the same quotient.
+// Random numbers of one strand: a function of the seed and the place alone. i / W and (2 i) / (2 W) are the
+// same double, since division rounds the same quotient.
 class StrandNoise {
   public:
     StrandNoise(uint64_t seed, double u, double v)
@@ -76,7 +76,7 @@ class Grower {
     Vec3d away_from_part(const Vec3d& out) const {
         return normalized(dot(part_, out) * out - part_, Vec3d{0, 0, -1});
     }
-    Vec3d fall(const Vec3d& x) const;
+    Vec3d fall(const Vec3d& x, double height) const;
 
     const ProceduralGroom& g_;
     Scalp scalp_;
@@ -84,11 +84,12 @@ class Grower {
     Vec3d part_;
 };
 
-// Where a strand at x is drawn: down, and away from the part, the less the farther from it.
-Vec3d Grower::fall(const Vec3d& x) const {
+// Where a strand at x is drawn: down, and away from the part, the less the farther from it and from the
+// scalp.
+Vec3d Grower::fall(const Vec3d& x, double height) const {
     const Vec3d out = normalized(x - scalp_.centre(), Vec3d{0, 1, 0});
-    const double near = 0.5 * (1 + dot(part_, out));
-    return normalized(down + (g_.comb * near * near) * away_from_part(out), down);
+    const double near = 0.5 * (1 + dot(part_, out)), close = 1 - smoothstep(height / g_.scalp_radius);
+    return normalized(down + (g_.comb * near * near * close) * away_from_part(out), down);
 }
 
 Vec3d Grower::grow(double u, double v, Vec3f* points) const {
@@ -109,9 +110,11 @@ Vec3d Grower::grow(double u, double v, Vec3f* points) const {
         const double want = shape.length * i / (g_.particles - 1);
         double stride = norm(last - before);
         while (spent < want) {
-            // The core turns toward its fall within `lift`, losing what would bring it below the glide height.
-            Vec3d turned = normalized(t + (step / g_.lift) * (fall(core) - t), t);
-            const double inward = -dot(turned, here.normal), held = 1 - smoothstep((here.height - glide) / g_.lift);
+            // The core turns toward its fall within `lift`, losing what would bring it below the glide
+            // height.
+            Vec3d turned = normalized(t + (step / g_.lift) * (fall(core, here.height) - t), t);
+            const double inward = -dot(turned, here.normal),
+                         held = 1 - smoothstep((here.height - glide) / g_.lift);
             if (inward > 0) turned = normalized(turned + (held * inward) * here.normal, t);
             side = rotate(minimal_rotation(t, turned), side);
             t = turned;
@@ -151,7 +154,8 @@ std::shared_ptr<const ScalpMesh> read_scalp(const Table& table) {
 GridSize read_grid(const Table& table, GridSize fallback) {
     const auto grid = table.numbers("grid", {double(fallback.width), double(fallback.height)}, 1, 4096);
     for (double n : grid)
-        if (n != std::floor(n)) table.fail("grid", "found " + std::to_string(n) + ", allowed whole numbers from 1 to 4096");
+        if (n != std::floor(n))
+            table.fail("grid", "found " + std::to_string(n) + ", allowed whole numbers from 1 to 4096");
     return {int(grid[0]), int(grid[1])};
 }
 

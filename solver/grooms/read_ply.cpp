@@ -19,8 +19,9 @@ struct ScalarName {
     size_t bytes;
 };
 constexpr ScalarName scalar_names[] = {
-    {"char", "int8", Scalar::i8, 1},   {"uchar", "uint8", Scalar::u8, 1},     {"short", "int16", Scalar::i16, 2},
-    {"ushort", "uint16", Scalar::u16, 2}, {"int", "int32", Scalar::i32, 4},   {"uint", "uint32", Scalar::u32, 4},
+    {"char", "int8", Scalar::i8, 1},      {"uchar", "uint8", Scalar::u8, 1},
+    {"short", "int16", Scalar::i16, 2},   {"ushort", "uint16", Scalar::u16, 2},
+    {"int", "int32", Scalar::i32, 4},     {"uint", "uint32", Scalar::u32, 4},
     {"float", "float32", Scalar::f32, 4}, {"double", "float64", Scalar::f64, 8}};
 
 struct Property {
@@ -65,7 +66,8 @@ Property read_property(const ByteReader& in, std::istringstream& words) {
 }
 
 Header read_header(ByteReader& in) {
-    if (in.line("the header") != "ply") in.fail_at("byte 0", "another first line", "\"ply\": this is no .ply file");
+    if (in.line("the header") != "ply")
+        in.fail_at("byte 0", "another first line", "\"ply\": this is no .ply file");
     Header header;
     bool format_seen = false;
     while (true) {
@@ -88,7 +90,8 @@ Header read_header(ByteReader& in) {
         } else if (word == "property" && !header.elements.empty()) {
             header.elements.back().properties.push_back(read_property(in, words));
         } else {
-            in.fail("'" + line.substr(0, 40) + "'", "a header's line: format, element, property, comment, end_header");
+            in.fail("'" + line.substr(0, 40) + "'",
+                    "a header's line: format, element, property, comment, end_header");
         }
     }
     if (!format_seen) in.fail("no format line", "format ascii 1.0, format binary_little_endian 1.0");
@@ -98,14 +101,22 @@ Header read_header(ByteReader& in) {
 double binary_value(ByteReader& in, Scalar type) {
     constexpr const char* what = "a value";
     switch (type) {
-        case Scalar::i8: return in.take<int8_t>(what);
-        case Scalar::u8: return in.take<uint8_t>(what);
-        case Scalar::i16: return in.take<int16_t>(what);
-        case Scalar::u16: return in.take<uint16_t>(what);
-        case Scalar::i32: return in.take<int32_t>(what);
-        case Scalar::u32: return in.take<uint32_t>(what);
-        case Scalar::f32: return in.take<float>(what);
-        case Scalar::f64: return in.take<double>(what);
+        case Scalar::i8:
+            return in.take<int8_t>(what);
+        case Scalar::u8:
+            return in.take<uint8_t>(what);
+        case Scalar::i16:
+            return in.take<int16_t>(what);
+        case Scalar::u16:
+            return in.take<uint16_t>(what);
+        case Scalar::i32:
+            return in.take<int32_t>(what);
+        case Scalar::u32:
+            return in.take<uint32_t>(what);
+        case Scalar::f32:
+            return in.take<float>(what);
+        case Scalar::f64:
+            return in.take<double>(what);
     }
     return 0;
 }
@@ -142,7 +153,9 @@ void walk(ByteReader& in, const Element& element, bool ascii, Row row) {
             const Property& property = element.properties[p];
             values[p] = next(property.is_list ? property.length : property.value);
             if (property.is_list)
-                for (size_t n = in.fitting((long long)values[p], ascii ? 1 : property.value.bytes, "entries of a list"); n--;)
+                for (size_t n = in.fitting((long long)values[p], ascii ? 1 : property.value.bytes,
+                                           "entries of a list");
+                     n--;)
                     next(property.value);
         }
         row(size_t(k), values);
@@ -151,7 +164,8 @@ void walk(ByteReader& in, const Element& element, bool ascii, Row row) {
 
 size_t column_of(const ByteReader& in, const Element& element, const char* property) {
     const int found = element.find(property);
-    if (found < 0) in.fail("no property '" + std::string(property) + "' of the element '" + element.name + "'", "one");
+    if (found < 0)
+        in.fail("no property '" + std::string(property) + "' of the element '" + element.name + "'", "one");
     return size_t(found);
 }
 
@@ -165,7 +179,8 @@ StrandPoints read_ply(const std::string& path) {
     bool strands_told = false;
     for (const auto& element : header.elements) {
         if (element.name == "vertex") {
-            const size_t x = column_of(in, element, "x"), y = column_of(in, element, "y"), z = column_of(in, element, "z");
+            const size_t x = column_of(in, element, "x"), y = column_of(in, element, "y"),
+                         z = column_of(in, element, "z");
             walk(in, element, header.ascii, [&](size_t, const std::vector<double>& v) {
                 vertices.push_back({v[x], v[y], v[z]});
             });
@@ -174,7 +189,8 @@ StrandPoints read_ply(const std::string& path) {
             strands_told = true;
             walk(in, element, header.ascii, [&](size_t k, const std::vector<double>& v) {
                 if (!(v[segments] >= 0 && v[segments] < 1e9))
-                    in.fail_at("strand " + std::to_string(k), std::to_string(v[segments]) + " segments", "0 or more");
+                    in.fail_at("strand " + std::to_string(k), std::to_string(v[segments]) + " segments",
+                               "0 or more");
                 sizes.push_back(size_t(v[segments]) + 1);
             });
         } else {
@@ -191,7 +207,8 @@ StrandPoints read_ply(const std::string& path) {
     size_t sum = 0;
     for (size_t size : sizes) sum += size;
     if (sum != vertices.size())
-        in.fail(std::to_string(vertices.size()) + " vertices", std::to_string(sum) + ", the sum of nsegs + 1");
+        in.fail(std::to_string(vertices.size()) + " vertices",
+                std::to_string(sum) + ", the sum of nsegs + 1");
     StrandPoints strands(sizes.size());
     auto next = vertices.begin();
     for (size_t s = 0; s < sizes.size(); ++s) {

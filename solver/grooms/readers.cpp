@@ -30,16 +30,20 @@ StrandPoints read_bin(const std::string& path) { return read_counted(path, 7); }
 
 StrandPoints read_hair(const std::string& path) {
     constexpr size_t header = 128;
-    constexpr uint32_t has_segments = 1, has_points = 2, has_thickness = 4, has_transparency = 8, has_colours = 16;
+    constexpr uint32_t has_segments = 1, has_points = 2, has_thickness = 4, has_transparency = 8,
+                       has_colours = 16;
     ByteReader in(path);
     char magic[5] = {};
     for (int i = 0; i < 4; ++i) magic[i] = in.take<char>("the signature");
     if (std::string text = magic; text != "HAIR" && text != "hair")
         in.fail_at("byte 0", "another signature", "\"HAIR\": this is no .hair file");
-    const auto strands = in.take<uint32_t>("the number of strands"), points = in.take<uint32_t>("the number of points"),
-               arrays = in.take<uint32_t>("the list of arrays"), default_segments = in.take<uint32_t>("default segments");
+    const auto strands = in.take<uint32_t>("the number of strands"),
+               points = in.take<uint32_t>("the number of points"),
+               arrays = in.take<uint32_t>("the list of arrays"),
+               default_segments = in.take<uint32_t>("default segments");
     if (!(arrays & has_points) || arrays > 31)
-        in.fail_at("byte 12", "arrays " + std::to_string(arrays), "a sum of 1, 2, 4, 8, 16 with 2 (points) in it");
+        in.fail_at("byte 12", "arrays " + std::to_string(arrays),
+                   "a sum of 1, 2, 4, 8, 16 with 2 (points) in it");
     in.seek(header, "the arrays");
     in.fitting(points, 3 * sizeof(float), "points");
 
@@ -58,7 +62,8 @@ StrandPoints read_hair(const std::string& path) {
     StrandPoints out(sizes.size());
     for (size_t s = 0; s < out.size(); ++s)
         for (size_t i = 0; i < sizes[s]; ++i) out[s].push_back(in.point(s, i));
-    const size_t others = bool(arrays & has_thickness) + bool(arrays & has_transparency) + 3 * bool(arrays & has_colours);
+    const size_t others =
+        bool(arrays & has_thickness) + bool(arrays & has_transparency) + 3 * bool(arrays & has_colours);
     in.skip(others * sizeof(float) * points, "thickness, transparency and colours");
     in.finish();
     return out;
@@ -68,7 +73,8 @@ StrandPoints read_tfx(const std::string& path) {
     ByteReader in(path);
     if (const float version = in.take<float>("the version"); version != 4.0f)
         in.fail_at("byte 0", "version " + std::to_string(version), "4.0: this is no TressFX 4 file");
-    const auto strands = in.take<uint32_t>("the number of strands"), each = in.take<uint32_t>("vertices of a strand");
+    const auto strands = in.take<uint32_t>("the number of strands"),
+               each = in.take<uint32_t>("vertices of a strand");
     if (each < 4 || each > 64 || !std::has_single_bit(each))
         in.fail_at("byte 8", std::to_string(each) + " vertices a strand", "4, 8, 16, 32, 64");
     const auto offset = in.take<uint32_t>("the offset of positions");

@@ -1,7 +1,8 @@
-// Readers of strand files: points as they stand in the file (its units, its up axis), root first. Ours; layouts
-// by the formats' authors (Yuksel; Hu 2015 USC-HairSalon; Shen 2023 CT2Hair; AMD TressFX 4; Turk 1994 PLY).
-// Each throws Error with file, byte or strand, what was found and what is allowed: for a file that is missing,
-// empty, cut short, foreign, of another version, with counts beyond its size, with NaN or infinite points.
+// Readers of strand files: points as they stand in the file (its units, its up axis), root first. Ours;
+// layouts by the formats' authors (Yuksel; Hu 2015 USC-HairSalon; Shen 2023 CT2Hair; AMD TressFX 4; Turk 1994
+// PLY). Each throws Error with file, byte or strand, what was found and what is allowed: for a file that is
+// missing, empty, cut short, foreign, of another version, with counts beyond its size, with NaN or infinite
+// points.
 #pragma once
 
 #include <string>

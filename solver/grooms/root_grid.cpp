@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <numeric>
-
 #include <Eigen/Dense>
+#include <numeric>
 
 #include "base/error.h"
 #include "solver/grooms/flatten.h"
@@ -45,15 +44,19 @@ RootDome dome_of(const std::vector<Vec3d>& roots) {
         square += dot(d, d) / double(roots.size());
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-    auto axis = [&](int k) { return Vec3d{axes.eigenvectors()(0, k), axes.eigenvectors()(1, k), axes.eigenvectors()(2, k)}; };
+    auto axis = [&](int k) {
+        return Vec3d{axes.eigenvectors()(0, k), axes.eigenvectors()(1, k), axes.eigenvectors()(2, k)};
+    };
     RootDome dome;
-    // Under a hundredth as thick as it is wide there is no sphere to be found in it.
-    dome.flat = axes.eigenvalues()[0] < 1e-4 * axes.eigenvalues()[1];
+    // Under a hundredth as thick as it is wide, or all but a line, there is no sphere to be found in it.
+    const Eigen::Vector3d squares = axes.eigenvalues();
+    dome.flat = squares[0] <= 1e-4 * squares[1] || squares[1] <= 1e-6 * squares[2];
     if (dome.flat) {
         dome.centre = mean;
         dome.axis = axis(0).y < 0 ? -axis(0) : axis(0);
     } else {
-        // The sphere |d|^2 = 2 c.d + k through the roots, d = x - mean: 2 sum(d d^T) c = sum(|d|^2 d), k = mean |d|^2.
+        // The sphere |d|^2 = 2 c.d + k through the roots, d = x - mean: 2 sum(d d^T) c = sum(|d|^2 d), k =
+        // mean |d|^2.
         const Eigen::Vector3d fit = 0.5 * spread.ldlt().solve(pull);
         const Vec3d c{fit[0], fit[1], fit[2]};
         dome.centre = mean + c;
@@ -78,22 +81,25 @@ Planar RootDome::project(const Vec3d& x) const {
 
 namespace {
 
-// The part of the scalp under the roots: triangles whose middle is near a root, grown to a disk; more and more of
-// them until nearly every root stands on it.
-std::vector<int> patch_under(const ScalpMesh& scalp, const std::vector<Vec3d>& feet, const std::vector<int>& under) {
+// The part of the scalp under the roots: triangles whose middle is near a root, grown to a disk; more and
+// more of them until nearly every root stands on it.
+std::vector<int> patch_under(const ScalpMesh& scalp, const std::vector<Vec3d>& feet,
+                             const std::vector<int>& under) {
     const Mesh& mesh = scalp.mesh();
     const NearestPoint nearest(feet);
     std::vector<double> away(mesh.triangles.size());
     const Bounds box = bounding_box(mesh);
     const double whole = norm(box.high - box.low);
     double spacing = 0;
-    for (size_t i = 0; i < feet.size(); ++i) spacing += std::min(whole, nearest.distance(feet[i], int(i))) / double(feet.size());
+    for (size_t i = 0; i < feet.size(); ++i)
+        spacing += std::min(whole, nearest.distance(feet[i], int(i))) / double(feet.size());
     const Vec3d middle = mean_of(feet);
     double best = whole;
     int seed = under[0];
     for (size_t t = 0; t < away.size(); ++t) {
         const auto& c = mesh.triangles[t];
-        const Vec3d a = cast<double>(mesh.vertices[size_t(c[0])]), b = cast<double>(mesh.vertices[size_t(c[1])]),
+        const Vec3d a = cast<double>(mesh.vertices[size_t(c[0])]),
+                    b = cast<double>(mesh.vertices[size_t(c[1])]),
                     d = cast<double>(mesh.vertices[size_t(c[2])]), centre = (1.0 / 3) * (a + b + d);
         // A triangle larger than the gaps between roots counts from its rim.
         away[t] = nearest.distance(centre) - norm(a - centre);
@@ -108,7 +114,8 @@ std::vector<int> patch_under(const ScalpMesh& scalp, const std::vector<Vec3d>& f
         const std::vector<int> disk = disk_of_triangles(mesh, allowed, seed);
         std::vector<char> inside(away.size(), 0);
         for (int t : disk) inside[size_t(t)] = 1;
-        const auto held = std::count_if(under.begin(), under.end(), [&](int t) { return inside[size_t(t)] != 0; });
+        const auto held =
+            std::count_if(under.begin(), under.end(), [&](int t) { return inside[size_t(t)] != 0; });
         if (double(held) >= 0.98 * double(under.size()) || margin > whole || spacing == 0) return disk;
     }
 }
@@ -139,11 +146,13 @@ std::vector<Planar> parameterised(const std::vector<Vec3d>& roots, const ScalpMe
         const auto at = on_patch.closest(foot);
         const auto& c = patch.triangles[size_t(at.triangle)];
         const Vec3d w = at.barycentric;
-        places.push_back(w.x * flat.place[size_t(c[0])] + w.y * flat.place[size_t(c[1])] + w.z * flat.place[size_t(c[2])]);
+        places.push_back(w.x * flat.place[size_t(c[0])] + w.y * flat.place[size_t(c[1])] +
+                         w.z * flat.place[size_t(c[2])]);
     }
     if (how) {
         char text[160];
-        std::snprintf(text, sizeof text, "ARAP of %zu scalp triangles, distortion %.1f %%, %d turned over, %d iterations",
+        std::snprintf(text, sizeof text,
+                      "ARAP of %zu scalp triangles, distortion %.1f %%, %d turned over, %d iterations",
                       patch.triangles.size(), 100 * flat.distortion, flat.flipped, flat.iterations);
         *how = text;
     }
@@ -173,7 +182,9 @@ class Cutter {
         int c0, c1, r0, r1, first, last;
         int pixels() const { return (c1 - c0) * (r1 - r0); }
     };
-    double key(int root, bool by_column) const { return by_column ? places_[size_t(root)].x : places_[size_t(root)].y; }
+    double key(int root, bool by_column) const {
+        return by_column ? places_[size_t(root)].x : places_[size_t(root)].y;
+    }
     void cut(const Block& block);
     int middlemost(const Block& block) const;
 
@@ -186,7 +197,8 @@ class Cutter {
 // The root nearest to the mean of those that share a pixel.
 int Cutter::middlemost(const Block& block) const {
     Planar mean{0, 0};
-    for (int k = block.first; k < block.last; ++k) mean = mean + (1.0 / (block.last - block.first)) * places_[size_t(order_[size_t(k)])];
+    for (int k = block.first; k < block.last; ++k)
+        mean = mean + (1.0 / (block.last - block.first)) * places_[size_t(order_[size_t(k)])];
     return *std::min_element(order_.begin() + block.first, order_.begin() + block.last, [&](int a, int b) {
         return std::pair(norm(places_[size_t(a)] - mean), a) < std::pair(norm(places_[size_t(b)] - mean), b);
     });
@@ -205,12 +217,13 @@ void Cutter::cut(const Block& block) {
     else
         low.r1 = high.r0 = block.r0 + rows / 2;
     const int roots = block.last - block.first;
-    const int share = std::clamp(int(std::lround(double(roots) * low.pixels() / block.pixels())), low.pixels(), roots - high.pixels());
+    const int share = std::clamp(int(std::lround(double(roots) * low.pixels() / block.pixels())),
+                                 low.pixels(), roots - high.pixels());
     low.last = high.first = block.first + share;
     // Ties by index: the result does not hang on the library's sort.
-    std::nth_element(order_.begin() + block.first, order_.begin() + low.last, order_.begin() + block.last, [&](int a, int b) {
-        return std::pair(key(a, by_column), a) < std::pair(key(b, by_column), b);
-    });
+    std::nth_element(
+        order_.begin() + block.first, order_.begin() + low.last, order_.begin() + block.last,
+        [&](int a, int b) { return std::pair(key(a, by_column), a) < std::pair(key(b, by_column), b); });
     cut(low);
     cut(high);
 }
@@ -219,10 +232,14 @@ double squared(const Vec3d& a) { return dot(a, a); }
 
 }  // namespace
 
-RootGrid assigned(const std::vector<Planar>& places, GridSize size, Cuts cuts) { return Cutter(places, size, cuts).run(); }
+RootGrid assigned(const std::vector<Planar>& places, GridSize size, Cuts cuts) {
+    return Cutter(places, size, cuts).run();
+}
 
 int untangle(RootGrid& grid, const std::vector<Vec3d>& roots) {
-    auto pixel = [&](int c, int r) -> int& { return grid.strand[size_t(r) * size_t(grid.width) + size_t(c)]; };
+    auto pixel = [&](int c, int r) -> int& {
+        return grid.strand[size_t(r) * size_t(grid.width) + size_t(c)];
+    };
     // Squared way from the root at (c, r) to its four neighbours.
     auto way = [&](int c, int r) {
         double sum = 0;
@@ -238,7 +255,8 @@ int untangle(RootGrid& grid, const std::vector<Vec3d>& roots) {
         for (int r = 0; r < grid.height; ++r)
             for (int c = 0; c < grid.width; ++c)
                 for (int r2 = r; r2 <= std::min(r + reach, grid.height - 1); ++r2)
-                    for (int c2 = std::max(0, r2 == r ? c + 1 : c - reach); c2 <= std::min(c + reach, grid.width - 1); ++c2) {
+                    for (int c2 = std::max(0, r2 == r ? c + 1 : c - reach);
+                         c2 <= std::min(c + reach, grid.width - 1); ++c2) {
                         const double before = way(c, r) + way(c2, r2);
                         std::swap(pixel(c, r), pixel(c2, r2));
                         // An edge between the two is the same either way round, and counted twice both times.
@@ -254,8 +272,14 @@ int untangle(RootGrid& grid, const std::vector<Vec3d>& roots) {
 GridQuality grid_quality(const RootGrid& grid, const std::vector<Vec3d>& roots) {
     GridQuality quality;
     quality.roots = int(roots.size());
-    const NearestPoint nearest(roots);
-    double neighbours = 0, nearest_sum = 0;
+    std::vector<Vec3d> held;
+    for (int s : grid.strand)
+        if (s >= 0) held.push_back(roots[size_t(s)]);
+    quality.pixels = int(held.size());
+    const NearestPoint nearest(held);
+    for (size_t i = 0; held.size() > 1 && i < held.size(); ++i)
+        quality.nearest_mean += nearest.distance(held[i], int(i)) / double(held.size());
+    double neighbours = 0;
     int pairs = 0;
     auto pair_up = [&](int a, int b) {
         if (a < 0 || b < 0) return;
@@ -264,15 +288,10 @@ GridQuality grid_quality(const RootGrid& grid, const std::vector<Vec3d>& roots) 
     };
     for (int r = 0; r < grid.height; ++r)
         for (int c = 0; c < grid.width; ++c) {
-            const int s = grid.at(c, r);
-            if (s < 0) continue;
-            ++quality.pixels;
-            if (roots.size() > 1) nearest_sum += nearest.distance(roots[size_t(s)], s);
-            if (c + 1 < grid.width) pair_up(s, grid.at(c + 1, r));
-            if (r + 1 < grid.height) pair_up(s, grid.at(c, r + 1));
+            if (c + 1 < grid.width) pair_up(grid.at(c, r), grid.at(c + 1, r));
+            if (r + 1 < grid.height) pair_up(grid.at(c, r), grid.at(c, r + 1));
         }
     if (pairs) quality.neighbour_mean = neighbours / pairs;
-    if (quality.pixels) quality.nearest_mean = nearest_sum / quality.pixels;
     return quality;
 }
 
@@ -281,8 +300,9 @@ RootLayout lay_on_grid(const std::vector<Vec3d>& roots, const ScalpMesh* scalp, 
     const bool free_size = size.width == 0;
     if (free_size) size = finest_grid(int(roots.size()));
     if ((long long)size.width * size.height > (long long)roots.size())
-        throw Error("a grid of roots: found " + std::to_string(size.width) + " x " + std::to_string(size.height) +
-                    " pixels, allowed at most as many as there are roots, " + std::to_string(roots.size()));
+        throw Error("a grid of roots: found " + std::to_string(size.width) + " x " +
+                    std::to_string(size.height) + " pixels, allowed at most as many as there are roots, " +
+                    std::to_string(roots.size()));
     RootLayout best;
     std::string how;
     const std::vector<Planar> places = parameterised(roots, scalp, &how);
@@ -300,7 +320,8 @@ RootLayout lay_on_grid(const std::vector<Vec3d>& roots, const ScalpMesh* scalp, 
         RootLayout tried{assigned(places, size, cuts), {}, how, name};
         untangle(tried.grid, roots);
         tried.quality = grid_quality(tried.grid, roots);
-        if (best.grid.strand.empty() || tried.quality.neighbour_mean < best.quality.neighbour_mean) best = tried;
+        if (best.grid.strand.empty() || tried.quality.neighbour_mean < best.quality.neighbour_mean)
+            best = tried;
     }
     return best;
 }
@@ -309,10 +330,12 @@ std::string described(const RootLayout& layout) {
     const GridQuality& q = layout.quality;
     char text[400];
     std::snprintf(text, sizeof text,
-                  "%d x %d pixels for %d roots (%d left out): neighbours %.2f mm apart, nearest roots %.2f mm (%.2f times); "
+                  "%d x %d pixels for %d roots (%d left out): neighbours %.2f mm apart, nearest roots %.2f "
+                  "mm (%.2f times); "
                   "%s; %s",
                   layout.grid.width, layout.grid.height, q.roots, q.roots - q.pixels, 1e3 * q.neighbour_mean,
-                  1e3 * q.nearest_mean, q.ratio(), layout.parameterisation.c_str(), layout.assignment.c_str());
+                  1e3 * q.nearest_mean, q.ratio(), layout.parameterisation.c_str(),
+                  layout.assignment.c_str());
     return text;
 }
 

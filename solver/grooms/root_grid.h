@@ -1,4 +1,5 @@
-// Roots of a real groom laid on a grid, so that neighbours on the scalp are neighbours among the pixels. Ours.
+// Roots of a real groom laid on a grid, so that neighbours on the scalp are neighbours among the pixels.
+// Ours.
 #pragma once
 
 #include <string>
@@ -11,21 +12,21 @@ namespace wetcurl {
 
 // How well neighbours stay neighbours: 1 is as close as can be, a square lattice of roots.
 struct GridQuality {
-    int roots = 0, pixels = 0;   // pixels, all of them filled; roots - pixels are left out
-    double neighbour_mean = 0;   // distance of roots at neighbouring pixels [m]
-    double nearest_mean = 0;     // distance of a root to the nearest other one [m]
+    int roots = 0, pixels = 0;  // pixels, all of them filled; roots - pixels are left out
+    double neighbour_mean = 0;  // distance of roots at neighbouring pixels [m]
+    double nearest_mean = 0;    // distance of a root on the grid to the nearest other one [m]
     double ratio() const { return nearest_mean > 0 ? neighbour_mean / nearest_mean : 0; }
 };
 
 struct RootLayout {
-    RootGrid grid;               // indices of the roots given; every pixel holds one
+    RootGrid grid;  // indices of the roots given; every pixel holds one
     GridQuality quality;
     std::string parameterisation;  // how roots came to the plane
     std::string assignment;        // how places came to pixels: the better one of those tried
 };
 
-// Sides of the finest near-square grid that `roots` fill: multiples of 8 where nine in ten roots find a pixel,
-// else of 4, 2 or 1, so that a small groom is not halved for its grid. The first is the longer one.
+// Sides of the finest near-square grid that `roots` fill: multiples of 8 where nine in ten roots find a
+// pixel, else of 4, 2 or 1, so that a small groom is not halved for its grid. The first is the longer one.
 struct GridSize {
     int width, height;
 };
@@ -44,7 +45,8 @@ RootDome dome_of(const std::vector<Vec3d>& roots);
 
 // Places of the roots in a plane [m]: over the flattened scalp where one is given, else by the dome.
 // `how`, where given, receives a line about it.
-std::vector<Planar> parameterised(const std::vector<Vec3d>& roots, const ScalpMesh* scalp, std::string* how = nullptr);
+std::vector<Planar> parameterised(const std::vector<Vec3d>& roots, const ScalpMesh* scalp,
+                                  std::string* how = nullptr);
 
 // Ways of cutting roots and pixels in two, over and over, until each pixel has its roots.
 enum class Cuts { longer_side, rows_first };

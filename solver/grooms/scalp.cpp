@@ -13,7 +13,8 @@ static Vec3d area_vector(const Mesh& mesh, const std::array<int, 3>& t) {
     return 0.5 * cross(b - a, c - a);
 }
 
-// The volume that the triangles enclose, seen from the middle of their box: negative where they are turned inward.
+// The volume that the triangles enclose, seen from the middle of their box: negative where they are turned
+// inward.
 static double signed_volume(const Mesh& mesh) {
     const Bounds box = bounding_box(mesh);
     const Vec3d middle = 0.5 * (box.low + box.high);
@@ -39,7 +40,8 @@ ScalpPoint ScalpMesh::closest(const Vec3d& x) const {
     const auto found = distance_.closest(x);
     const auto& t = mesh_.triangles[size_t(found.triangle)];
     const Vec3d w = found.barycentric;
-    const Vec3d n = w.x * normals_[size_t(t[0])] + w.y * normals_[size_t(t[1])] + w.z * normals_[size_t(t[2])];
+    const Vec3d n =
+        w.x * normals_[size_t(t[0])] + w.y * normals_[size_t(t[1])] + w.z * normals_[size_t(t[2])];
     const Vec3d normal = normalized(n, Vec3d{0, 1, 0});
     // Behind the rim of an open mesh a point may lie behind its closest triangle and yet outside.
     const bool below = dot(x - found.point, normal) < 0 && distance_.inside(x);
@@ -96,7 +98,8 @@ Vec3d head_centre(const Mesh& mesh, double radius) {
     const double bottom = bounding_box(mesh).high.y - radius;
     Mesh above{mesh.vertices, {}};
     for (const auto& t : mesh.triangles)
-        if (std::all_of(t.begin(), t.end(), [&](int v) { return double(mesh.vertices[size_t(v)].y) > bottom; }))
+        if (std::all_of(t.begin(), t.end(),
+                        [&](int v) { return double(mesh.vertices[size_t(v)].y) > bottom; }))
             above.triangles.push_back(t);
     const Bounds box = bounding_box(above.triangles.empty() ? mesh : above);
     return {0.5 * (box.low.x + box.high.x), bottom, 0.5 * (box.low.z + box.high.z)};

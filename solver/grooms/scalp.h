@@ -17,7 +17,8 @@ struct ScalpPoint {
     double height = 0;  // of x over the scalp [m], negative below it
 };
 
-// A mesh with normals that vary smoothly over it, and its closest points. Const functions may run in parallel.
+// A mesh with normals that vary smoothly over it, and its closest points. Const functions may run in
+// parallel.
 class ScalpMesh {
   public:
     // Normals are turned outward whichever way the triangles run. Throws Error for a mesh without area.

@@ -1,0 +1,247 @@
+// `[groom]` of a scene: files laid on a grid, thinning, roots under the scalp; the import command. Ours.
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "base/geometry/shapes.h"
+#include "solver/grooms/groom.h"
+#include "solver/grooms/procedural.h"
+#include "strand_files.h"
+
+namespace wetcurl {
+namespace {
+
+using namespace testing;
+
+Groom load(const std::string& toml, const std::string& folder = ".", const std::string& groom_override = "") {
+    Config config = Config::parse("[groom]\n" + toml, "scene.toml", folder);
+    const Groom g = load_groom(config.root().table("groom"), 1, groom_override);
+    config.require_all_used();
+    return g;
+}
+
+// Strands on a dome of 0.1 m, 0.2 m long, straight along its normals, `points` each; the last `bald` are
+// degenerate.
+StrandPoints hedgehog(int count, int points, int bald = 0) {
+    Random random(9);
+    StrandPoints out;
+    while (int(out.size()) < count) {
+        const Vec3d d = random.direction();
+        if (d.y < 0.1) continue;
+        std::vector<Vec3d> strand;
+        for (int i = 0; i < points; ++i) strand.push_back((0.1 + 0.2 * i / (points - 1)) * d);
+        out.push_back(strand);
+    }
+    for (int i = 0; i < bald; ++i) out.push_back({{0, 0.1, 0}});
+    return out;
+}
+
+std::string ball_file(const Scratch& scratch, double radius) {
+    const Mesh mesh = triangulated(Sphere{radius}, 48);
+    std::ostringstream out;
+    for (const auto& x : mesh.vertices)
+        out << "v " << 100 * x.x << ' ' << 100 * x.y << ' ' << 100 * x.z << '\n';
+    for (const auto& t : mesh.triangles)
+        out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+    return scratch.file("ball.obj", out.str());
+}
+
+TEST(SceneGroom, without_a_file_it_is_the_built_in_one) {
+    const Groom g = load("grid = [8, 4]\nparticles = 20\n");
+    EXPECT_EQ(g.rest.count, 32);
+    EXPECT_EQ(g.rest.particles, 20);
+    ProceduralGroom p = read_procedural(Config::parse("grid = [8, 4]\nparticles = 20\n", "a").root(), 1);
+    EXPECT_EQ(g.hash(), make_procedural(p).hash());
+}
+
+TEST(SceneGroom, strands_of_a_file_are_resampled_and_lie_in_the_order_of_their_pixels) {
+    Scratch scratch;
+    scratch.file("hair.data", data_file(hedgehog(300, 11, 5)));
+    const Groom g = load("file = 'hair.data'\nunits = 'm'\nparticles = 30\n", scratch.path());
+    EXPECT_EQ(g.rest.particles, 30);
+    EXPECT_EQ(g.rest.count, 16 * 16 + 32);  // 16 x 18: nine in ten of 300
+    EXPECT_EQ(g.grid.width * g.grid.height, g.rest.count);
+    for (int s = 0; s < g.rest.count; ++s) {
+        ASSERT_EQ(g.grid.strand[size_t(s)], s);
+        const Vec3d root = cast<double>(g.rest.at(s, 0)), tip = cast<double>(g.rest.at(s, 29));
+        ASSERT_NEAR(norm(root), 0.1, 1e-6);
+        ASSERT_NEAR(norm(tip), 0.3, 1e-6);
+        ASSERT_NEAR(norm(cast<double>(g.rest.at(s, 13) - g.rest.at(s, 12))), 0.2 / 29, 1e-5);
+        // Off the middle of the dome that roots stand on.
+        ASSERT_GT(dot(cast<double>(g.normal[size_t(s)]), root), 0.0999);
+    }
+}
+
+TEST(SceneGroom, units_axis_scale_and_offset_reach_the_strands) {
+    Scratch scratch;
+    scratch.file("hair.data", data_file(hedgehog(64, 5)));
+    const Groom usual = load("file = 'hair.data'\nunits = 'm'\n", scratch.path());
+    const Groom moved =
+        load("file = 'hair.data'\nunits = 'm'\nscale = 2\noffset = [0, 1, 0]\n", scratch.path());
+    const Groom small = load("file = 'hair.data'\nunits = 'cm'\n", scratch.path());
+    const Groom turned = load("file = 'hair.data'\nunits = 'm'\nup = 'z'\n", scratch.path());
+    const Vec3f usual_tip = usual.rest.at(0, 49);
+    auto nearest = [](const Groom& g, const Vec3f& x) {
+        float best = 1;
+        for (int s = 0; s < g.rest.count; ++s) best = std::min(best, norm(g.rest.at(s, 49) - x));
+        return best;
+    };
+    EXPECT_LT(nearest(moved, 2.0f * usual_tip + Vec3f{0, 1, 0}), 1e-6f);
+    EXPECT_LT(nearest(small, 0.01f * usual_tip), 1e-6f);
+    EXPECT_LT(nearest(turned, {usual_tip.x, usual_tip.z, -usual_tip.y}), 1e-6f);
+}
+
+TEST(SceneGroom, a_grid_may_be_asked_for_and_is_the_finest_where_it_cannot_be_filled) {
+    Scratch scratch;
+    scratch.file("hair.data", data_file(hedgehog(300, 5)));
+    EXPECT_EQ(load("file = 'hair.data'\nunits = 'm'\ngrid = [12, 8]\n", scratch.path()).rest.count, 96);
+    ::testing::internal::CaptureStderr();
+    const Groom g = load("file = 'hair.data'\nunits = 'm'\ngrid = [32, 32]\n", scratch.path());
+    const std::string log = ::testing::internal::GetCapturedStderr();
+    EXPECT_GE(g.rest.count, 270);
+    EXPECT_NE(log.find("32 x 32"), std::string::npos) << log;
+    EXPECT_NE(log.find("scene.toml:4"), std::string::npos) << log;
+}
+
+TEST(SceneGroom, a_scalp_gives_the_normals) {
+    Scratch scratch;
+    ball_file(scratch, 0.105);
+    StrandPoints strands = hedgehog(200, 5);
+    for (auto& strand : strands)
+        for (auto& x : strand) x += Vec3d{0, 0, 0.004};  // the roots' own middle is off the ball's
+    scratch.file("hair.data", data_file(strands));
+    const Groom g =
+        load("file = 'hair.data'\nunits = 'm'\nscalp = 'ball.obj'\nscalp_units = 'cm'\n", scratch.path());
+    for (int s = 0; s < g.rest.count; ++s)
+        ASSERT_GT(
+            dot(cast<double>(g.normal[size_t(s)]), normalized(cast<double>(g.rest.at(s, 0)), Vec3d{0, 1, 0})),
+            0.998);
+}
+
+TEST(SceneGroom, an_override_goes_before_the_scene_and_its_own_keys_rest) {
+    Scratch scratch;
+    const std::string file = scratch.file("hair.data", data_file(hedgehog(100, 5)));
+    const Groom g = load("curl_radius = 0.01\npitch = 0.03\nunits = 'm'\n", ".", file);
+    EXPECT_EQ(g.rest.count, 96);
+    expect_error<Misuse>([&] { load("curl_radius = -1\nunits = 'm'\n", ".", file); },
+                         {"scene.toml:2", "curl_radius"});
+    expect_error<Misuse>([&] { load("curl_radios = 1\nunits = 'm'\n", ".", file); },
+                         {"scene.toml:2", "curl_radios", "curl_radius"});
+}
+
+TEST(SceneGroom, wrong_keys_and_files_are_named) {
+    Scratch scratch;
+    scratch.file("hair.data", data_file(hedgehog(64, 5)));
+    const std::string file = "file = 'hair.data'\n";
+    auto refused = [&](const std::string& line, std::initializer_list<std::string> says) {
+        expect_error<Misuse>([&] { load(file + line, scratch.path()); }, says);
+    };
+    refused("units = 'inch'\n", {"scene.toml:3", "units", "inch"});
+    refused("up = 'x'\n", {"scene.toml:3", "up"});
+    refused("particles = 1\n", {"scene.toml:3", "particles"});
+    refused("scale = 0\n", {"scene.toml:3", "scale"});
+    refused("offset = [0, 1]\n", {"scene.toml:3", "offset"});
+    refused("scalp_units = 'cm'\n", {"scene.toml:3", "scalp_units"});  // of no scalp
+    expect_error([&] { load("file = 'none.data'\n", scratch.path()); }, {"none.data", "no such file"});
+    expect_error([&] { load("file = 'hair.data'\nscalp = 'none.obj'\n", scratch.path()); }, {"none.obj"});
+}
+
+TEST(Thinned, takes_the_finest_stride_within_the_limit) {
+    const Groom full = load("grid = [32, 16]\nparticles = 5\n");
+    for (const auto& [limit, strands, expected] : {std::tuple{100000, 512, 1},
+                                                   {512, 512, 1},
+                                                   {511, 128, 2},
+                                                   {128, 128, 2},
+                                                   {40, 32, 4},
+                                                   {7, 2, 16},
+                                                   {1, 1, 32}}) {
+        int stride = 0;
+        const Groom thin = thinned(full, limit, &stride);
+        EXPECT_EQ(thin.rest.count, strands);
+        EXPECT_EQ(stride, expected);
+        EXPECT_EQ(thin.hash(), coarsened(full, stride).hash());
+    }
+    expect_error<Misuse>([&] { thinned(full, 0); }, {"--strands", "1 or more"});
+}
+
+TEST(RootDepth, counts_roots_under_the_scalp_and_how_deep) {
+    Scratch scratch;
+    const ScalpMesh scalp(import_mesh(ball_file(scratch, 0.105), {"cm", "y"}));
+    StrandPoints strands = hedgehog(90, 3);
+    for (size_t s = 0; s < 30; ++s)
+        for (auto& x : strands[s]) x = 1.2 * x;
+    const RootDepth depth = root_depth(strands, scalp);
+    EXPECT_EQ(depth.roots, 90);
+    EXPECT_EQ(depth.below, 60);
+    EXPECT_NEAR(depth.median, 0.005, 3e-4);
+    EXPECT_NEAR(depth.deepest, 0.005, 3e-4);
+}
+
+// ---- the command
+
+TEST(ImportCommand, reports_and_converts) {
+    Scratch scratch;
+    ImportOptions o;
+    StrandPoints strands = hedgehog(300, 11, 5);
+    for (auto& strand : strands)
+        for (auto& x : strand) x = 100.0 * x;
+    o.input = scratch.file("hair.data", data_file(strands));
+    o.output = scratch.path("out.hair");
+    o.scalp = ball_file(scratch, 0.105);
+    o.units = "cm";
+    o.resample = 16;
+    o.json = scratch.path("report.json");
+    ::testing::internal::CaptureStdout();
+    EXPECT_EQ(import_command(o), 0);
+    const std::string text = ::testing::internal::GetCapturedStdout();
+    EXPECT_NE(text.find("dropped   5 of 305"), std::string::npos) << text;
+
+    const auto json = nlohmann::json::parse(bytes_of(o.json));
+    EXPECT_EQ(json["strands"], 300);
+    EXPECT_EQ(json["points"], 4800);
+    EXPECT_EQ(json["strands_in_file"], 305);
+    EXPECT_EQ(json["dropped"]["one_point"], 5);
+    EXPECT_EQ(json["units"], "cm");
+    EXPECT_EQ(json["units_guessed"], false);
+    EXPECT_NEAR(json["median_length"].get<double>(), 0.2, 1e-5);
+    EXPECT_NEAR(json["bounds"]["high"][1].get<double>(), 0.3, 0.01);
+    EXPECT_EQ(json["below_scalp"]["roots"], 300);
+    EXPECT_GE(json["grid"]["width"].get<int>() * json["grid"]["height"].get<int>(), 270);
+
+    const StrandPoints back = import_strands(o.output, {"m", "y"}).strands;
+    ASSERT_EQ(back.size(), 300u);
+    EXPECT_EQ(back[0].size(), 16u);
+    EXPECT_NEAR(norm(back[7][15]), 0.3, 1e-6);
+    expect_error<Misuse>([&] { import_command(o); }, {"out.hair", "--overwrite"});
+}
+
+TEST(ImportCommand, leaves_no_output_where_the_input_is_bad) {
+    Scratch scratch;
+    ImportOptions o;
+    o.input = scratch.file("hair.data", data_file(hedgehog(30, 5)).substr(0, 500));
+    o.output = scratch.path("out.data");
+    expect_error([&] { import_command(o); }, {o.input, "rest of the file"});
+    EXPECT_FALSE(std::filesystem::exists(o.output));
+    EXPECT_FALSE(std::filesystem::exists(o.output + ".partial"));
+}
+
+TEST(RealGroom, harolongo_lies_on_its_head_with_neighbours_near) {
+    const std::string shared = WETCURL_SHARED_DIR "/data/";
+    if (!std::filesystem::exists(shared + "harolongo.data")) GTEST_SKIP() << "SKIP: no " << shared;
+    const std::string scene =
+        "file = '" + shared + "harolongo.data'\nunits = 'cm'\nscalp = '" + shared + "female_head.obj'\n";
+    const Groom g = load(scene);
+    EXPECT_EQ(g.rest.count, 88 * 88);
+    const ScalpMesh head(import_mesh(shared + "female_head.obj", {"cm", "y"}));
+    const RootDepth depth = root_depth(import_strands(shared + "harolongo.data", {"cm", "y"}).strands, head);
+    EXPECT_GT(depth.below, 7000);
+    EXPECT_NEAR(depth.median, 0.005, 0.001);
+    double sum = 0;
+    int pairs = 0;
+    for (int r = 0; r < 88; ++r)
+        for (int c = 0; c + 1 < 88; ++c, ++pairs)
+            sum += norm(g.rest.at(g.grid.at(c, r), 0) - g.rest.at(g.grid.at(c + 1, r), 0));
+    EXPECT_LT(sum / pairs, 0.0032);
+}
+
+}  // namespace
+}  // namespace wetcurl
