@@ -3,6 +3,8 @@
 
 #include <omp.h>
 
+#include "base/geometry/filter.h"
+
 namespace wetcurl {
 
 CohesionPass::CohesionPass(const Cohesion& term, int strands, int particles, const std::vector<float>& volume,
@@ -69,6 +71,27 @@ void CohesionPass::apply(const Strands& p, Strands& displayed) {
     }
     displayed = Strands(p.count, p.particles);
     for (long k = 0; k < count; ++k) displayed.points[order[size_t(k)]] = sorted_[size_t(k)].p;
+    if (term_.coherence > 0) smooth_displacements(p, displayed);
+}
+
+// Exponential smoothing along the strand, tip and back, twice; the root's displacement is zero and stays so.
+void CohesionPass::smooth_displacements(const Strands& p, Strands& displayed) const {
+    const int n = p.particles;
+#pragma omp parallel
+    {
+        std::vector<Vec3f> u(static_cast<size_t>(n));
+#pragma omp for schedule(static)
+        for (int s = 0; s < p.count; ++s) {
+            const double segment = arc_length(p.strand(s), n) / (n - 1);
+            const float beta = float(filter_beta(segment, term_.coherence));
+            for (int i = 0; i < n; ++i) u[size_t(i)] = displayed.at(s, i) - p.at(s, i);
+            for (int round = 0; round < 2; ++round) {
+                for (size_t i = 1; i < u.size(); ++i) u[i] = u[i - 1] + beta * (u[i] - u[i - 1]);
+                for (size_t i = u.size() - 2; i > 0; --i) u[i] = u[i + 1] + beta * (u[i] - u[i + 1]);
+            }
+            for (int i = 1; i < n; ++i) displayed.at(s, i) = p.at(s, i) + u[size_t(i)];
+        }
+    }
 }
 
 size_t CohesionPass::bytes() const {

@@ -25,6 +25,7 @@ class CohesionPass {
 
   private:
     void build_lists(const Strands& p);
+    void smooth_displacements(const Strands& p, Strands& displayed) const;
     Cohesion term_;
     int particles_;
     const std::vector<float>&volume_, &saturation_;

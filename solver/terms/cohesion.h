@@ -1,6 +1,8 @@
 // Cohesion of wet strands: displayed positions drawn toward wet neighbours on other strands.
 // The paper, Eq 10. Differs: print lacks m/rho below and scales about the world's origin; the self term in the
-// denominator keeps two lone strands from swapping places and makes the displacement continuous at r = h.
+// denominator keeps two lone strands from swapping places and makes the displacement continuous at r = h; the
+// displacement is then smoothed along the strand over `coherence`, since a few passes of Eq 10 alone draw curls into
+// knots of particles: strands come together whole and keep their curl. 0 leaves Eq 10 as it is.
 #pragma once
 
 #include "base/geometry/kernels.h"
@@ -10,11 +12,12 @@ namespace wetcurl {
 
 struct Cohesion {
     static constexpr const char* name = "cohesion";
-    double h_c, lambda;
+    double h_c, lambda, coherence;
     int passes = 10;
     static constexpr Parameter<Cohesion> parameters[] = {
         {"radius", &Cohesion::h_c, "m", 0.012, 1e-6, 1, "Eq 10, h: support of W"},
         {"tightness", &Cohesion::lambda, "1", 0.85, 0, 0.999, "Eq 10, lambda"},
+        {"coherence", &Cohesion::coherence, "m", 0.015, 0, 1, "length along the strand over which the displacement is smoothed (ours)"},
     };
 
     // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and saturation sigma_j.
