@@ -57,7 +57,8 @@ struct Column {
 
 const Column columns[] = {
     {"method", "", [](const Comparison& c) { return c.method; }},
-    {"time", "ms/frame", [](const Comparison& c) { return fmt::format("{:.1f}", 1e3 * c.seconds_per_frame); }},
+    {"time", "ms/frame",
+     [](const Comparison& c) { return fmt::format("{:.1f}", 1e3 * c.seconds_per_frame); }},
     {"error", "mean mm", [](const Comparison& c) { return fmt::format("{:.3f}", c.position_mm.mean); }},
     {"", "95 % mm", [](const Comparison& c) { return fmt::format("{:.2f}", c.position_mm.p95); }},
     {"", "max mm", [](const Comparison& c) { return fmt::format("{:.1f}", c.position_mm.max); }},
@@ -109,8 +110,8 @@ int compare_command(const CompareOptions& options) {
         json["others"].push_back(json_of(others.back()));
     }
     if (options.json != "-") {
-        fmt::print("against {} ({}), {} frames\n{}", options.reference, reference.header().method, others.at(0).frames,
-                   table_of(others));
+        fmt::print("against {} ({}), {} frames\n{}", options.reference, reference.header().method,
+                   others.at(0).frames, table_of(others));
     }
     write_json(json, options.json);
     return 0;

@@ -2,6 +2,8 @@
 // Ours.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -22,7 +24,8 @@ std::string hash_of_file(const std::string& path) {
     std::vector<char> block(size_t(1) << 20);
     std::string hash = hash_bytes(nullptr, 0);
     while (const size_t n = std::fread(block.data(), 1, block.size(), file))
-        hash = hash_bytes(block.data(), n, std::stoull(hash, nullptr, 16));  // the state so far is the next seed
+        hash =
+            hash_bytes(block.data(), n, std::stoull(hash, nullptr, 16));  // the state so far is the next seed
     std::fclose(file);
     return hash;
 }
@@ -33,14 +36,16 @@ void record_input(PairsWriter& out, size_t run, const std::string& role, const s
 
 std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
     if (inputs.empty() || inputs.size() % 2)
-        throw Misuse(fmt::format("encode: found {} runs, allowed are pairs: DRY.h5 WET.h5 [DRY.h5 WET.h5 ...]", inputs.size()));
+        throw Misuse(fmt::format(
+            "encode: found {} runs, allowed are pairs: DRY.h5 WET.h5 [DRY.h5 WET.h5 ...]", inputs.size()));
     std::vector<RunPair> out;
     for (size_t k = 0; k < inputs.size(); k += 2) out.emplace_back(inputs[k], inputs[k + 1]);
     for (const auto& pair : out) {
-        const int found = pair.wet->header().groom.rest.particles, allowed = out[0].wet->header().groom.rest.particles;
+        const int found = pair.wet->header().groom.rest.particles,
+                  allowed = out[0].wet->header().groom.rest.particles;
         if (found != allowed)
-            throw Error(fmt::format("{}: found {} particles a strand, allowed {} (as {} has it)", pair.wet->path(), found, allowed,
-                                    out[0].wet->path()));
+            throw Error(fmt::format("{}: found {} particles a strand, allowed {} (as {} has it)",
+                                    pair.wet->path(), found, allowed, out[0].wet->path()));
     }
     return out;
 }
@@ -48,8 +53,9 @@ std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
 // The cohesion radius of the scene [m], or its default where the scene has no cohesion: h of Eq 16.
 float support_radius_of(const RunHeader& header) {
     Cohesion cohesion;
-    read_parameters(cohesion, Cohesion::parameters,
-                    Config::parse(header.scene, "the run's scene", header.scene_folder).root().table("cohesion"));
+    read_parameters(
+        cohesion, Cohesion::parameters,
+        Config::parse(header.scene, "the run's scene", header.scene_folder).root().table("cohesion"));
     return float(cohesion.h_c);
 }
 
@@ -67,7 +73,8 @@ Json encode_pairs(const EncodeOptions& o, Codec codec) {
         const float radius = support_radius_of(pairs[0].wet->header());
         for (const auto& pair : pairs)
             if (support_radius_of(pair.wet->header()) != radius)
-                throw Error(pair.wet->path() + ": its cohesion radius is not that of " + pairs[0].wet->path() + ", allowed one for all");
+                throw Error(pair.wet->path() + ": its cohesion radius is not that of " +
+                            pairs[0].wet->path() + ", allowed one for all");
         encode_roots(pairs, radius, out);
     }
     int frames = 0;
@@ -89,7 +96,8 @@ Json encode_adhesion(const EncodeOptions& o) {
         options.set = o.set;
         options.seed = o.seed;
         scenes.push_back(load_scene(path, options));
-        if (!scenes.back().term<Adhesion>()) throw Misuse(path + ": has no [adhesion], which is what is to be learned");
+        if (!scenes.back().term<Adhesion>())
+            throw Misuse(path + ": has no [adhesion], which is what is to be learned");
     }
     PairsWriter out(o.output, Codec::adhesion, scenes.at(0).groom.rest.particles, o.overwrite);
     size_t samples = 0, contacts = 0;
@@ -101,7 +109,8 @@ Json encode_adhesion(const EncodeOptions& o) {
         for (int f = 1; f < scenes[k].frames; ++f) {
             simulation->advance();
             if (const auto diverged = simulation->divergence())
-                throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", o.inputs[k], f, diverged->strand));
+                throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", o.inputs[k], f,
+                                        diverged->strand));
             std::vector<AdhesionSample> found;
             for (const auto& record : records) {
                 AdhesionSample& sample = found.emplace_back();
@@ -117,7 +126,8 @@ Json encode_adhesion(const EncodeOptions& o) {
         }
         record_input(out, k, "scene", o.inputs[k]);
     }
-    if (samples == 0) throw Error(o.output + ": no particle came near a solid, so there is nothing to learn from");
+    if (samples == 0)
+        throw Error(o.output + ": no particle came near a solid, so there is nothing to learn from");
     out.commit();
     log_info(fmt::format("{}: {} samples, {} of them in contact", o.output, samples, contacts));
     return {{"codec", o.codec}, {"scenes", scenes.size()}, {"samples", samples}, {"in_contact", contacts}};

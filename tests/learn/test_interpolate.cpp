@@ -182,6 +182,34 @@ TEST(Interpolation, core_and_detail_keeps_the_curl_of_random_phases_and_the_mean
     EXPECT_NEAR(kept(Interpolation::quad), 0.45, 0.03);
 }
 
+// Between a hanging curl and the same turned by 80 degrees.
+TEST(Interpolation, detail_turns_with_the_core) {
+    Groom high = curly_groom({.width = 3, .height = 1, .phase_spread = 0, .lean = 0});
+    const int n = high.rest.particles;
+    const Quatf turn = cast<float>(rotation_about({0, 0, 1}, 80 * std::numbers::pi / 180));
+    for (int i = 0; i < n; ++i) {
+        const Vec3f root = high.rest.at(2, 0);
+        high.rest.at(2, i) = root + rotate(turn, high.rest.at(2, i) - root);
+    }
+    const Groom low = coarsened(high, 2);
+    const Strands out = interpolated(Interpolation::core, quad_stencil(high, low), high, low.rest);
+    Strands core(2, n);
+    for (int s = 0; s < 2; ++s) core_of(low.rest.strand(s), n, core_beta(n), core.strand(s));
+    double along = 0;
+    for (int i = 1; i + 1 < n; ++i) {
+        auto mean = [&](int k) {
+            return high.rest.at(1, 0) +
+                   0.5f * (core.at(0, k) - core.at(0, 0) + core.at(1, k) - core.at(1, 0));
+        };
+        const Vec3f from = core.at(0, i + 1) - core.at(0, i), to = mean(i + 1) - mean(i);
+        const Vec3f detail = low.rest.at(0, i) - core.at(0, i), turned = out.at(1, i) - mean(i);
+        EXPECT_NEAR(norm(turned), norm(detail), 1e-6);
+        EXPECT_NEAR(dot(turned, to) / norm(to), dot(detail, from) / norm(from), 1e-6);
+        along = std::max(along, double(std::abs(dot(detail, to) / norm(to))));
+    }
+    EXPECT_GT(along, 0.003);  // unturned, it would lean into the core
+}
+
 TEST(Interpolation, unknown_names_are_a_misuse) {
     expect_error<Misuse>([] { interpolation_named("quat"); },
                          {"'quat'", "nearest, quad, core", "did you mean 'quad'"});
