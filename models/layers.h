@@ -38,7 +38,7 @@ Tensor run_layer(torch::nn::Linear& layer, const Tensor& rows);
 // rows (P, C) times weight (O, C) transposed, plus bias (O) where it is defined.
 Tensor linear_rows(const Tensor& rows, const Tensor& weight, const Tensor& bias = {});
 // Transposed convolution 2x2, stride 2: (B, C, H, W) to (B, O, 2H, 2W), of a layer (C, O, 2, 2).
-Tensor apply_doubling(torch::nn::ConvTranspose2d& layer, const Tensor& x);
+Tensor run_doubling(torch::nn::ConvTranspose2d& layer, const Tensor& x);
 
 // (B, C, H, W) to rows (B H W, C) and back.
 Tensor to_rows(const Tensor& image);

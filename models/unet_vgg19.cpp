@@ -72,7 +72,7 @@ Tensor UnetVgg19::forward(const Tensor& input) {
         x = torch::max_pool2d(skips.back(), 2);  // (B, C, s/2, s/2)
     }
     for (auto& level : up_) {
-        x = apply_doubling(level.doubling, x);
+        x = run_doubling(level.doubling, x);
         if (!skips.empty()) {
             x = torch::cat({x, skips.back()}, 1);
             skips.pop_back();

@@ -206,14 +206,9 @@ class Trainer {
         optimiser_->clear_gradients();
         const Tensor loss = loss_->of(model_->forward(batch.input), batch);
         loss.backward();
-        const double rate = learning_rate(), value = loss.item<double>(), norm = optimiser_->step(rate);
-        if (!std::isfinite(value) || !std::isfinite(norm)) {
-            std::ostringstream text;
-            text << request_.output << ": training diverged at step " << optimiser_->steps + 1 << " (epoch "
-                 << state_.epoch + 1 << "): loss " << value << ", gradient " << norm << ", learning_rate " << rate
-                 << "; a smaller learning_rate or gradient_clip = 1 may help";
-            throw Error(text.str());
-        }
+        const double rate = learning_rate(), value = loss.item<double>();
+        const double norm = std::isfinite(value) ? optimiser_->step(rate) : 0;
+        if (!std::isfinite(value) || !std::isfinite(norm)) fail_diverged(value, norm, rate);
         if (request_.progress) {
             std::ostringstream note;
             note.precision(3);
@@ -221,6 +216,14 @@ class Trainer {
             request_.progress(optimiser_->steps - first_step_, total_steps_ - first_step_, note.str());
         }
         return value;
+    }
+
+    [[noreturn]] void fail_diverged(double loss, double gradient, double rate) const {
+        std::ostringstream text;
+        text << request_.output << ": training diverged at step " << optimiser_->steps + 1 << " (epoch " << state_.epoch + 1
+             << "): loss " << loss << ", norm of the gradient " << gradient << ", learning_rate " << rate
+             << "; a smaller learning_rate or gradient_clip = 1 may help";
+        throw Error(text.str());
     }
 
     Validation validate() {

@@ -16,6 +16,7 @@ MetricsLog::MetricsLog(const std::string& path, long position) {
     if (position > 0 && long(fs::file_size(path, error)) > position) fs::resize_file(path, size_t(position), error);
     file_ = std::fopen(path.c_str(), position > 0 ? "a" : "w");
     if (!file_ || error) throw Error(path + ": cannot be written");
+    std::fseek(file_, 0, SEEK_END);
 }
 
 MetricsLog::~MetricsLog() {

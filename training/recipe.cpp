@@ -2,9 +2,9 @@
 // Ours.
 #include "training/recipe.h"
 
+#include <charconv>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "base/config.h"
 
@@ -26,11 +26,12 @@ double read_row(const RecipeRow& row, const Table& root, double fallback) {
     return table.number(key, fallback, row.minimum, row.maximum);
 }
 
+// The shortest text that reads back as this number.
 std::string as_text(double value) {
-    std::ostringstream out;
-    out.precision(17);
-    out << value;
-    return out.str();
+    char text[32];
+    const auto end = value == std::floor(value) && std::abs(value) < 1e16 ? std::to_chars(text, text + 32, long(value)).ptr
+                                                                           : std::to_chars(text, text + 32, value).ptr;
+    return {text, end};
 }
 
 std::string resolved_text(const Recipe& recipe, Codec codec) {

@@ -1,0 +1,141 @@
+// Recipes: every row of the table, and what a malformed one says.
+// Ours.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "tests/base/scratch.h"
+#include "training/metrics_log.h"
+#include "training/recipe.h"
+
+namespace wetcurl {
+namespace {
+
+using testing::expect_error;
+using testing::Scratch;
+
+constexpr Codec codecs[] = {Codec::strand, Codec::root, Codec::adhesion};
+const std::vector<std::string> names{"first", "second"};
+
+Recipe with(Codec codec, const std::vector<std::string>& set) {
+    TrainRequest request;
+    request.set = set;
+    return read_recipe(request, codec, names);
+}
+std::string text(double value) {
+    char out[40];
+    std::snprintf(out, sizeof out, "%.17g", value);
+    return out;
+}
+
+TEST(Recipe, DefaultsOfTheRootCodecAreThePapers) {
+    const Recipe r = with(Codec::root, {});
+    EXPECT_EQ(r.batch, 128);
+    EXPECT_EQ(r.learning_rate, 1e-4);
+    EXPECT_EQ(r.patch, 128);
+    EXPECT_EQ(r.weight_decay, 0);
+    EXPECT_EQ(r.schedule, "constant");
+    EXPECT_EQ(with(Codec::adhesion, {}).epochs, 9000);
+}
+
+TEST(Recipe, DefaultsOfTheStrandCodecAreThoseThatTrained) {
+    const Recipe r = with(Codec::strand, {});
+    EXPECT_EQ(r.learning_rate, 1e-3);
+    EXPECT_EQ(r.gradient_clip, 1);
+    EXPECT_EQ(r.schedule, "cosine");
+    EXPECT_EQ(r.architecture, "first");
+}
+
+TEST(Recipe, EveryRowIsReadAndKeptInItsRange) {
+    for (Codec codec : codecs)
+        for (const auto& row : recipe_rows()) {
+            const double fallback = row.fallback(codec);
+            if (std::isnan(fallback)) {
+                expect_error<Misuse>([&] { with(codec, {std::string(row.key) + "=16"}); }, {});  // not of this codec
+                continue;
+            }
+            const std::string key = row.key, last = key.substr(key.find('.') + 1);
+            const double other = row.whole ? std::min(fallback + 1, row.maximum) : row.minimum + 0.5 * (std::min(row.maximum, 2 * fallback + 1) - row.minimum);
+            ASSERT_NE(other, fallback) << key;
+            EXPECT_EQ(with(codec, {key + "=" + (row.whole ? std::to_string(long(other)) : text(other))}).*row.member, other) << key;
+            expect_error<Misuse>([&] { with(codec, {key + "=" + (row.whole ? std::to_string(long(row.minimum) - 1) : text(row.minimum - 1))}); }, {last});
+            expect_error<Misuse>([&] { with(codec, {key + "=" + (row.whole ? std::to_string(long(row.maximum) + 1) : text(row.maximum * 2 + 1))}); }, {last});
+            expect_error<Misuse>([&] { with(codec, {key + "=\"many\""}); }, {last});
+            if (row.whole) expect_error<Misuse>([&] { with(codec, {key + "=2.5"}); }, {last});
+        }
+}
+
+TEST(Recipe, KeysAreUnique) {
+    std::set<std::string> keys;
+    for (const auto& row : recipe_rows()) EXPECT_TRUE(keys.insert(row.key).second) << row.key;
+}
+
+TEST(Recipe, UnknownKeysNameFileLineAndTheNearestName) {
+    Scratch scratch;
+    TrainRequest request;
+    request.recipe = scratch.file("my.toml", "epochs = 3\nlerning_rate = 0.1\n");
+    expect_error<Misuse>([&] { read_recipe(request, Codec::root, names); }, {"my.toml:2", "lerning_rate", "learning_rate"});
+    request.recipe = scratch.file("my.toml", "[loss]\nedges = 1\n");
+    expect_error<Misuse>([&] { read_recipe(request, Codec::strand, names); }, {"my.toml:2", "edge"});
+    request.recipe = scratch.file("my.toml", "epochs = \n");
+    expect_error<Misuse>([&] { read_recipe(request, Codec::strand, names); }, {"my.toml:1"});
+    request.recipe = scratch.path("absent.toml");
+    expect_error([&] { read_recipe(request, Codec::strand, names); }, {"absent.toml"});
+}
+
+TEST(Recipe, WordsAreChosenFromAList) {
+    expect_error<Misuse>([] { with(Codec::root, {"architecture=third"}); }, {"third", "second"});
+    expect_error<Misuse>([] { with(Codec::root, {"schedule=linear"}); }, {"linear", "cosine"});
+    expect_error<Misuse>([] { with(Codec::root, {"precision=double"}); }, {"double", "bfloat16"});
+}
+
+TEST(Recipe, ALossWithoutWeightsIsRefused) {
+    expect_error<Misuse>([] { with(Codec::strand, {"loss.position=0", "loss.edge=0"}); }, {"[loss]"});
+}
+
+TEST(Recipe, WhatTheCommandLineSaysGoesFirst) {
+    TrainRequest request;
+    request.set = {"width=0.5", "seed=3", "architecture=first", "device=cpu"};
+    request.width = 0.25;
+    request.seed = 9;
+    request.architecture = "second";
+    request.device = "cuda:1";
+    const Recipe r = read_recipe(request, Codec::root, names);
+    EXPECT_EQ(r.width, 0.25);
+    EXPECT_EQ(r.seed, 9);
+    EXPECT_EQ(r.architecture, "second");
+    EXPECT_EQ(r.device, "cuda:1");
+}
+
+TEST(Recipe, TheTextKeptWithAModelReadsBackAsItself) {
+    Scratch scratch;
+    for (Codec codec : codecs) {
+        const Recipe r = with(codec, {"learning_rate=0.00123456789", "seed=77", "width=0.3"});
+        TrainRequest request;
+        request.recipe = scratch.file("kept.toml", r.text);
+        EXPECT_EQ(read_recipe(request, codec, names).text, r.text);
+        EXPECT_NE(r.text.find("0.00123456789"), std::string::npos);
+    }
+}
+
+TEST(MetricsLog, GoesOnWhereACheckpointWasAndDropsTheRest) {
+    Scratch scratch;
+    const std::string path = scratch.path("m.jsonl");
+    long position = 0;
+    {
+        MetricsLog log(path, 0);
+        log.line({{"epoch", 1}, {"loss", 0.5}});
+        position = log.position();
+        log.line({{"epoch", 2}, {"loss", 0.25}});
+    }
+    {
+        MetricsLog log(path, position);
+        EXPECT_EQ(log.position(), position);
+        log.line({{"epoch", 2}, {"loss", 0.125}});
+    }
+    EXPECT_EQ(testing::bytes_of(path), "{\"epoch\":1,\"loss\":0.5}\n{\"epoch\":2,\"loss\":0.125}\n");
+}
+
+}  // namespace
+}  // namespace wetcurl

@@ -1,0 +1,498 @@
+// Losses, the optimiser, batches, and whole trainings: they overfit, stop, go on to the bit, and say what is wrong.
+// One translation unit: LibTorch's headers are slow. Ours.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "learn/inference.h"
+#include "models/adhesion_mlp.h"
+#include "models/model_file.h"
+#include "models/registry.h"
+#include "tests/base/scratch.h"
+#include "tests/training/make_pairs.h"
+#include "training/checkpoint.h"
+#include "training/losses.h"
+#include "training/loop.h"
+#include "training/optimiser.h"
+
+namespace wetcurl {
+namespace {
+
+using testing::expect_error;
+using testing::Scratch;
+
+Recipe recipe_of(Codec codec, const std::vector<std::string>& set = {}) {
+    TrainRequest request;
+    request.set = set;
+    return read_recipe(request, codec, {"any"});
+}
+
+// ---- losses ----
+
+struct StrandCase {
+    static constexpr int particles = 9, strands = 3;
+    static constexpr double length = 0.2;
+    Batch batch;
+    Tensor output;
+    StrandCase() {
+        torch::manual_seed(1);
+        batch.base = 0.03 * torch::randn({strands, 48});
+        batch.target = 0.02 * torch::randn({strands, 48, 1, 1});
+        output = 0.02 * torch::randn({strands, 48, 1, 1});
+    }
+    double loss(const std::string& only) const {
+        std::vector<std::string> set = {"loss.position=0", "loss.edge=0"};
+        set.push_back("loss." + only + "=1");
+        return make_loss(Codec::strand, recipe_of(Codec::strand, set), particles, length, torch::kCPU)
+            ->of(output, batch).item<double>();
+    }
+    // Offsets of base + residual, decoded as reconstruction does it.
+    std::vector<std::vector<Vec3f>> decoded(const Tensor& residual) const {
+        std::vector<std::vector<Vec3f>> out;
+        const StrandDct dct(particles);
+        const Tensor c = (batch.base + residual.flatten(1)).contiguous();
+        for (int s = 0; s < strands; ++s) {
+            out.emplace_back(particles);
+            dct.decode(c[s].data_ptr<float>(), out.back().data());
+        }
+        return out;
+    }
+    // Mean over the strands of a sum over the particles of what `f` makes of (found, wanted, i).
+    template <class F>
+    double mean(F f, int first, int count) const {
+        const auto a = decoded(output), b = decoded(batch.target);
+        double sum = 0;
+        for (int s = 0; s < strands; ++s)
+            for (int i = first; i < first + count; ++i) sum += f(a[size_t(s)], b[size_t(s)], size_t(i));
+        return sum / strands;
+    }
+};
+
+TEST(StrandLoss, IsTheDistanceOfDecodedStrands) {
+    const StrandCase c;
+    const int n = c.particles;
+    const double segment = c.length / (n - 1);
+    using V = std::vector<Vec3f>;
+    auto edge = [](const V& x, size_t i) { return x[i + 1] - x[i]; };
+    auto bend = [&](const V& x, size_t i) { return edge(x, i + 1) - edge(x, i); };
+    const double position = c.mean([](auto& a, auto& b, size_t i) { return norm(a[i] - b[i]); }, 0, n) / (n * c.length);
+    const double edges = c.mean([&](auto& a, auto& b, size_t i) { return norm(edge(a, i) - edge(b, i)); }, 0, n - 1) / (n - 1) / segment;
+    const double curvature = c.mean([&](auto& a, auto& b, size_t i) { return norm(bend(a, i) - bend(b, i)); }, 0, n - 2) / (n - 2) / segment;
+    const double lengths = c.mean([&](auto& a, auto& b, size_t i) { return std::abs(norm(edge(a, i)) - norm(edge(b, i))); }, 0, n - 1) / (n - 1) / segment;
+    for (double value : {position, edges, curvature, lengths}) ASSERT_GT(value, 0.01);
+    EXPECT_NEAR(c.loss("position"), position, 1e-5 * position);
+    EXPECT_NEAR(c.loss("edge"), edges, 1e-5 * edges);
+    EXPECT_NEAR(c.loss("curvature"), curvature, 1e-5 * curvature);
+    EXPECT_NEAR(c.loss("length"), lengths, 1e-5 * lengths);
+    auto loss = make_loss(Codec::strand, recipe_of(Codec::strand), n, c.length, torch::kCPU);
+    EXPECT_NEAR(loss->distance(c.output, c.batch).item<double>(), position * c.length, 1e-5 * position);
+}
+
+TEST(StrandLoss, HasTheGradientThatDifferencesGive) {
+    StrandCase c;
+    auto loss = make_loss(Codec::strand, recipe_of(Codec::strand, {"loss.curvature=0.5", "loss.length=0.5"}), c.particles, c.length, torch::kCPU);
+    c.output.requires_grad_();
+    loss->of(c.output, c.batch).backward();
+    const Tensor direction = c.output.grad().detach().clone();
+    const double expected = direction.square().sum().item<double>();
+    ASSERT_GT(expected, 1e-3);
+    // Single precision: the step balances rounding (1e-7 / step) against curvature (step squared).
+    const double step = 1e-4 / std::sqrt(expected);
+    torch::NoGradGuard no_grad;
+    const double ahead = loss->of(c.output + step * direction, c.batch).item<double>();
+    const double behind = loss->of(c.output - step * direction, c.batch).item<double>();
+    EXPECT_NEAR((ahead - behind) / (2 * step), expected, 5e-3 * expected);
+}
+
+TEST(StrandLoss, HasAFiniteGradientAtTheTarget) {
+    StrandCase c;
+    auto loss = make_loss(Codec::strand, recipe_of(Codec::strand, {"loss.length=1"}), c.particles, c.length, torch::kCPU);
+    Tensor output = c.batch.target.clone().requires_grad_();
+    const Tensor value = loss->of(output, c.batch);
+    value.backward();
+    EXPECT_LT(value.item<double>(), 1e-6);
+    EXPECT_TRUE(torch::isfinite(output.grad()).all().item<bool>());
+}
+
+TEST(RootLoss, IsTheMeanOverPixelsThatHoldAStrand) {
+    Batch batch;
+    batch.target = torch::zeros({1, 3, 2, 2});
+    batch.mask = torch::tensor({1.0f, 0.0f, 1.0f, 0.0f}).view({1, 1, 2, 2});
+    Tensor output = torch::zeros({1, 3, 2, 2});
+    output[0][0][0][0] = 0.3f;   // |.|^2 = 0.09 + 0.16
+    output[0][1][0][0] = 0.4f;
+    output[0][2][0][1] = 1e6f;   // no strand there
+    auto loss = make_loss(Codec::root, recipe_of(Codec::root), 12, 2.0, torch::kCPU);
+    EXPECT_NEAR(loss->of(output, batch).item<double>(), 0.5 * 0.25 / 2, 1e-7);
+    EXPECT_NEAR(loss->distance(output, batch).item<double>(), 2.0 * 0.5 / 2, 1e-6);
+    EXPECT_EQ(loss->count(batch), 2);
+}
+
+// ---- the optimiser ----
+
+TEST(Optimiser, TakesTheStepsOfAdamW) {
+    torch::manual_seed(2);
+    AdhesionMlp model;
+    const double decay = 0.1, rate = 0.01;
+    Optimiser optimiser(model, decay, 0);
+    Tensor w = optimiser.weights.to(torch::kDouble), m = torch::zeros_like(w), v = m.clone();
+    for (int t = 1; t <= 3; ++t) {
+        const Tensor g = torch::randn_like(w);
+        long at = 0;
+        for (auto& p : model.parameters()) {
+            p.mutable_grad().copy_(g.narrow(0, at, p.numel()).view(p.sizes()));
+            at += p.numel();
+        }
+        optimiser.step(rate);
+        m = 0.9 * m + 0.1 * g;
+        v = 0.999 * v + 0.001 * g * g;
+        w = w * (1 - rate * decay) - rate * (m / (1 - std::pow(0.9, t))) / ((v / (1 - std::pow(0.999, t))).sqrt() + 1e-8);
+    }
+    EXPECT_LT((optimiser.weights - w).abs().max().item<double>(), 1e-6);
+    // The model's layers are views of the flat vector.
+    EXPECT_EQ(model.parameters()[0].data_ptr<float>(), optimiser.weights.data_ptr<float>());
+    EXPECT_EQ(optimiser.steps, 3);
+}
+
+TEST(Optimiser, ClipsTheNormAndRefusesWhatIsNotFinite) {
+    AdhesionMlp model;
+    Optimiser optimiser(model, 0, 1);
+    auto fill = [&](float value) {
+        for (auto& p : model.parameters()) p.mutable_grad().fill_(value);
+    };
+    fill(5);
+    EXPECT_NEAR(optimiser.step(1e-3), 5 * std::sqrt(142.0), 1e-3);
+    EXPECT_NEAR(optimiser.first_moment.norm().item<double>(), 0.1, 1e-6);  // (1 - 0.9) of a unit vector
+    const Tensor before = optimiser.weights.clone();
+    fill(std::nanf(""));
+    EXPECT_TRUE(std::isnan(optimiser.step(1e-3)));
+    EXPECT_TRUE(torch::equal(optimiser.weights, before));
+    EXPECT_EQ(optimiser.steps, 1);
+}
+
+// ---- batches ----
+
+struct OpenPairs {
+    explicit OpenPairs(const std::string& path, const std::vector<std::string>& set = {})
+        : reader(path), recipe(recipe_of(reader.codec(), set)), data(open_data({&reader}, recipe)) {}
+    PairsReader reader;
+    Recipe recipe;
+    std::unique_ptr<TrainingData> data;
+};
+
+TEST(StrandData, HoldsOutTheLastFramesAndSeesTheOthersOnceAnEpoch) {
+    Scratch scratch;
+    OpenPairs pairs(testing::make_strand_pairs(scratch.path("p.h5")), {"validation=0.34"});
+    pairs.data->begin_epoch(0);
+    ASSERT_EQ(pairs.data->steps(), 4);
+    ASSERT_EQ(pairs.data->validation_batches(), 2);
+    std::vector<float> dynamic(testing::made_dynamic * 36), target(48 * 36);
+    std::multiset<float> seen;
+    for (long s = 0; s < 4; ++s) {
+        const Batch b = pairs.data->batch(s);
+        EXPECT_EQ(b.input.sizes(), (std::vector<int64_t>{35, testing::made_static + testing::made_dynamic, 1, 1}));
+        seen.insert(b.base[0][0].item<float>());
+    }
+    for (int f = 0; f < 6; ++f) {
+        pairs.reader.frame(0, f, dynamic.data(), target.data());
+        if (f < 4) {
+            EXPECT_EQ(seen.count(dynamic[1]), 1u) << f;  // pixel 0 holds no strand
+        } else {
+            const Batch b = pairs.data->validation_batch(f - 4);
+            EXPECT_EQ(b.base[0][0].item<float>(), dynamic[1]);
+            EXPECT_EQ(b.target[34][47][0][0].item<float>(), target[48 * 36 - 1]);
+            EXPECT_EQ(b.input[34][testing::made_static + 3][0][0].item<float>(), dynamic[4 * 36 - 1]);
+        }
+    }
+}
+
+TEST(StrandData, NormalisesByTheFramesThatTrainingSees) {
+    Scratch scratch;
+    OpenPairs pairs(testing::make_strand_pairs(scratch.path("p.h5")));
+    ModelCard card;
+    pairs.data->describe(card);
+    const auto& mean = card.arrays.at("input_mean");
+    const auto& deviation = card.arrays.at("input_std");
+    ASSERT_EQ(mean.size(), size_t(card.input_channels));
+    std::vector<Tensor> all;
+    pairs.data->begin_epoch(0);
+    for (long s = 0; s < pairs.data->steps(); ++s) all.push_back(pairs.data->batch(s).input.flatten(1));
+    const Tensor x = (torch::cat(all) - torch::tensor(mean)) / torch::tensor(deviation);
+    EXPECT_LT(x.mean(0).abs().max().item<double>(), 1e-5);
+    EXPECT_EQ(mean[0], 9.81f);
+    EXPECT_EQ(x.select(1, 0).abs().max().item<double>(), 0);  // the constant channel
+    EXPECT_LT((x.narrow(1, 1, x.size(1) - 1).square().mean(0) - 1).abs().max().item<double>(), 1e-4);
+    EXPECT_NEAR(pairs.data->unit(), 0.2, 1e-6);
+}
+
+TEST(EveryData, DrawsBySeedAndEpochAlone) {
+    Scratch scratch;
+    const std::vector<std::string> files = {testing::make_strand_pairs(scratch.path("s.h5")),
+                                            testing::make_root_pairs(scratch.path("r.h5")),
+                                            testing::make_adhesion_pairs(scratch.path("a.h5"))};
+    for (const auto& file : files) {
+        const std::vector<std::string> patch = file == files[1] ? std::vector<std::string>{"patch=8"} : std::vector<std::string>{};
+        OpenPairs one(file, patch), other(file, patch);
+        auto inputs = [](OpenPairs& p, long epoch) {
+            p.data->begin_epoch(epoch);
+            std::vector<Tensor> all;
+            for (long s = 0; s < p.data->steps(); ++s) all.push_back(p.data->batch(s).input);
+            return torch::cat(all);
+        };
+        inputs(one, 3);
+        const Tensor a = inputs(one, 7);
+        EXPECT_TRUE(torch::equal(a, inputs(other, 7))) << file;
+        EXPECT_FALSE(torch::equal(a, inputs(other, 8))) << file;
+        auto seeded = patch;
+        seeded.push_back("seed=1");
+        OpenPairs third(file, seeded);
+        EXPECT_FALSE(torch::equal(a, inputs(third, 7))) << file;
+    }
+}
+
+TEST(RootData, CutsInputTargetAndMaskAtTheSamePlace) {
+    Scratch scratch;
+    OpenPairs pairs(testing::make_root_pairs(scratch.path("p.h5")), {"patch=8", "batch=5"});
+    pairs.data->begin_epoch(0);
+    EXPECT_EQ(pairs.data->steps(), ceil(4 * 16 / 5.0));  // 4 frames of 16 patches
+    const Batch b = pairs.data->batch(0);
+    EXPECT_EQ(b.input.sizes(), (std::vector<int64_t>{5, 3, 8, 8}));
+    EXPECT_EQ(b.target.sizes(), (std::vector<int64_t>{5, 3, 16, 16}));
+    const auto even = torch::indexing::Slice(torch::indexing::None, torch::indexing::None, 2);
+    EXPECT_TRUE(torch::equal(b.base.index({"...", even, even}), b.input));
+    // Where a strand is, the target is dry - dry^2 / 10; elsewhere 50.
+    const Tensor dry = b.base, wet = dry - 0.1 * dry * dry;
+    EXPECT_GT(b.mask.sum().item<float>(), 0);
+    EXPECT_LT(((b.target - wet).abs() * b.mask).max().item<double>(), 2e-3);  // up() of a sine
+    EXPECT_TRUE(((b.target == 50).to(torch::kFloat) + b.mask == 1).all().item<bool>());
+    EXPECT_NEAR(pairs.data->unit(), 1.3, 1e-6);
+}
+
+TEST(AdhesionData, DrawsContactAndFreeInEqualNumbersAndValidatesOnTheNaturalOnes) {
+    Scratch scratch;
+    OpenPairs pairs(testing::make_adhesion_pairs(scratch.path("p.h5")), {"epoch_samples=1000", "batch=500"});
+    pairs.data->begin_epoch(0);
+    ASSERT_EQ(pairs.data->steps(), 2);
+    for (long s = 0; s < 2; ++s)
+        EXPECT_EQ(pairs.data->batch(s).input.select(1, 4).sum().item<double>(), 250);
+    ASSERT_EQ(pairs.data->validation_batches(), 1);
+    const Batch held = pairs.data->validation_batch(0);
+    EXPECT_EQ(held.input.size(0), 600);
+    EXPECT_EQ(held.input.select(1, 4).sum().item<double>(), 60);
+    EXPECT_TRUE(torch::equal(held.base.flatten(), held.input.select(1, 7).flatten()));
+}
+
+// ---- whole trainings ----
+
+struct Job {
+    Scratch scratch;
+    TrainRequest request;
+    std::string said;
+    Job(Codec codec, const std::vector<std::string>& set) {
+        const std::string pairs = scratch.path("pairs.h5");
+        if (codec == Codec::strand) testing::make_strand_pairs(pairs);
+        if (codec == Codec::root) testing::make_root_pairs(pairs);
+        if (codec == Codec::adhesion) testing::make_adhesion_pairs(pairs);
+        request.kind = codec == Codec::adhesion ? "adhesion" : "sr";
+        request.pairs = {pairs};
+        request.output = scratch.path("model.h5");
+        request.set = set;
+        request.threads = 1;  // small tensors: a second one would only wait
+        request.log = [this](const std::string& text) { said += text + "\n"; };
+    }
+    bool has(const std::string& ending) const { return std::filesystem::exists(request.output + ending); }
+    std::vector<nlohmann::json> lines() const {
+        std::vector<nlohmann::json> out;
+        std::ifstream file(request.output + ".jsonl");
+        for (std::string line; std::getline(file, line);) {
+            out.push_back(nlohmann::json::parse(line));
+            out.back().erase("seconds");
+        }
+        return out;
+    }
+    double fall() const { return lines().front()["loss"].get<double>() / lines().back()["loss"].get<double>(); }
+};
+
+TEST(Training, OverfitsOneFrameOfStrandsFiftyfold) {
+    Job job(Codec::strand, {"epochs=600", "width=0.125", "validation=0.8", "weight_decay=0", "validate_every=800"});
+    ASSERT_EQ(train(job.request), 0);
+    EXPECT_GT(job.fall(), 50);
+}
+
+TEST(Training, OverfitsOneBatchOfPatchesWithEitherRootNetwork) {
+    for (const char* architecture : {"unet_vgg19", "recursive_residual"}) {
+        Job job(Codec::root, {"epochs=60", "width=0.125", "learning_rate=2e-3", "validation=0.8", "validate_every=60"});
+        job.request.architecture = architecture;
+        ASSERT_EQ(train(job.request), 0);
+        EXPECT_GT(job.fall(), 50) << architecture;
+    }
+}
+
+TEST(Training, TeachesTheAdhesionNetworkItsFunction) {
+    Job job(Codec::adhesion, {"epochs=1000", "learning_rate=1e-2", "epoch_samples=512", "validate_every=1000"});
+    ASSERT_EQ(train(job.request), 0);
+    EXPECT_GT(job.fall(), 50);
+    // On samples not seen, against the force of the step before.
+    EXPECT_LT(job.lines().back()["validation_loss"].get<double>(), 0.02 * job.lines().back()["base_loss"].get<double>());
+}
+
+// Ctrl-C after `steps` steps.
+void interrupt_after(TrainRequest& request, long steps) {
+    request.progress = [steps](long done, long, const std::string&) {
+        if (done == steps) std::raise(SIGINT);
+    };
+}
+
+TEST(Training, StoppedAndResumedGivesTheBitsOfOneGo) {
+    for (Codec codec : {Codec::strand, Codec::root, Codec::adhesion}) {
+        std::vector<std::string> set = {"epochs=5", "validate_every=1"};
+        if (codec == Codec::root) set.insert(set.end(), {"width=0.125", "patch=16", "batch=4", "architecture=recursive_residual"});
+        if (codec == Codec::strand) set.push_back("width=0.1");
+        if (codec == Codec::adhesion) set.insert(set.end(), {"batch=1024", "epoch_samples=4096"});
+        Job whole(codec, set), parts(codec, set);
+        ASSERT_EQ(train(whole.request), 0);
+        interrupt_after(parts.request, 10);
+        ASSERT_EQ(train(parts.request), 130) << name_of(codec);
+        EXPECT_TRUE(parts.has(".checkpoint"));
+        EXPECT_FALSE(parts.has(""));
+        EXPECT_FALSE(parts.has(".checkpoint.partial"));
+        const auto cut = parts.lines();
+        EXPECT_LT(cut.size(), 5u);
+        // What a crash after the checkpoint might have left in the log is dropped.
+        std::ofstream(parts.request.output + ".jsonl", std::ios::app) << "{\"epoch\":99}\n";
+        parts.request.progress = nullptr;
+        parts.request.resume = true;
+        ASSERT_EQ(train(parts.request), 0);
+        EXPECT_FALSE(parts.has(".checkpoint"));
+        auto a = load_model(whole.request.output), b = load_model(parts.request.output);
+        for (const auto& p : a.second->named_parameters())
+            EXPECT_TRUE(torch::equal(p.value(), b.second->named_parameters()[p.key()])) << name_of(codec) << " " << p.key();
+        EXPECT_EQ(a.first.numbers, b.first.numbers);
+        EXPECT_EQ(whole.lines(), parts.lines()) << name_of(codec);
+        ASSERT_EQ(whole.lines().size(), 5u);
+        EXPECT_LT(whole.lines().back()["loss"], whole.lines().front()["loss"]);
+    }
+}
+
+TEST(Training, KeepsTheBestOnHeldOutFrames) {
+    // So large a rate that the loss goes up and down.
+    Job job(Codec::strand, {"epochs=12", "width=0.1", "learning_rate=1", "schedule=constant"});
+    ASSERT_EQ(train(job.request), 0);
+    double best = 1e300;
+    long at = 0;
+    for (const auto& line : job.lines())
+        if (line["validation_loss"] < best) best = line["validation_loss"], at = line["epoch"];
+    EXPECT_LT(at, 12);
+    const ModelCard card = read_card(job.request.output);
+    EXPECT_EQ(card.numbers.at("best_epoch"), at);
+    EXPECT_EQ(card.numbers.at("best_loss"), best);
+    EXPECT_NE(card.recipe.find("learning_rate = 1"), std::string::npos);
+    EXPECT_NE(card.inputs.find("pairs.h5 "), std::string::npos);
+}
+
+TEST(Training, ModelOfARunAnswersThroughTheInferenceInterface) {
+    Job job(Codec::root, {"epochs=2", "width=0.125", "patch=16"});
+    ASSERT_EQ(train(job.request), 0);
+    auto network = load_network(job.request.output, "cpu", 1);
+    EXPECT_EQ(network->card().arrays.at("b_max"), (std::vector<float>{0.3f, 0.4f, 1.2f}));
+    torch::manual_seed(1);
+    const Tensor x = torch::rand({2, 3, 20, 24});
+    Tensor y = torch::full({2, 3, 40, 48}, -1.0f);
+    network->run(x.data_ptr<float>(), {2, 3, 20, 24}, y.data_ptr<float>());
+    torch::NoGradGuard no_grad;
+    const Tensor expected = load_model(job.request.output).second->forward(x);
+    EXPECT_TRUE(torch::equal(y, expected));
+    const double moved = (y - up(x)).abs().max().item<double>();
+    EXPECT_GT(moved, 1e-5);
+    EXPECT_LT(moved, 0.5);
+}
+
+TEST(Training, InBfloat16LearnsTheSameThing) {
+    Job job(Codec::strand, {"epochs=30", "width=0.25", "precision=bfloat16"}), other(Codec::strand, {"epochs=30", "width=0.25"});
+    ASSERT_EQ(train(job.request), 0);
+    ASSERT_EQ(train(other.request), 0);
+    const double half = job.lines().back()["loss"], full = other.lines().back()["loss"];
+    EXPECT_GT(job.fall(), 2);
+    EXPECT_NE(half, full);
+    EXPECT_NEAR(half, full, 0.3 * full);
+}
+
+// ---- what can go wrong ----
+
+TEST(TrainingErrors, DivergenceNamesTheStep) {
+    Job job(Codec::strand, {"epochs=2", "width=0.1"});
+    testing::make_strand_pairs(job.request.pairs[0], 6, 6, 1e25f);  // its square is beyond single precision
+    expect_error([&] { train(job.request); }, {"diverged at step 1", "learning_rate"});
+    EXPECT_FALSE(job.has(""));
+}
+
+TEST(TrainingErrors, NothingIsOverwrittenUnasked) {
+    Job job(Codec::strand, {"epochs=2", "width=0.1"});
+    ASSERT_EQ(train(job.request), 0);
+    const std::string before = testing::bytes_of(job.request.output);
+    expect_error([&] { train(job.request); }, {"model.h5", "--overwrite"});
+    EXPECT_TRUE(before == testing::bytes_of(job.request.output));
+    job.request.resume = true;
+    EXPECT_EQ(train(job.request), 0);  // complete: nothing to do
+    EXPECT_TRUE(before == testing::bytes_of(job.request.output));
+    EXPECT_NE(job.said.find("complete"), std::string::npos);
+    job.request.resume = false;
+    job.request.overwrite = true;
+    job.request.seed = 4;
+    EXPECT_EQ(train(job.request), 0);
+    EXPECT_FALSE(before == testing::bytes_of(job.request.output));
+}
+
+TEST(TrainingErrors, ACheckpointIsGoneOnFromOnlyWithItsOwnRecipeAndPairs) {
+    Job job(Codec::strand, {"epochs=4", "width=0.1"});
+    interrupt_after(job.request, 3);
+    ASSERT_EQ(train(job.request), 130);
+    job.request.progress = nullptr;
+    expect_error([&] { train(job.request); }, {".checkpoint", "--resume", "--overwrite"});
+    job.request.resume = true;
+    job.request.set[0] = "epochs=5";
+    expect_error<Misuse>([&] { train(job.request); }, {".checkpoint", "another recipe", "epochs = 5"});
+    job.request.set[0] = "epochs=4";
+    const std::string pairs = testing::bytes_of(job.request.pairs[0]);
+    testing::make_strand_pairs(job.request.pairs[0], 6, 6, 0.01f);
+    expect_error([&] { train(job.request); }, {".checkpoint", "other pairs"});
+    job.scratch.file("pairs.h5", pairs);
+    const std::string checkpoint = testing::bytes_of(job.request.output + ".checkpoint");
+    job.scratch.file("model.h5.checkpoint", checkpoint.substr(0, checkpoint.size() / 2));
+    expect_error([&] { train(job.request); }, {".checkpoint"});
+    job.scratch.file("model.h5.checkpoint", checkpoint);
+    EXPECT_EQ(train(job.request), 0);
+}
+
+TEST(TrainingErrors, PairsThatDoNotFitAreNamed) {
+    Job job(Codec::strand, {"epochs=1"});
+    job.request.kind = "adhesion";
+    expect_error<Misuse>([&] { train(job.request); }, {"pairs.h5", "codec strand"});
+    job.request.kind = "sr";
+    job.request.architecture = "unet_vgg19";
+    expect_error<Misuse>([&] { train(job.request); }, {"unet_vgg19", "strand_mlp"});
+    job.request.architecture = "";
+    job.request.pairs.push_back(testing::make_root_pairs(job.scratch.path("root.h5")));
+    expect_error([&] { train(job.request); }, {"root.h5", "codec root"});
+    job.request.pairs = {testing::make_strand_pairs(job.scratch.path("one.h5"), 6, 1)};
+    expect_error([&] { train(job.request); }, {"one.h5", "validation"});
+    job.request.pairs = {job.scratch.path("absent.h5")};
+    expect_error([&] { train(job.request); }, {"absent.h5", "no such file"});
+    job.request.pairs = {testing::make_strand_pairs(job.scratch.path("nan.h5"), 6, 4, std::nanf(""))};
+    expect_error([&] { train(job.request); }, {"nan.h5", "finite"});
+    EXPECT_FALSE(job.has(""));
+}
+
+TEST(TrainingErrors, AllContactOrAllFreeIsRefused) {
+    Job job(Codec::adhesion, {"epochs=1"});
+    PairsWriter file(job.request.pairs[0], Codec::adhesion, 12, true);
+    file.add(std::vector<AdhesionSample>(50));
+    file.commit();
+    expect_error([&] { train(job.request); }, {"0 samples in contact", "40 free"});
+}
+
+}  // namespace
+}  // namespace wetcurl
