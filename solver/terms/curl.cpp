@@ -62,21 +62,29 @@ Vec3d turned(const Vec3d& t, double q) {
     return {length * std::cos(theta), s * t.y, s * t.z};
 }
 
-// Length of the strand's axis: a curve of period-long chords would need the period, so take the smoothed length
-// by a moving mean over one turn of the strand's mean turning.
-double axial_extent(const std::vector<Vec3d>& p, int window) {
+// Length of the strand's axis: the mean chord from a point to the one a turn of the curl further along the polyline,
+// `turn` segments, as many times as the strand has turns.
+double axial_extent(const std::vector<Vec3d>& p, double turn) {
+    const size_t n = p.size();
+    turn = std::clamp(turn, 1.0, double(n - 1));
+    const size_t whole = std::min(size_t(turn), n - 2);
+    const double rest = turn - double(whole);
     double sum = 0;
-    const int n = int(p.size());
-    window = std::clamp(window, 1, n - 1);
-    for (int i = 0; i + window < n; ++i) sum += norm(p[size_t(i + window)] - p[size_t(i)]);
-    return sum / (n - window) * double(n - 1) / window;
+    for (size_t i = 0; i + whole + 1 < n; ++i) {
+        const Vec3d end = p[i + whole] + rest * (p[i + whole + 1] - p[i + whole]);
+        sum += norm(end - p[i]);
+    }
+    return sum / double(n - whole - 1) * double(n - 1) / turn;
 }
 
-// Segments in one turn of the curl: from the mean angle by which successive curvature directions advance and the
-// mean turn at a vertex, omega² = theta² + phase² for a helix of small steps.
+// Mean turn at a vertex and mean angle by which successive curvature directions advance: the two make one rotation a
+// segment, cos(omega/2) = cos(theta/2) cos(phase/2).
 struct Turning {
     double theta, phase;  // radians a segment; phase is signed (handedness)
-    int window() const { return std::max(2, int(std::lround(2 * pi / std::max(std::hypot(theta, phase), 1e-3)))); }
+    double segments_of_a_turn() const {
+        const double omega = 2 * std::acos(std::cos(theta / 2) * std::cos(phase / 2));
+        return 2 * pi / std::clamp(omega, 1e-3, pi);
+    }
 };
 Turning turning_of(const std::vector<Vec3d>& tbar) {
     double theta = 0;
@@ -96,7 +104,7 @@ std::vector<Vec3d> tightened(const std::vector<Vec3d>& tbar, double contraction)
     auto extent_at = [&](double q) {
         std::vector<Vec3d> t = tbar;
         for (size_t i = 1; i < t.size(); ++i) t[i] = turned(t[i], q);
-        return axial_extent(shape_from_intrinsic(t, {0, 0, 0}, frame), turning_of(t).window());
+        return axial_extent(shape_from_intrinsic(t, {0, 0, 0}, frame), turning_of(t).segments_of_a_turn());
     };
     const double want = contraction * extent_at(1);
     double low = 1, high = 1;
