@@ -1,0 +1,203 @@
+// Eq 10 as a term and as a pass, against its symmetries and known gaps. EQUATIONS Sec. 3.
+#include <algorithm>
+#include <cmath>
+
+#include "base/geometry/kernels.h"
+#include "solver/passes/cohesion.h"
+#include "tests/base/scratch.h"
+
+namespace wetcurl {
+namespace {
+
+using namespace testing;
+
+constexpr double support = 0.012, tightness = 0.85;
+
+// Eq 10 itself: no smoothing along the strand.
+Cohesion eq10(int passes = 1) {
+    Cohesion c{support, tightness, 0};
+    c.passes = passes;
+    return c;
+}
+
+struct Hair {
+    Strands p;
+    std::vector<float> volume, saturation;
+    Hair(int count, int particles) : p(count, particles), volume(p.points.size(), 1e-10f), saturation(p.points.size(), 1.f) {}
+    Strands displayed(const Cohesion& term) const {
+        CohesionPass pass(term, p.count, p.particles, volume, saturation);
+        Strands out;
+        pass.apply(p, out);
+        return out;
+    }
+};
+
+// Strands down from a disc, near each other, with unequal volumes and saturations.
+Hair tuft(int count, int particles, unsigned seed) {
+    Random random(seed);
+    Hair hair(count, particles);
+    for (int s = 0; s < count; ++s) {
+        const Vec3d root{random.number(-0.01, 0.01), 0, random.number(-0.01, 0.01)};
+        for (int i = 0; i < particles; ++i)
+            hair.p.at(s, i) = cast<float>(root + Vec3d{0, -0.004 * i, 0} + random.vector(0.001));
+    }
+    for (auto& v : hair.volume) v = float(random.number(0.5e-10, 2e-10));
+    for (auto& s : hair.saturation) s = float(random.number(0, 1));
+    return hair;
+}
+
+double moved(const Strands& a, const Strands& b) {
+    double most = 0;
+    for (size_t k = 0; k < a.points.size(); ++k) most = std::max(most, double(norm(a.points[k] - b.points[k])));
+    return most;
+}
+bool same_bits(const Vec3f& a, const Vec3f& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+Cohesion smoothed(int passes) {
+    Cohesion c = eq10(passes);
+    c.coherence = 0.015;
+    return c;
+}
+
+TEST(Cohesion, dry_hair_keeps_every_bit) {
+    Hair hair = tuft(20, 15, 1);
+    EXPECT_GT(moved(hair.displayed(eq10()), hair.p), 1e-4);
+    std::fill(hair.saturation.begin(), hair.saturation.end(), 0.f);
+    for (const auto& term : {eq10(10), smoothed(10)}) {
+        const Strands out = hair.displayed(term);
+        for (size_t k = 0; k < out.points.size(); ++k) EXPECT_TRUE(same_bits(out.points[k], hair.p.points[k]));
+    }
+}
+
+TEST(Cohesion, a_lone_strand_and_one_without_neighbours_keep_every_bit) {
+    Hair lone = tuft(1, 30, 2);
+    for (auto& x : lone.p.points) x = 0.2f * x;  // its own particles are well within the support
+    Hair apart = tuft(2, 30, 3);
+    for (int i = 0; i < 30; ++i) apart.p.at(1, i) += {1, 0, 0};
+    for (const Hair& hair : {lone, apart}) {
+        const Strands out = hair.displayed(eq10(10));
+        for (size_t k = 0; k < out.points.size(); ++k) EXPECT_TRUE(same_bits(out.points[k], hair.p.points[k]));
+    }
+}
+
+TEST(Cohesion, roots_stay_on_the_scalp) {
+    const Hair hair = tuft(20, 15, 4);
+    for (const auto& term : {eq10(10), smoothed(4)}) {
+        const Strands out = hair.displayed(term);
+        for (int s = 0; s < 20; ++s) EXPECT_TRUE(same_bits(out.at(s, 0), hair.p.at(s, 0)));
+        EXPECT_GT(moved(out, hair.p), 1e-4);
+    }
+}
+
+TEST(Cohesion, displacements_do_not_depend_on_place_turn_or_order) {
+    const Hair hair = tuft(20, 15, 5);
+    const Quatd q = rotation_about({0, 0.6, 0.8}, 0.9);
+    const Vec3d shift{0.5, -0.25, 1};
+    Hair shifted = hair, turned = hair, permuted = hair;
+    for (auto& x : shifted.p.points) x += cast<float>(shift);
+    for (auto& x : turned.p.points) x = cast<float>(rotate(q, cast<double>(x)));
+    auto other = [](int s) { return (7 * s + 3) % 20; };
+    for (int s = 0; s < 20; ++s)
+        for (int i = 0; i < 15; ++i) {
+            const size_t to = size_t(other(s)) * 15 + size_t(i), from = size_t(s) * 15 + size_t(i);
+            permuted.p.points[to] = hair.p.points[from];
+            permuted.volume[to] = hair.volume[from];
+            permuted.saturation[to] = hair.saturation[from];
+        }
+    for (const auto& term : {eq10(3), smoothed(3)}) {
+        const Strands out = hair.displayed(term), out_shifted = shifted.displayed(term), out_turned = turned.displayed(term),
+                      out_permuted = permuted.displayed(term);
+        EXPECT_GT(moved(out, hair.p), 1e-3);
+        for (int s = 0; s < 20; ++s)
+            for (int i = 0; i < 15; ++i) {
+                const Vec3d x = cast<double>(out.at(s, i));
+                // One ulp of single precision at 1 m is 1e-7 m, and three passes amplify it.
+                EXPECT_LT(norm(cast<double>(out_shifted.at(s, i)) - x - shift), 5e-6);
+                EXPECT_LT(norm(cast<double>(out_turned.at(s, i)) - rotate(q, x)), 1e-6);
+                EXPECT_LT(norm(cast<double>(out_permuted.at(other(s), i)) - x), 1e-6);
+            }
+    }
+}
+
+TEST(Cohesion, positions_stay_in_the_hull_of_the_hair) {
+    const Hair hair = tuft(20, 15, 6);
+    const Strands out = hair.displayed(eq10(10));
+    Random random(7);
+    for (int k = 0; k < 200; ++k) {
+        const Vec3f n = cast<float>(random.direction());
+        auto most = [&](const Strands& s) {
+            float m = -1e9f;
+            for (const auto& x : s.points) m = std::max(m, dot(n, x));
+            return m;
+        };
+        EXPECT_LE(most(out), most(hair.p) + 1e-7f);
+    }
+}
+
+// Two straight parallel strands `gap` apart; `spacing` [m] between particles. The gap at their middle after one pass.
+double gap_after(double gap, double spacing, double& wanted_factor) {
+    constexpr int n = 41;
+    Hair hair(2, n);
+    for (int s = 0; s < 2; ++s)
+        for (int i = 0; i < n; ++i) hair.p.at(s, i) = cast<float>(Vec3d{s * gap, -spacing * i, 0});
+    double weight = 0;
+    for (int k = -20; k <= 20; ++k) weight += kernel(std::hypot(gap, spacing * k), support);
+    wanted_factor = 1 - 2 * tightness * weight / (kernel_at_zero(support) + weight);
+    const Strands out = hair.displayed(eq10());
+    return double(out.at(1, n / 2).x) - double(out.at(0, n / 2).x);
+}
+
+TEST(Cohesion, the_gap_of_two_parallel_strands_shrinks_by_the_known_factor) {
+    for (double spacing : {0.003, 0.006, 0.02})
+        for (double gap : {0.001, 0.004, 0.009}) {
+            double factor;
+            const double after = gap_after(gap, spacing, factor);
+            EXPECT_LT(factor, 0.995);
+            EXPECT_NEAR(after, factor * gap, 1e-7);
+        }
+}
+
+// The self term is one particle's: it holds where a strand's particles are as far apart as the support.
+TEST(Cohesion, strands_of_sparse_particles_never_change_places) {
+    for (double spacing : {support, 2 * support})
+        for (double gap = 0.0005; gap < support; gap += 0.0005) {
+            double factor;
+            EXPECT_GT(gap_after(gap, spacing, factor), 0) << gap;
+            EXPECT_GT(factor, 1 - tightness - 1e-12);
+        }
+}
+
+TEST(Cohesion, displacement_is_continuous_where_a_neighbour_enters_the_support) {
+    double factor;
+    const double spacing = 2 * support;
+    for (double share : {0.9, 0.99, 0.999, 1.0, 1.001}) {
+        const double gap = share * support, change = gap - gap_after(gap, spacing, factor);
+        // W falls as 2 (1 - q)³ of its value at zero; rounding of single precision at 1 cm.
+        EXPECT_LE(change, 2 * tightness * 2 * std::pow(std::max(0.0, 1 - share), 3) * gap * 1.01 + 1e-8);
+    }
+    EXPECT_GT(0.9 * support - gap_after(0.9 * support, spacing, factor), 1e-5);
+}
+
+TEST(Cohesion, a_displacement_that_all_particles_share_is_kept_by_smoothing) {
+    // Far along two long parallel strands smoothing finds nothing to change.
+    auto gap_at_middle = [](const Cohesion& term) {
+        constexpr int n = 401;
+        Hair hair(2, n);
+        for (int s = 0; s < 2; ++s)
+            for (int i = 0; i < n; ++i) hair.p.at(s, i) = cast<float>(Vec3d{s * 0.004, -0.002 * i, 0});
+        const Strands out = hair.displayed(term);
+        return double(out.at(1, n / 2).x) - double(out.at(0, n / 2).x);
+    };
+    EXPECT_NEAR(gap_at_middle(eq10()), gap_at_middle(smoothed(1)), 1e-7);
+    EXPECT_GT(std::abs(0.004 - gap_at_middle(eq10())), 1e-3);
+}
+
+TEST(Cohesion, coincident_particles_stay_finite) {
+    Hair hair(3, 4);
+    for (int s = 0; s < 3; ++s)
+        for (int i = 0; i < 4; ++i) hair.p.at(s, i) = {0, -0.01f * float(i), 0};
+    for (const auto& x : hair.displayed(eq10(10)).points) EXPECT_TRUE(std::isfinite(norm(x)));
+}
+
+}  // namespace
+}  // namespace wetcurl
