@@ -23,15 +23,29 @@ std::vector<Vec3d> roots_of(const StrandPoints& strands) {
     return roots;
 }
 
+static double middle(std::vector<double> numbers) {
+    if (numbers.empty()) return 0;
+    std::nth_element(numbers.begin(), numbers.begin() + long(numbers.size() / 2), numbers.end());
+    return numbers[numbers.size() / 2];
+}
+
 RootDepth root_depth(const StrandPoints& strands, const ScalpMesh& scalp) {
     RootDepth out;
     out.roots = int(strands.size());
-    std::vector<double> depths;
-    for (const auto& root : roots_of(strands))
-        if (const double height = scalp.closest(root).height; height < 0) depths.push_back(-height);
-    std::sort(depths.begin(), depths.end());
+    std::vector<double> depths, distances;
+    for (const auto& root : roots_of(strands)) {
+        const double height = scalp.closest(root).height;
+        distances.push_back(std::abs(height));
+        if (height < 0) depths.push_back(-height);
+        out.deepest = std::max(out.deepest, -height);
+    }
     out.below = int(depths.size());
-    if (out.below) out.median = depths[depths.size() / 2], out.deepest = depths.back();
+    out.median = middle(depths);
+    out.away = middle(distances);
+    constexpr double too_far = 0.03;  // [m]
+    if (out.away > too_far)
+        log_warning("roots lie " + std::to_string(out.away) +
+                    " m from the scalp in the median: are the units and up axes of hair and scalp right?");
     return out;
 }
 

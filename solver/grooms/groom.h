@@ -29,7 +29,9 @@ StrandPoints resampled_strands(const StrandPoints& strands, int particles);
 struct RootDepth {
     int roots = 0, below = 0;
     double median = 0, deepest = 0;  // depth of those below [m]
+    double away = 0;                 // of all from the scalp, either side, in the median [m]
 };
+// Warns where roots are so far from the scalp that units or axis must be wrong.
 RootDepth root_depth(const StrandPoints& strands, const ScalpMesh& scalp);
 std::string described(const RootDepth& depth);
 

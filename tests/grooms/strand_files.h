@@ -125,6 +125,7 @@ struct StrandFormat {
     size_t count_at;         // byte of the number of strands; 0: in text
     bool ends_with_strands;  // bytes after the last strand are an error
 };
+inline void PrintTo(const StrandFormat& format, std::ostream* out) { *out << format.name; }
 inline constexpr StrandFormat strand_formats[] = {
     {"data", ".data", [](const StrandPoints& s) { return data_file(s); }, read_data, 0, true},
     {"bin", ".bin", bin_file, read_bin, 0, true},

@@ -176,6 +176,15 @@ TEST(RootDepth, counts_roots_under_the_scalp_and_how_deep) {
     EXPECT_NEAR(depth.deepest, 0.005, 3e-4);
 }
 
+TEST(RootDepth, warns_where_hair_and_scalp_cannot_belong_together) {
+    Scratch scratch;
+    const ScalpMesh in_millimetres(import_mesh(ball_file(scratch, 0.105), {"mm", "y"}));
+    ::testing::internal::CaptureStderr();
+    const RootDepth depth = root_depth(hedgehog(20, 3), in_millimetres);
+    EXPECT_NE(::testing::internal::GetCapturedStderr().find("units"), std::string::npos);
+    EXPECT_NEAR(depth.away, 0.1 - 0.0105, 1e-3);
+}
+
 // ---- the command
 
 TEST(ImportCommand, reports_and_converts) {
