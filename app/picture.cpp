@@ -22,6 +22,10 @@ constexpr int fine = 2;               // subpixels a pixel, each way
 constexpr int tile_edge = 64;         // subpixels; a multiple of `fine`
 constexpr float nearest = 1e-3f;      // [m] in front of the eye; nothing nearer is drawn
 constexpr double field_of_view = 26;  // of a fitted camera, vertical [degrees]
+// A strand that touches a solid lies on it: in front of the solid by this much more than its axis says [m].
+constexpr float lying = 1e-3f;
+const Vec3f bright_back = linear_of_srgb(Vec3f{0.86f, 0.865f, 0.875f});
+const Vec3f dim_back = linear_of_srgb(Vec3f{0.56f, 0.575f, 0.60f});
 const Vec3f skin = linear_of_srgb(Vec3f{0.60f, 0.575f, 0.555f});
 
 Vec3f lerp(const Vec3f& a, const Vec3f& b, float t) { return a + t * (b - a); }
@@ -246,7 +250,7 @@ void subdivide(const Vec3f* p, int n, int pieces, Curve& curve) {
 
 // Width of a drawn strand [m]: few strands stand for many hairs and are drawn thicker; 0.07 mm is a real one.
 float drawn_width(int strands) {
-    return std::clamp(0.62e-3f * std::sqrt(1000.f / std::max(strands, 1)), 0.07e-3f, 0.8e-3f);
+    return std::clamp(0.80e-3f * std::sqrt(1000.f / std::max(strands, 1)), 0.07e-3f, 1.1e-3f);
 }
 
 class Scene {
@@ -532,7 +536,7 @@ Image Scene::draw() const {
 Vec3f Scene::background(float column, float row) const {
     const float x = column / camera_.width - 0.5f, y = row / camera_.height - 0.42f;
     const float fall = std::min(1.f, 1.5f * (x * x + y * y));
-    return lerp({0.86f, 0.865f, 0.875f}, {0.56f, 0.575f, 0.60f}, fall);
+    return lerp(bright_back, dim_back, fall);
 }
 
 // The subpixels of one tile.
@@ -595,7 +599,7 @@ void draw_segment(const StrandVertex& a, const StrandVertex& b, Canvas& canvas) 
             const float cover =
                 std::min(1.f, half + 0.5f - aside) * (a.opacity + t * (b.opacity - a.opacity));
             const int k = Canvas::at(c, r);
-            if (cover <= 0 || a.depth + t * (b.depth - a.depth) >= canvas.depth[k]) continue;
+            if (cover <= 0 || a.depth + t * (b.depth - a.depth) - lying >= canvas.depth[k]) continue;
             // A strand is round: it darkens towards its sides.
             const float side = std::min(1.f, aside / half);
             canvas.color[k] =
@@ -615,8 +619,7 @@ void Scene::draw_tile(int tile, const std::vector<uint32_t>& triangles, std::vec
         for (int c = 0; c < tile_edge; ++c) {
             const int k = Canvas::at(c, r);
             if (canvas.triangle[k] < 0) {
-                canvas.color[k] = linear_of_srgb(
-                    background((canvas.left + c + 0.5f) / fine, (canvas.top + r + 0.5f) / fine));
+                canvas.color[k] = background((canvas.left + c + 0.5f) / fine, (canvas.top + r + 0.5f) / fine);
                 continue;
             }
             const Triangle& t = triangles_[canvas.triangle[k]];
