@@ -67,35 +67,37 @@ void CohesionPass::apply(const Strands& p, Strands& displayed) {
             }
             next_[size_t(k)].p = own.p + term_.displacement(sums, own.volume);
         }
+        if (term_.coherence > 0) smooth_displacements(p);
         std::swap(sorted_, next_);
     }
     displayed = Strands(p.count, p.particles);
     for (long k = 0; k < count; ++k) displayed.points[order[size_t(k)]] = sorted_[size_t(k)].p;
-    if (term_.coherence > 0) smooth_displacements(p, displayed);
 }
 
-// Exponential smoothing along the strand, tip and back, twice; the root's displacement is zero and stays so.
-void CohesionPass::smooth_displacements(const Strands& p, Strands& displayed) const {
+// Of the pass at hand: exponential smoothing along each strand, tip and back, twice; a root does not move.
+void CohesionPass::smooth_displacements(const Strands& p) {
     const int n = p.particles;
+    rank_.resize(sorted_.size());
+    for (size_t k = 0; k < rank_.size(); ++k) rank_[grid_.order()[k]] = uint32_t(k);
 #pragma omp parallel
     {
         std::vector<Vec3f> u(static_cast<size_t>(n));
 #pragma omp for schedule(static)
         for (int s = 0; s < p.count; ++s) {
-            const double segment = arc_length(p.strand(s), n) / (n - 1);
-            const float beta = float(filter_beta(segment, term_.coherence));
-            for (int i = 0; i < n; ++i) u[size_t(i)] = displayed.at(s, i) - p.at(s, i);
+            const uint32_t* rank = rank_.data() + size_t(s) * size_t(n);
+            const float beta = float(filter_beta(arc_length(p.strand(s), n) / (n - 1), term_.coherence));
+            for (size_t i = 0; i < u.size(); ++i) u[i] = next_[rank[i]].p - sorted_[rank[i]].p;
             for (int round = 0; round < 2; ++round) {
                 for (size_t i = 1; i < u.size(); ++i) u[i] = u[i - 1] + beta * (u[i] - u[i - 1]);
                 for (size_t i = u.size() - 2; i > 0; --i) u[i] = u[i + 1] + beta * (u[i] - u[i + 1]);
             }
-            for (int i = 1; i < n; ++i) displayed.at(s, i) = p.at(s, i) + u[size_t(i)];
+            for (size_t i = 1; i < u.size(); ++i) next_[rank[i]].p = sorted_[rank[i]].p + u[i];
         }
     }
 }
 
 size_t CohesionPass::bytes() const {
-    return (sorted_.capacity() + next_.capacity()) * sizeof(Particle) + (start_.capacity() + list_.capacity()) * sizeof(uint32_t) +
+    return (sorted_.capacity() + next_.capacity()) * sizeof(Particle) + (start_.capacity() + list_.capacity() + rank_.capacity()) * sizeof(uint32_t) +
            grid_.bytes();
 }
 

@@ -25,7 +25,7 @@ class CohesionPass {
 
   private:
     void build_lists(const Strands& p);
-    void smooth_displacements(const Strands& p, Strands& displayed) const;
+    void smooth_displacements(const Strands& p);
     Cohesion term_;
     int particles_;
     const std::vector<float>&volume_, &saturation_;
@@ -36,6 +36,7 @@ class CohesionPass {
     };
     std::vector<Particle> sorted_, next_;  // in the order of the grid's cells
     std::vector<uint32_t> start_, list_;   // neighbours of sorted particle k: list_[start_[k] .. start_[k+1])
+    std::vector<uint32_t> rank_;           // of each particle (strand, particle) in the grid's order
     double list_seconds_ = 0;
 };
 

@@ -17,7 +17,7 @@ struct Cohesion {
     static constexpr Parameter<Cohesion> parameters[] = {
         {"radius", &Cohesion::h_c, "m", 0.012, 1e-6, 1, "Eq 10, h: support of W"},
         {"tightness", &Cohesion::lambda, "1", 0.85, 0, 0.999, "Eq 10, lambda"},
-        {"coherence", &Cohesion::coherence, "m", 0.015, 0, 1, "length along the strand over which the displacement is smoothed (ours)"},
+        {"coherence", &Cohesion::coherence, "m", 0.01, 0, 1, "length along the strand over which the displacement is smoothed (ours)"},
     };
 
     // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and saturation sigma_j.
