@@ -113,7 +113,9 @@ void Config::set(const std::string& assignment) {
     const auto equals = assignment.find('=');
     if (equals == std::string::npos || equals == 0)
         throw Misuse("--set " + assignment + ": found no 'key.path=value'");
-    const std::string path = assignment.substr(0, equals), value = assignment.substr(equals + 1);
+    std::string path = assignment.substr(0, equals);
+    const std::string value = assignment.substr(equals + 1);
+    std::erase_if(path, [](unsigned char c) { return std::isspace(c); });
     toml::table one;
     try {
         one = toml::parse("v = " + value);

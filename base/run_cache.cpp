@@ -92,8 +92,8 @@ RunReader::RunReader(const std::string& path) : body_(new Body{{path, run_format
     h.device = f.text("device");
     h.fps = f.number("fps");
     const std::string seed = f.text("seed");
-    if (seed.empty() || seed.find_first_not_of("0123456789") != std::string::npos || seed.size() > 20)
-        throw Error(path + ": attribute 'seed': found '" + seed + "', a whole number is needed");
+    if (seed.empty() || seed.find_first_not_of("0123456789") != std::string::npos || seed.size() > 19)
+        throw Error(path + ": attribute 'seed': found '" + seed + "', a whole number below 10^19 is needed");
     h.seed = std::stoull(seed);
     h.stride = int(f.number("stride"));
     h.energy_kinds = split_lines(f.text("energy_kinds"));

@@ -53,6 +53,6 @@ double arc_length(const Vec3d* points, int n);
 std::vector<Vec3d> resampled(const std::vector<Vec3d>& points, int n);
 
 // FNV-1a of bytes, 16 hexadecimal digits.
-std::string hash_bytes(const void* data, size_t bytes, unsigned long long seed = 1469598103934665603ull);
+std::string hash_bytes(const void* data, size_t bytes, unsigned long long seed = 14695981039346656037ull);
 
 }  // namespace wetcurl

@@ -1,4 +1,4 @@
-// The cohesion pass on the CPU.
+// The cohesion pass on the CPU: a vector of neighbours at a time.
 #include "solver/passes/cohesion.h"
 
 #include <omp.h>
@@ -7,13 +7,15 @@
 
 namespace wetcurl {
 
+static constexpr uint32_t lanes = Pack<float>::lanes;
+
 CohesionPass::CohesionPass(const Cohesion& term, int strands, int particles, const std::vector<float>& volume,
                            const std::vector<float>& saturation)
     : term_(term), particles_(particles), volume_(volume), saturation_(saturation) {
     const size_t count = size_t(strands) * size_t(particles);
-    sorted_.resize(count);
-    next_.resize(count);
-    start_.resize(count + 1);
+    now_.resize(count + 1), next_.resize(count + 1);
+    sorted_volume_.assign(count + 1, 0.f), sorted_saturation_.assign(count + 1, 0.f);
+    start_.resize(count + 1), rank_.resize(count);
 }
 
 void CohesionPass::build_lists(const Strands& p) {
@@ -39,46 +41,73 @@ void CohesionPass::build_lists(const Strands& p) {
         start_[size_t(k) + 1] = found;
     }
     for (long k = 0; k < count; ++k) start_[size_t(k) + 1] += start_[size_t(k)];
-    list_.resize(start_.back());
+    const size_t needed = start_.back() + lanes;  // the last vector may read beyond its list
+    if (needed > list_.capacity()) {
+        // A tenth of slack: growing by doubling would double the largest buffer of all.
+        list_ = {};
+        list_.reserve(needed + needed / 10);
+    }
+    list_.resize(needed);
 #pragma omp parallel for schedule(dynamic, 512)
     for (long k = 0; k < count; ++k) {
-        uint32_t* out = list_.data() + start_[size_t(k)];
+        const size_t at = size_t(k), id = order[at];
+        uint32_t* out = list_.data() + start_[at];
         neighbours(k, [&](uint32_t j) { *out++ = j; });
-        sorted_[size_t(k)] = {points[size_t(k)], volume_[order[size_t(k)]], saturation_[order[size_t(k)]]};
+        now_.set(at, points[at]);
+        next_.set(at, points[at]);
+        sorted_volume_[at] = volume_[id];
+        sorted_saturation_[at] = saturation_[id];
+        rank_[id] = uint32_t(k);
     }
-    next_ = sorted_;
     list_seconds_ = omp_get_wtime() - begin;
+}
+
+static Pack<float> gathered(const std::vector<float>& from, const uint32_t* index) {
+    Pack<float> out;
+    for (uint32_t l = 0; l < lanes; ++l) out.v[l] = from[index[l]];
+    return out;
+}
+
+static float sum(const Pack<float>& a) {
+    float s = 0;
+    for (uint32_t l = 0; l < lanes; ++l) s += a.v[l];
+    return s;
+}
+
+Vec3f CohesionPass::displacement(size_t k) const {
+    using S = Pack<float>;
+    const Vec3<S> own = cast<S>(now_.at(k));
+    const S h(float(term_.h_c));
+    const uint32_t nobody = uint32_t(rank_.size()), end = start_[k + 1];
+    Cohesion::Sums<S> sums{{S(0), S(0), S(0)}, S(0)};
+    for (uint32_t at = start_[k]; at < end; at += lanes) {
+        alignas(64) uint32_t index[lanes];
+        for (uint32_t l = 0; l < lanes; ++l) index[l] = at + l < end ? list_[at + l] : nobody;
+        const Vec3<S> other{gathered(now_.x, index), gathered(now_.y, index), gathered(now_.z, index)};
+        sums.add(other - own, h, gathered(sorted_volume_, index), gathered(sorted_saturation_, index));
+    }
+    const Cohesion::Sums<float> total{{sum(sums.pull.x), sum(sums.pull.y), sum(sums.pull.z)}, sum(sums.weight)};
+    return term_.displacement(total, sorted_volume_[k]);
 }
 
 void CohesionPass::apply(const Strands& p, Strands& displayed) {
     build_lists(p);
     const auto& order = grid_.order();
-    const float h = float(term_.h_c);
-    const long count = long(sorted_.size());
+    const long count = long(order.size());
     for (int pass = 0; pass < term_.passes; ++pass) {
 #pragma omp parallel for schedule(dynamic, 1024)
-        for (long k = 0; k < count; ++k) {
-            if (order[size_t(k)] % uint32_t(particles_) == 0) continue;
-            const Particle& own = sorted_[size_t(k)];
-            Cohesion::Sums<float> sums;
-            for (uint32_t at = start_[size_t(k)]; at < start_[size_t(k) + 1]; ++at) {
-                const Particle& other = sorted_[list_[at]];
-                sums.add(other.p - own.p, h, other.volume, other.saturation);
-            }
-            next_[size_t(k)].p = own.p + term_.displacement(sums, own.volume);
-        }
+        for (long k = 0; k < count; ++k)
+            if (order[size_t(k)] % uint32_t(particles_) != 0) next_.set(size_t(k), now_.at(size_t(k)) + displacement(size_t(k)));
         if (term_.coherence > 0) smooth_displacements(p);
-        std::swap(sorted_, next_);
+        std::swap(now_, next_);
     }
     displayed = Strands(p.count, p.particles);
-    for (long k = 0; k < count; ++k) displayed.points[order[size_t(k)]] = sorted_[size_t(k)].p;
+    for (long k = 0; k < count; ++k) displayed.points[order[size_t(k)]] = now_.at(size_t(k));
 }
 
 // Of the pass at hand: exponential smoothing along each strand, tip and back, twice; a root does not move.
 void CohesionPass::smooth_displacements(const Strands& p) {
     const int n = p.particles;
-    rank_.resize(sorted_.size());
-    for (size_t k = 0; k < rank_.size(); ++k) rank_[grid_.order()[k]] = uint32_t(k);
 #pragma omp parallel
     {
         std::vector<Vec3f> u(static_cast<size_t>(n));
@@ -86,19 +115,20 @@ void CohesionPass::smooth_displacements(const Strands& p) {
         for (int s = 0; s < p.count; ++s) {
             const uint32_t* rank = rank_.data() + size_t(s) * size_t(n);
             const float beta = float(filter_beta(arc_length(p.strand(s), n) / (n - 1), term_.coherence));
-            for (size_t i = 0; i < u.size(); ++i) u[i] = next_[rank[i]].p - sorted_[rank[i]].p;
+            for (size_t i = 0; i < u.size(); ++i) u[i] = next_.at(rank[i]) - now_.at(rank[i]);
             for (int round = 0; round < 2; ++round) {
                 for (size_t i = 1; i < u.size(); ++i) u[i] = u[i - 1] + beta * (u[i] - u[i - 1]);
                 for (size_t i = u.size() - 2; i > 0; --i) u[i] = u[i + 1] + beta * (u[i] - u[i + 1]);
             }
-            for (size_t i = 1; i < u.size(); ++i) next_[rank[i]].p = sorted_[rank[i]].p + u[i];
+            for (size_t i = 1; i < u.size(); ++i) next_.set(rank[i], now_.at(rank[i]) + u[i]);
         }
     }
 }
 
 size_t CohesionPass::bytes() const {
-    return (sorted_.capacity() + next_.capacity()) * sizeof(Particle) + (start_.capacity() + list_.capacity() + rank_.capacity()) * sizeof(uint32_t) +
-           grid_.bytes();
+    const size_t floats = 3 * (now_.x.capacity() + next_.x.capacity()) + sorted_volume_.capacity() + sorted_saturation_.capacity();
+    const size_t indices = start_.capacity() + list_.capacity() + rank_.capacity();
+    return floats * sizeof(float) + indices * sizeof(uint32_t) + grid_.bytes();
 }
 
 }  // namespace wetcurl

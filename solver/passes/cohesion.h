@@ -19,22 +19,27 @@ class CohesionPass {
     // Displayed positions p^w of positions p. Roots stay.
     void apply(const Strands& p, Strands& displayed);
 
-    double neighbours_mean() const { return sorted_.empty() ? 0 : double(list_.size()) / double(sorted_.size()); }
+    double neighbours_mean() const { return start_.size() < 2 ? 0 : double(start_.back()) / double(start_.size() - 1); }
     double list_seconds() const { return list_seconds_; }  // of the last call, building lists
     size_t bytes() const;
 
   private:
     void build_lists(const Strands& p);
+    Vec3f displacement(size_t k) const;
     void smooth_displacements(const Strands& p);
     Cohesion term_;
     int particles_;
     const std::vector<float>&volume_, &saturation_;
     NeighborGrid grid_;
-    struct Particle {
-        Vec3f p;
-        float volume, saturation;
+    // In the order of the grid's cells; one more at the end has no volume and fills the last vector of a list.
+    struct Points {
+        std::vector<float> x, y, z;
+        void resize(size_t n) { x.resize(n), y.resize(n), z.resize(n); }
+        Vec3f at(size_t k) const { return {x[k], y[k], z[k]}; }
+        void set(size_t k, const Vec3f& p) { x[k] = p.x, y[k] = p.y, z[k] = p.z; }
     };
-    std::vector<Particle> sorted_, next_;  // in the order of the grid's cells
+    Points now_, next_;
+    std::vector<float> sorted_volume_, sorted_saturation_;
     std::vector<uint32_t> start_, list_;   // neighbours of sorted particle k: list_[start_[k] .. start_[k+1])
     std::vector<uint32_t> rank_;           // of each particle (strand, particle) in the grid's order
     double list_seconds_ = 0;

@@ -23,8 +23,8 @@ struct Cohesion {
     // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and saturation sigma_j.
     template <class S>
     struct Sums {
-        Vec3<S> pull{S(0), S(0), S(0)};  // sum sigma_j V_j W_ij (p_j - p_i)
-        S weight{0};                     // sum V_j W_ij
+        Vec3<S> pull;  // sum sigma_j V_j W_ij (p_j - p_i)
+        S weight;      // sum V_j W_ij
         WETCURL_HD void add(const Vec3<S>& p_ij, const S& h, const S& volume, const S& saturation) {
             const S w = volume * kernel(norm(p_ij), h);
             pull += saturation * w * p_ij;
