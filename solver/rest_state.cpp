@@ -67,6 +67,7 @@ StrandRest rest_state_of(const Scene& scene, int s) {
     std::vector<Vec3d> p;
     for (int i = 0; i < n; ++i) p.push_back(cast<double>(scene.groom.rest.at(s, i)));
     StrandRest rest;
+    rest.start = p;
     rest.mass = masses(scene, s, p);
     for (int i = 0; i + 1 < n; ++i) rest.rest_length.push_back(norm(p[size_t(i) + 1] - p[size_t(i)]));
     rest.target = intrinsic_shape(p);
@@ -81,6 +82,10 @@ StrandRest rest_state_of(const Scene& scene, int s) {
     if (scene.curl && !scene.curl->printed) {
         const auto dry = rest.target;
         rest.target = curled(*scene.curl, dry, sigma);
+        // From the drawn shape a curl would tighten with its frames untwisted, and end in a tangle: they are carried
+        // through time, and the tighter curl has another twist. So the strand begins as its wet curl.
+        const Quatd root = root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0}));
+        rest.start = shape_from_intrinsic(curled(*scene.curl, intrinsic_shape(p), sigma), p[0], root);
         if (core) {
             const Quatd frame = Quatd::identity();
             const auto before = core_lengths(shape_from_intrinsic(dry, {0, 0, 0}, frame), core->beta);

@@ -9,6 +9,7 @@
 namespace wetcurl {
 
 struct StrandRest {
+    std::vector<Vec3d> start;         // (n) where the strand begins: as drawn, or as far as it is wet in its wet curl [m]
     std::vector<double> mass;         // (n) [kg], wet weight included
     std::vector<double> rest_length;  // (n-1) [m]
     std::vector<Vec3d> target;        // (n-1) tbar_i, curl included
