@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
+#include <Eigen/Dense>
 #include <numbers>
 #include <vector>
 
@@ -59,10 +59,18 @@ struct OneStrand {
     Vec3d turn{0, 0, 0}, turn_center{0, 0, 0}, drift{0, 0, 0};
 
     OneStrand(const Points& shape, double linear_density = 6.5e-6)
-        : n(int(shape.size())), x(shape), v(shape.size(), Vec3d{0, 0, 0}), target(intrinsic_shape(shape)),
-          push(shape.size(), Vec3d{0, 0, 0}), normal(shape.size(), Vec3d{0, 1, 0}),
-          surface_velocity(shape.size(), Vec3d{0, 0, 0}), scratch(2 * shape.size()), mass(shape.size(), 0.0),
-          saturation(shape.size(), 0.0), phi(shape.size(), 1.0), touching(shape.size(), 0.0),
+        : n(int(shape.size())),
+          x(shape),
+          v(shape.size(), Vec3d{0, 0, 0}),
+          target(intrinsic_shape(shape)),
+          push(shape.size(), Vec3d{0, 0, 0}),
+          normal(shape.size(), Vec3d{0, 1, 0}),
+          surface_velocity(shape.size(), Vec3d{0, 0, 0}),
+          scratch(2 * shape.size()),
+          mass(shape.size(), 0.0),
+          saturation(shape.size(), 0.0),
+          phi(shape.size(), 1.0),
+          touching(shape.size(), 0.0),
           frame(frames_along(shape)) {
         for (size_t i = 0; i + 1 < x.size(); ++i) {
             rest_length.push_back(norm(x[i + 1] - x[i]));
@@ -134,7 +142,8 @@ inline Eigen::Matrix3d eigen(const Mat3<double>& m) {
 }
 
 // The upper half of a block-banded symmetric matrix, whole.
-inline Eigen::MatrixXd whole(const std::vector<Sym3<double>>& diagonal, const std::vector<Mat3<double>>& upper1,
+inline Eigen::MatrixXd whole(const std::vector<Sym3<double>>& diagonal,
+                             const std::vector<Mat3<double>>& upper1,
                              const std::vector<Mat3<double>>& upper2) {
     const long n = long(diagonal.size());
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * n, 3 * n);
@@ -180,8 +189,16 @@ class Stepper {
     void step(const Quatd& root_turn = Quatd::identity()) {
         for (auto& p : root_) p = rotate(root_turn, p);
         const auto& bend = std::get<std::optional<Bend>>(terms_);
-        const BlockStep<double> b{s_.n,      dt_,   first_,   s_.x.data(), x_before_.data(),
-                                  s_.v.data(), v_before_.data(), root_, gravity_,   root_turn,
+        const BlockStep<double> b{s_.n,
+                                  dt_,
+                                  first_,
+                                  s_.x.data(),
+                                  x_before_.data(),
+                                  s_.v.data(),
+                                  v_before_.data(),
+                                  root_,
+                                  gravity_,
+                                  root_turn,
                                   bend ? s_.frame.data() : nullptr};
         implicit_step(terms_, b, s_.view(), scratch_, [](const Vec3d*) {});
         std::swap(s_.x, x_before_);

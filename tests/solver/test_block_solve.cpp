@@ -1,5 +1,5 @@
-// The banded block solve against dense Eigen, on plain numbers and on packs whose lanes are different systems.
-// Golub and Van Loan, 4.3.
+// The banded block solve against dense Eigen, on plain numbers and on packs whose lanes are different
+// systems. Golub and Van Loan, 4.3.
 #include "tests/solver/one_strand.h"
 
 namespace wetcurl {
@@ -18,7 +18,8 @@ MatrixXd banded_matrix(int band, unsigned seed) {
     for (int i = 0; i < blocks; ++i)
         for (int j = std::max(0, i - band); j <= i; ++j)
             for (int a = 0; a < 3; ++a)
-                for (int b = 0; b < 3; ++b) l(3 * i + a, 3 * j + b) = random.number() + (i == j && a == b ? 4 : 0);
+                for (int b = 0; b < 3; ++b)
+                    l(3 * i + a, 3 * j + b) = random.number() + (i == j && a == b ? 4 : 0);
     return l * l.transpose();
 }
 VectorXd random_vector(unsigned seed) {
@@ -33,13 +34,21 @@ constexpr int lanes_in = 1;
 template <class T>
 constexpr int lanes_in<Pack<T>> = Pack<T>::lanes;
 template <class S>
-void put(S& to, int, double v) { to = S(v); }
+void put(S& to, int, double v) {
+    to = S(v);
+}
 template <class T>
-void put(Pack<T>& to, int lane, double v) { to.set(lane, T(v)); }
+void put(Pack<T>& to, int lane, double v) {
+    to.set(lane, T(v));
+}
 template <class S>
-double taken(const S& from, int) { return from; }
+double taken(const S& from, int) {
+    return from;
+}
 template <class T>
-double taken(const Pack<T>& from, int lane) { return double(from[lane]); }
+double taken(const Pack<T>& from, int lane) {
+    return double(from[lane]);
+}
 
 template <class S>
 void put(Vec3<S>& to, int lane, const Eigen::Vector3d& v) {
@@ -67,8 +76,10 @@ double solve_error(int first) {
             put(diagonal[size_t(i)].xx, lane, m(0, 0)), put(diagonal[size_t(i)].xy, lane, m(0, 1));
             put(diagonal[size_t(i)].xz, lane, m(0, 2)), put(diagonal[size_t(i)].yy, lane, m(1, 1));
             put(diagonal[size_t(i)].yz, lane, m(1, 2)), put(diagonal[size_t(i)].zz, lane, m(2, 2));
-            if (i + 1 < blocks) put(upper1[size_t(i)], lane, Eigen::Matrix3d(a.block<3, 3>(3 * i, 3 * i + 3)));
-            if (i + 2 < blocks) put(upper2[size_t(i)], lane, Eigen::Matrix3d(a.block<3, 3>(3 * i, 3 * i + 6)));
+            if (i + 1 < blocks)
+                put(upper1[size_t(i)], lane, Eigen::Matrix3d(a.block<3, 3>(3 * i, 3 * i + 3)));
+            if (i + 2 < blocks)
+                put(upper2[size_t(i)], lane, Eigen::Matrix3d(a.block<3, 3>(3 * i, 3 * i + 6)));
             put(r[size_t(i)], lane, Eigen::Vector3d(b.segment<3>(3 * i)));
         }
         const long rows = 3 * (blocks - first);

@@ -1,7 +1,7 @@
-// The step of one strand: order in dt, energy and noise over stiffnesses, the hanging chain, the cantilever, and
-// what keeps the frames. EQUATIONS Sec. 1, 2 and 8 (S1, S2, S5, S6, S7).
-#include <Eigen/Cholesky>
+// The step of one strand: order in dt, energy and noise over stiffnesses, the hanging chain, the cantilever,
+// and what keeps the frames. EQUATIONS Sec. 1, 2 and 8 (S1, S2, S5, S6, S7).
 #include <cstdio>
+#include <Eigen/Cholesky>
 
 #include "tests/solver/one_strand.h"
 
@@ -91,11 +91,13 @@ TEST(ImplicitStep, a_swinging_curl_converges_with_order_two) {
     for (double k_over_m : {1e4, 1e5, 1e6}) {
         const Points exact = swung(51200, k_over_m, time, 0);
         std::vector<double> errors;
-        for (int steps : {200, 400, 800, 1600}) errors.push_back(farthest(swung(steps, k_over_m, time, 0), exact));
+        for (int steps : {200, 400, 800, 1600})
+            errors.push_back(farthest(swung(steps, k_over_m, time, 0), exact));
         std::printf("swinging curl, k/m = %.0e /s²: errors", k_over_m);
         for (double e : errors) std::printf(" %.2e", e);
         std::printf(" m, orders");
-        for (size_t i = 1; i < errors.size(); ++i) std::printf(" %.2f", order_between(errors[i - 1], errors[i]));
+        for (size_t i = 1; i < errors.size(); ++i)
+            std::printf(" %.2f", order_between(errors[i - 1], errors[i]));
         std::printf("\n");
         EXPECT_GT(errors.back(), 1e-9);
         // Over three halvings: the fastest springs are hardly resolved at the first.
@@ -109,7 +111,8 @@ TEST(ImplicitStep, a_swinging_curl_converges_with_order_two) {
 struct Undriven {
     double start, most = 0, end, gain = 0;
 };
-Undriven run_undriven(const ChainTerms& terms, OneStrand& s, const Points& rest, double noise, int steps, double dt) {
+Undriven run_undriven(const ChainTerms& terms, OneStrand& s, const Points& rest, double noise, int steps,
+                      double dt) {
     Stepper stepper(terms, s, dt, no_gravity);
     Undriven out{stepper.energy(), 0, 0, 0};
     for (int k = 0; k < steps; ++k) {
@@ -132,7 +135,8 @@ TEST(ImplicitStep, energy_of_an_undriven_strand_never_grows) {
             add_noise(s, 0.01 * s.segment(), 3);
             const Undriven run = run_undriven(terms, s, rest, s.segment(), 2000, dt_usual);
             std::printf("undriven %s, k/m = %.0e /s²: E0 %.2e J, most / E0 %.4f, end / E0 %.1e\n",
-                        curly ? "curly" : "straight", k_over_m, run.start, run.most / run.start, run.end / run.start);
+                        curly ? "curly" : "straight", k_over_m, run.start, run.most / run.start,
+                        run.end / run.start);
             EXPECT_GT(run.start, 0);
             EXPECT_LE(run.most, run.start * (1 + 1e-6)) << k_over_m;
         }
@@ -145,8 +149,8 @@ TEST(ImplicitStep, a_large_sway_of_a_curl_never_gains_energy) {
         const Points rest = s.x;
         sway(s, 1.5);
         const Undriven run = run_undriven(terms, s, rest, s.segment(), 2000, dt_usual);
-        std::printf("large sway, k/m = %.0e /s²: E0 %.2e J, most / E0 %.4f, end / E0 %.1e\n", k_over_m, run.start,
-                    run.most / run.start, run.end / run.start);
+        std::printf("large sway, k/m = %.0e /s²: E0 %.2e J, most / E0 %.4f, end / E0 %.1e\n", k_over_m,
+                    run.start, run.most / run.start, run.end / run.start);
         EXPECT_LE(run.most, run.start * (1 + 1e-6)) << k_over_m;
     }
 }
@@ -161,8 +165,8 @@ TEST(ImplicitStep, noise_at_rest_gains_at_most_a_hundred) {
                 const double noise = 1e-6 * s.segment();
                 add_noise(s, noise, 4);
                 const Undriven run = run_undriven(terms, s, rest, noise, 2400, dt);
-                std::printf("noise, %s, dt 1/%.0f s, k/m = %.0e /s²: gain %.2f\n", curly ? "curly" : "straight",
-                            1 / dt, k_over_m, run.gain);
+                std::printf("noise, %s, dt 1/%.0f s, k/m = %.0e /s²: gain %.2f\n",
+                            curly ? "curly" : "straight", 1 / dt, k_over_m, run.gain);
                 EXPECT_LE(run.gain, 100);
                 EXPECT_GT(run.gain, 0.5);
             }
@@ -258,7 +262,8 @@ TEST(ImplicitStep, does_not_depend_on_place_and_turns_with_the_strand) {
         for (int k = 0; k < 100; ++k) stepper.step();
         return s.x;
     };
-    const Points plain = run(Quatd::identity(), {0, 0, 0}), turned = run(q, {0, 0, 0}), shifted = run(Quatd::identity(), shift);
+    const Points plain = run(Quatd::identity(), {0, 0, 0}), turned = run(q, {0, 0, 0}),
+                 shifted = run(Quatd::identity(), shift);
     EXPECT_GT(farthest(plain, shape_of(true)), 0.01);
     for (size_t i = 0; i < plain.size(); ++i) {
         EXPECT_LT(norm(turned[i] - rotate(q, plain[i])), 1e-10);
@@ -266,8 +271,8 @@ TEST(ImplicitStep, does_not_depend_on_place_and_turns_with_the_strand) {
     }
 }
 
-// The root turned by half a turn about y within `steps` steps, then left alone: how far the strand ends from its
-// turned rest, its last speed and the energies.
+// The root turned by half a turn about y within `steps` steps, then left alone: how far the strand ends from
+// its turned rest, its last speed and the energies.
 struct Turned {
     double kicked, settled, speed, away;
 };
@@ -344,7 +349,8 @@ TEST(Frames, twist_relaxes_toward_the_root_and_raises_no_edges_energy) {
     Random random(10);
     const auto carried = s.frame;
     // Frames that have drifted, by up to a radian about their own edges.
-    for (size_t i = 1; i < s.frame.size(); ++i) s.frame[i] = s.frame[i] * rotation_about({1, 0, 0}, random.number());
+    for (size_t i = 1; i < s.frame.size(); ++i)
+        s.frame[i] = s.frame[i] * rotation_about({1, 0, 0}, random.number());
     auto twist = [&](size_t i) {
         double cosine, sine;
         half_twist(s.frame[i], carried[i], cosine, sine);
@@ -376,7 +382,8 @@ TEST(Limiter, shortens_edges_to_their_allowance_keeps_directions_and_counts) {
     // An edge in the middle draws all below it along.
     s.x[4] += {0.01, 0, 0};
     EXPECT_GE(limit_strain(s.n, s.rest_length.data(), 0.1, s.x.data()), 2);
-    for (size_t i = 0; i + 1 < s.x.size(); ++i) EXPECT_LE(norm(s.x[i + 1] - s.x[i]), 1.1 * 0.01 * (1 + 1e-12));
+    for (size_t i = 0; i + 1 < s.x.size(); ++i)
+        EXPECT_LE(norm(s.x[i + 1] - s.x[i]), 1.1 * 0.01 * (1 + 1e-12));
     EXPECT_EQ(limit_strain(s.n, s.rest_length.data(), 0.1001, s.x.data()), 0);
 }
 

@@ -14,14 +14,18 @@ using Eigen::VectorXd;
 constexpr double stiffness = 0.7;  // [N/m]
 
 OneStrand curly() { return OneStrand(helix_points(14, 0.1, 0.006, 0.025)); }
-OneStrand straight() { return OneStrand(straight_points(14, 0.1, normalized(Vec3d{1, 2, -1}, Vec3d{1, 0, 0}))); }
+OneStrand straight() {
+    return OneStrand(straight_points(14, 0.1, normalized(Vec3d{1, 2, -1}, Vec3d{1, 0, 0})));
+}
 
 // At rest for every term of this file.
 OneStrand resting(OneStrand s, const Core& core) {
     s.rest_on(core);
     return s;
 }
-Core core_for(const OneStrand& s, double damping = 0) { return core_of(stiffness, s.segment(), 0.02, damping); }
+Core core_for(const OneStrand& s, double damping = 0) {
+    return core_of(stiffness, s.segment(), 0.02, damping);
+}
 
 // Particles moved by `share` of a segment at most, frames following.
 OneStrand disturbed(OneStrand s, unsigned seed, double share = 0.3) {
@@ -52,7 +56,9 @@ void for_each_term(const OneStrand& s, Act act, double damping = 0) {
 }
 
 template <class Matrix>
-double size_of(const Eigen::MatrixBase<Matrix>& a) { return a.cwiseAbs().maxCoeff(); }
+double size_of(const Eigen::MatrixBase<Matrix>& a) {
+    return a.cwiseAbs().maxCoeff();
+}
 
 // Central difference of the energy along `direction`, frames carried from those of the strand.
 template <class Term>
@@ -239,8 +245,8 @@ TEST(ChainTerms, matrices_stay_positive_away_from_rest) {
             0.2);
 }
 
-// h C + h² H: the damping's own part, linear in velocity, is exact for stretch and bend and an upper bound for
-// the core.
+// h C + h² H: the damping's own part, linear in velocity, is exact for stretch and bend and an upper bound
+// for the core.
 TEST(ChainTerms, the_damping_matrix_is_the_force_by_velocity) {
     OneStrand s = moving(disturbed(curly(), 14), 15);
     s.rest_on(core_for(s));
@@ -268,7 +274,8 @@ TEST(ChainTerms, damping_never_gives_power) {
                 rest,
                 [&, &rest = rest](const auto& term, const char* what) {
                     SCOPED_TRACE(what);
-                    OneStrand s = moving(disturbed(resting(rest, core_for(rest)), seed), seed + 100), still = s;
+                    OneStrand s = moving(disturbed(resting(rest, core_for(rest)), seed), seed + 100),
+                              still = s;
                     for (auto& v : still.v) v = {0, 0, 0};
                     const double power =
                         (force_of(term, s.view()) - force_of(term, still.view())).dot(stacked(s.v));

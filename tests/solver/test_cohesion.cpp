@@ -23,7 +23,8 @@ Cohesion eq10(int passes = 1) {
 struct Hair {
     Strands p;
     std::vector<float> volume, saturation;
-    Hair(int count, int particles) : p(count, particles), volume(p.points.size(), 1e-10f), saturation(p.points.size(), 1.f) {}
+    Hair(int count, int particles)
+        : p(count, particles), volume(p.points.size(), 1e-10f), saturation(p.points.size(), 1.f) {}
     Strands displayed(const Cohesion& term) const {
         CohesionPass pass(term, p.count, p.particles, volume, saturation);
         Strands out;
@@ -48,7 +49,8 @@ Hair tuft(int count, int particles, unsigned seed) {
 
 double moved(const Strands& a, const Strands& b) {
     double most = 0;
-    for (size_t k = 0; k < a.points.size(); ++k) most = std::max(most, double(norm(a.points[k] - b.points[k])));
+    for (size_t k = 0; k < a.points.size(); ++k)
+        most = std::max(most, double(norm(a.points[k] - b.points[k])));
     return most;
 }
 bool same_bits(const Vec3f& a, const Vec3f& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
@@ -65,7 +67,8 @@ TEST(Cohesion, dry_hair_keeps_every_bit) {
     std::fill(hair.saturation.begin(), hair.saturation.end(), 0.f);
     for (const auto& term : {eq10(10), smoothed(10)}) {
         const Strands out = hair.displayed(term);
-        for (size_t k = 0; k < out.points.size(); ++k) EXPECT_TRUE(same_bits(out.points[k], hair.p.points[k]));
+        for (size_t k = 0; k < out.points.size(); ++k)
+            EXPECT_TRUE(same_bits(out.points[k], hair.p.points[k]));
     }
 }
 
@@ -76,7 +79,8 @@ TEST(Cohesion, a_lone_strand_and_one_without_neighbours_keep_every_bit) {
     for (int i = 0; i < 30; ++i) apart.p.at(1, i) += {1, 0, 0};
     for (const Hair& hair : {lone, apart}) {
         const Strands out = hair.displayed(eq10(10));
-        for (size_t k = 0; k < out.points.size(); ++k) EXPECT_TRUE(same_bits(out.points[k], hair.p.points[k]));
+        for (size_t k = 0; k < out.points.size(); ++k)
+            EXPECT_TRUE(same_bits(out.points[k], hair.p.points[k]));
     }
 }
 
@@ -105,8 +109,8 @@ TEST(Cohesion, displacements_do_not_depend_on_place_turn_or_order) {
             permuted.saturation[to] = hair.saturation[from];
         }
     for (const auto& term : {eq10(3), smoothed(3)}) {
-        const Strands out = hair.displayed(term), out_shifted = shifted.displayed(term), out_turned = turned.displayed(term),
-                      out_permuted = permuted.displayed(term);
+        const Strands out = hair.displayed(term), out_shifted = shifted.displayed(term),
+                      out_turned = turned.displayed(term), out_permuted = permuted.displayed(term);
         EXPECT_GT(moved(out, hair.p), 1e-3);
         for (int s = 0; s < 20; ++s)
             for (int i = 0; i < 15; ++i) {
@@ -134,7 +138,8 @@ TEST(Cohesion, positions_stay_in_the_hull_of_the_hair) {
     }
 }
 
-// Two straight parallel strands `gap` apart; `spacing` [m] between particles. The gap at their middle after one pass.
+// Two straight parallel strands `gap` apart; `spacing` [m] between particles. The gap at their middle after
+// one pass.
 double gap_after(double gap, double spacing, double& wanted_factor) {
     constexpr int n = 41;
     Hair hair(2, n);

@@ -48,7 +48,9 @@ TEST(Motion, passes_through_its_keys_and_rests_outside_them) {
     EXPECT_TRUE(m.moves());
     const double degree = std::acos(-1) / 180;
     const Vec3d turn = degree * Vec3d{10, 80, -20};
-    EXPECT_LT(norm(m.at(1)(body) - (rotate(rotation_about((1 / norm(turn)) * turn, norm(turn)), body) + Vec3d{0.3, 0.2, 0})), 1e-14);
+    EXPECT_LT(norm(m.at(1)(body) -
+                   (rotate(rotation_about((1 / norm(turn)) * turn, norm(turn)), body) + Vec3d{0.3, 0.2, 0})),
+              1e-14);
     EXPECT_LT(norm(m.at(0.5)(body) - m.at(0)(body)), 1e-14);
     EXPECT_LT(norm(m.at(2)(body) - m.at(9)(body)), 1e-14);
     EXPECT_LT(norm(m.at(2).translation - Vec3d{0.2, 0.5, -0.4}), 1e-14);
@@ -56,7 +58,9 @@ TEST(Motion, passes_through_its_keys_and_rests_outside_them) {
 
 TEST(Motion, velocity_does_not_jump_at_keys_or_where_an_oscillation_begins) {
     expect_c1(motion_of(keys), 2.5);
-    expect_c1(motion_of("axis = [0, 1, 0]\nangle = 60\nshift = [0.1, 0, 0]\nperiod = 0.8\nstart = 0.25\npivot = [0, 0.1, 0]\n"), 2.5);
+    expect_c1(motion_of("axis = [0, 1, 0]\nangle = 60\nshift = [0.1, 0, 0]\nperiod = 0.8\nstart = "
+                        "0.25\npivot = [0, 0.1, 0]\n"),
+              2.5);
 }
 
 TEST(Motion, the_c1_check_sees_a_jump) {
@@ -78,7 +82,8 @@ TEST(Motion, stays_between_its_keys) {
 
 TEST(Motion, turns_about_its_pivot) {
     const Motion m = motion_of("axis = [0, 0, 1]\nangle = 90\nperiod = 1\npivot = [0.3, 0.1, 0]\n");
-    for (double t : {0.3, 0.7, 1.25}) EXPECT_LT(norm(m.at(t)(Vec3d{0.3, 0.1, 0}) - Vec3d{0.3, 0.1, 0}), 1e-14);
+    for (double t : {0.3, 0.7, 1.25})
+        EXPECT_LT(norm(m.at(t)(Vec3d{0.3, 0.1, 0}) - Vec3d{0.3, 0.1, 0}), 1e-14);
     // A quarter of a period after the easing is over: the whole angle.
     const Vec3d turned = m.at(1.25)(Vec3d{1.3, 0.1, 0});
     EXPECT_LT(norm(turned - Vec3d{0.3, 1.1, 0}), 1e-12);
@@ -95,7 +100,8 @@ TEST(Motion, is_read_from_a_file_of_transforms) {
 TEST(Motion, wrong_values_say_where_and_what_is_allowed) {
     expect_error<Misuse>([] { motion_of("axis = [0, 0, 0]\n"); }, {"scene.toml:2", "axis", "zero"});
     expect_error<Misuse>([] { motion_of("angle = 20\n"); }, {"period"});
-    expect_error<Misuse>([] { motion_of("[[motion.keyframe]]\ntime = 1\n[[motion.keyframe]]\ntime = 1\n"); }, {"times must grow"});
+    expect_error<Misuse>([] { motion_of("[[motion.keyframe]]\ntime = 1\n[[motion.keyframe]]\ntime = 1\n"); },
+                         {"times must grow"});
     expect_error<Misuse>([] { motion_of("file = \"nowhere.txt\"\n"); }, {"scene.toml:2", "nowhere.txt"});
     const Scratch folder;
     folder.file("bad.txt", "0 0 0 0 0 0 0\n1 0 x 0 0 0 0\n");

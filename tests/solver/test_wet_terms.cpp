@@ -72,8 +72,8 @@ TEST(HelixRotation, of_opposed_vectors_is_a_half_turn_about_the_axis_that_is_car
 
 // --- the wet shape (Eq 9)
 
-// Unit axis of a helix of even segments: what differences of its edges are perpendicular to. Edge 0 is left out,
-// since the root's edge is prescribed.
+// Unit axis of a helix of even segments: what differences of its edges are perpendicular to. Edge 0 is left
+// out, since the root's edge is prescribed.
 Eigen::Vector3d helix_axis(const Points& p) {
     Eigen::MatrixXd bends(long(p.size()) - 3, 3);
     for (size_t i = 1; i + 2 < p.size(); ++i) {
@@ -87,7 +87,9 @@ double axial_extent(const Points& p) {
     const Vec3d d = p.back() - p[1];
     return std::abs(a[0] * d.x + a[1] * d.y + a[2] * d.z);
 }
-Points shape_of(const std::vector<Vec3d>& tbar) { return shape_from_intrinsic(tbar, {0, 0, 0}, Quatd::identity()); }
+Points shape_of(const std::vector<Vec3d>& tbar) {
+    return shape_from_intrinsic(tbar, {0, 0, 0}, Quatd::identity());
+}
 
 Points dry_helix(int n = 50) { return helix_points(n, 0.25, 0.006, 0.025); }
 Curl to_contraction(double contraction) { return {1, contraction, std::nullopt, std::nullopt}; }
@@ -99,13 +101,16 @@ TEST(Intrinsic, shape_and_back_gives_the_points) {
     Points p = dry_helix();
     for (auto& x : p) x += random.vector(0.001);
     const auto tbar = intrinsic_shape(p);
-    const Points back = shape_from_intrinsic(tbar, p[0], root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0})));
+    const Points back =
+        shape_from_intrinsic(tbar, p[0], root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0})));
     for (size_t i = 0; i < p.size(); ++i) EXPECT_LT(norm(back[i] - p[i]), 1e-14);
 }
 
 TEST(Curled, leaves_every_bit_where_hair_is_dry_or_the_weight_is_zero) {
     const auto tbar = intrinsic_shape(dry_helix());
-    auto same = [&](const std::vector<Vec3d>& a, size_t i) { return a[i].x == tbar[i].x && a[i].y == tbar[i].y && a[i].z == tbar[i].z; };
+    auto same = [&](const std::vector<Vec3d>& a, size_t i) {
+        return a[i].x == tbar[i].x && a[i].y == tbar[i].y && a[i].z == tbar[i].z;
+    };
     for (bool named : {true, false}) {
         Curl curl = named ? to_helix(0.008, 0.02) : to_contraction(0.7);
         const auto dry = curled(curl, tbar, wet(50, 0).data());
@@ -168,7 +173,8 @@ TEST(Curled, to_the_helix_that_it_is_changes_nothing) {
 
 TEST(Curled, a_straight_strand_stays_finite) {
     const auto tbar = intrinsic_shape(straight_points(20, 0.2, {0, -1, 0}));
-    for (const auto& t : curled(to_contraction(0.7), tbar, wet(20).data())) EXPECT_TRUE(std::isfinite(norm(t)));
+    for (const auto& t : curled(to_contraction(0.7), tbar, wet(20).data()))
+        EXPECT_TRUE(std::isfinite(norm(t)));
     for (const auto& t : curled(to_helix(0, 0.02), tbar, wet(20).data())) EXPECT_TRUE(std::isfinite(norm(t)));
 }
 
@@ -229,7 +235,8 @@ TEST(Adhesion, shape_is_once_differentiable_at_both_ends_and_its_slope_is_its_de
         Adhesion::shape(q + d, above, ignored);
         Adhesion::shape(q - d, below, ignored);
         Adhesion::shape(q, ignored, slope);
-        EXPECT_NEAR((above - below) / (2 * d), slope, 3e-4) << q;  // across an end the second derivative jumps by 128
+        EXPECT_NEAR((above - below) / (2 * d), slope, 3e-4)
+            << q;  // across an end the second derivative jumps by 128
     }
     double value, slope;
     for (double end : {0.5, 1.0}) {
@@ -278,7 +285,8 @@ PosedSolid<double> posed(const Shape& shape, const Vec3d& at, double friction = 
 
 TEST(Adhesion, of_a_sphere_and_of_a_plane_agree_at_equal_distance) {
     const Shape sphere = Sphere{0.1}, plane = Plane{};
-    const std::vector<PosedSolid<double>> on_sphere{posed(sphere, {0, 0, 0})}, on_plane{posed(plane, {0, 0.1, 0})};
+    const std::vector<PosedSolid<double>> on_sphere{posed(sphere, {0, 0, 0})},
+        on_plane{posed(plane, {0, 0.1, 0})};
     double sizes[2];
     int k = 0;
     for (const auto& solids : {on_sphere, on_plane}) {
@@ -316,8 +324,8 @@ TEST(Contact, puts_particles_on_the_surface_takes_their_inward_velocity_and_keep
         Points x_before = s.x, v_before = s.v;
         x_before[2].x -= 0.01;
         v_before[2].x -= 0.1;
-        resolve_contact(posed(sphere, {0, 0, 0}, friction), 4, static_cast<const double*>(nullptr), 0.01, s.x.data(),
-                        x_before.data(), s.v.data(), v_before.data());
+        resolve_contact(posed(sphere, {0, 0, 0}, friction), 4, static_cast<const double*>(nullptr), 0.01,
+                        s.x.data(), x_before.data(), s.v.data(), v_before.data());
         EXPECT_NEAR(norm(s.x[2]), 0.1, 1e-15);
         EXPECT_NEAR(s.v[2].y, 0, 1e-15);
         EXPECT_NEAR(s.v[2].x, friction > 0 ? 0 : 1, 1e-15);
@@ -395,7 +403,8 @@ TEST(Wetness, patterns_wet_what_their_name_says) {
     EXPECT_EQ(at(ball, 6), 1);
     double outside = 0;
     for (size_t k = 0; k < ball.size(); ++k)
-        if (norm(cast<double>(groom.rest.points[k]) - region.region_center) > region.region_radius) outside = std::max(outside, double(ball[k]));
+        if (norm(cast<double>(groom.rest.points[k]) - region.region_center) > region.region_radius)
+            outside = std::max(outside, double(ball[k]));
     EXPECT_EQ(outside, 0);
 }
 

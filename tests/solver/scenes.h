@@ -1,0 +1,79 @@
+// Small scenes on the built-in groom, and their runs: what the tests of whole simulations share. Ours.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "solver/scene.h"
+#include "solver/simulation.h"
+#include "tests/base/scratch.h"
+
+namespace wetcurl::testing {
+
+// Stretch, bend and core on sixteen strands under gravity.
+inline const std::string dry_scene = R"(fps = 24
+[groom]
+grid = [4, 4]
+particles = 24
+length = 0.15
+[integrator]
+substeps = 4
+[stretch]
+[bend]
+[core]
+)";
+
+// All that a wet scene may name, a turning head, and a ball that lifts hair and lets it go.
+inline const std::string wet_scene = dry_scene + R"([motion]
+axis = [0, 1, 0]
+angle = 20
+period = 0.5
+[wetness]
+jitter = 0.3
+[curl]
+[cohesion]
+radius = 0.03
+[adhesion]
+[stiffness]
+[[solid]]
+name = "ball"
+radius = 0.1
+[[solid.motion.keyframe]]
+time = 0.08
+[[solid.motion.keyframe]]
+time = 0.3
+translation = [0, -0.02, 0.01]
+)";
+
+inline Scene scene_of(const std::string& text, const std::vector<std::string>& set = {}, int stride = 0) {
+    SceneOptions options;
+    options.set = set;
+    options.stride = stride;
+    return parse_scene(text, "scene.toml", ".", options);
+}
+
+inline RunFrame after(const Scene& scene, int frames, const std::string& precision = "float") {
+    const auto simulation = make_simulation(scene, precision);
+    for (int f = 0; f < frames; ++f) simulation->advance();
+    RunFrame frame;
+    simulation->snapshot(frame);
+    return frame;
+}
+
+inline double farthest(const Strands& a, const Strands& b) {
+    double most = 0;
+    for (size_t k = 0; k < a.points.size(); ++k) {
+        const double d = norm(cast<double>(a.points[k]) - cast<double>(b.points[k]));
+        most = d <= most ? most : d;  // NaN counts
+    }
+    return most;
+}
+inline bool same_bits(const Vec3f& a, const Vec3f& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+inline bool same_bits(const Strands& a, const Strands& b) {
+    if (a.points.size() != b.points.size()) return false;
+    for (size_t k = 0; k < a.points.size(); ++k)
+        if (!same_bits(a.points[k], b.points[k])) return false;
+    return true;
+}
+
+}  // namespace wetcurl::testing

@@ -1,0 +1,160 @@
+// Scenes: what is read, what is refused and with which words. Every row of every table is walked. Ours.
+#include "solver/grooms/procedural.h"
+#include "tests/solver/scenes.h"
+
+namespace wetcurl {
+namespace {
+
+using namespace testing;
+
+// A scene that names every table, with one more line in one of them; the line's number, for its message.
+struct Written {
+    std::string text, place;
+};
+Written with_line(const std::string& table, const std::string& line) {
+    const std::string names[] = {"groom", "integrator", "stretch",  "bend",      "core",  "wetness",
+                                 "curl",  "cohesion",   "adhesion", "stiffness", "motion"};
+    Written out;
+    int number = 0;
+    auto add = [&](const std::string& l) { out.text += l + "\n", ++number; };
+    if (table.empty()) add(line), out.place = "scene.toml:1";
+    for (const auto& name : names) {
+        add("[" + name + "]");
+        if (name == "groom") add("grid = [2, 2]"), add("particles = 8");
+        if (name == table) add(line), out.place = "scene.toml:" + std::to_string(number);
+    }
+    add("[[solid]]");
+    if (table == "solid") add(line), out.place = "scene.toml:" + std::to_string(number);
+    return out;
+}
+
+void expect_misuse(const std::string& table, const std::string& line, const std::string& said) {
+    SCOPED_TRACE("[" + table + "] " + line);
+    const Written w = with_line(table, line);
+    expect_error<Misuse>([&] { scene_of(w.text); }, {w.place.c_str(), said.c_str()});
+}
+
+template <class Owner, size_t N>
+void walk(const std::string& table, const Parameter<Owner> (&rows)[N]) {
+    for (const auto& row : rows) {
+        const std::string key = std::string(row.key) + " = ";
+        for (const std::string wrong : {"\"much\"", "[1]", "true"})
+            expect_misuse(table, key + wrong, table + "." + row.key);
+        expect_misuse(table, key + "nan", "allowed");
+        expect_misuse(table, key + std::to_string(row.minimum - 1), "allowed");
+        expect_misuse(table, key + std::to_string(row.maximum * 2 + 1), "allowed");
+        char value[64];
+        std::snprintf(value, sizeof value, "%.17g", row.fallback);
+        EXPECT_NO_THROW(scene_of(with_line(table, key + value).text)) << table << "." << key;
+    }
+    expect_misuse(table, std::string(rows[0].key) + "e = 1", std::string("did you mean '") + rows[0].key);
+}
+
+TEST(Scene, every_row_of_every_table_refuses_wrong_types_and_values_with_file_and_line) {
+    walk("stretch", Stretch::parameters);
+    walk("bend", Bend::parameters);
+    walk("core", Core::parameters);
+    walk("stiffness", Stiffness::parameters);
+    walk("adhesion", Adhesion::parameters);
+    walk("wetness", Wetness::parameters);
+    walk("curl", Curl::parameters);
+    walk("cohesion", Cohesion::parameters);
+    walk("groom", procedural_parameters);
+}
+
+template <class Owner, size_t N>
+void expect_defaults(const Owner& owner, const Parameter<Owner> (&rows)[N]) {
+    for (const auto& row : rows) EXPECT_EQ(owner.*row.member, row.fallback) << row.key;
+}
+
+TEST(Scene, an_empty_table_has_the_defaults_of_its_rows) {
+    const Scene s = scene_of(with_line("", "").text);
+    expect_defaults(*s.term<Stretch>(), Stretch::parameters);
+    expect_defaults(*s.term<Bend>(), Bend::parameters);
+    expect_defaults(*s.term<Core>(), Core::parameters);
+    expect_defaults(*s.term<Stiffness>(), Stiffness::parameters);
+    expect_defaults(*s.term<Adhesion>(), Adhesion::parameters);
+    expect_defaults(*s.wetness, Wetness::parameters);
+    expect_defaults(*s.curl, Curl::parameters);
+    expect_defaults(*s.cohesion, Cohesion::parameters);
+}
+
+TEST(Scene, values_that_are_written_are_taken) {
+    const Scene s = scene_of(with_line("bend", "stiffness = 0.125").text,
+                             {"frames=7", "cohesion.passes=3", "integrator.substeps=2"});
+    EXPECT_EQ(s.term<Bend>()->k_b, 0.125);
+    EXPECT_EQ(s.frames, 7);
+    EXPECT_EQ(s.cohesion->passes, 3);
+    EXPECT_EQ(s.integrator.substeps, 2);
+    EXPECT_EQ(s.groom.rest.count, 4);
+}
+
+TEST(Scene, keys_outside_the_rows_are_checked_too) {
+    expect_misuse("", "frames = 0", "frames");
+    expect_misuse("", "frames = 1.5", "whole number");
+    expect_misuse("", "fps = -1", "fps");
+    expect_misuse("", "framse = 3", "did you mean 'frames'");
+    expect_misuse("", "wetnes = {}", "did you mean 'wetness'");
+    expect_misuse("groom", "rest = \"saggy\"", "sag_free");
+    expect_misuse("groom", "density = 0", "groom.density");
+    expect_misuse("integrator", "kind = \"explicti\"", "did you mean 'explicit'");
+    expect_misuse("integrator", "substeps = 0", "integrator.substeps");
+    expect_misuse("integrator", "gravity = [0, -9.81]", "3 numbers");
+    expect_misuse("integrator", "limiter = -0.1", "integrator.limiter");
+    expect_misuse("integrator", "setle = 1", "did you mean 'settle'");
+    expect_misuse("bend", "form = \"print\"", "printed");
+    expect_misuse("core", "form = 3", "a string is needed");
+    expect_misuse("wetness", "pattern = \"tipp\"", "did you mean 'tip'");
+    expect_misuse("wetness", "pattern = \"file\"", "file");
+    expect_misuse("curl", "radius = 0.01", "both radius and pitch");
+    expect_misuse("curl", "pitch = 0.01", "both radius and pitch");
+    expect_misuse("curl", "form = \"printed\"", "radius and pitch");
+    expect_misuse("cohesion", "passes = 0", "cohesion.passes");
+    expect_misuse("motion", "angel = 3", "did you mean 'angle'");
+    expect_misuse("solid", "shape = \"spere\"", "did you mean 'sphere'");
+    expect_misuse("solid", "radius = 0", "radius");
+    expect_misuse("solid", "shape = \"mesh\"", "file");
+    expect_misuse("solid", "raduis = 0.1", "did you mean 'radius'");
+    expect_misuse("solid", "half = [1, 1, 1]", "half");  // a box's, unused by a sphere
+}
+
+TEST(Scene, tables_that_lean_on_others_say_so) {
+    const std::string chain = "[groom]\ngrid = [2, 2]\nparticles = 8\n[stretch]\n";
+    expect_error<Misuse>([&] { scene_of(chain + "[bend]\n[curl]\n"); }, {"scene.toml:6", "[wetness]"});
+    expect_error<Misuse>([&] { scene_of(chain + "[cohesion]\n"); }, {"scene.toml:5", "[wetness]"});
+    expect_error<Misuse>([&] { scene_of(chain + "[wetness]\n[curl]\n"); }, {"scene.toml:6", "[bend]"});
+    expect_error<Misuse>([&] { scene_of(chain + "[wetness]\n[adhesion]\n"); }, {"scene.toml:6", "[[solid]]"});
+    expect_error<Misuse>([&] { scene_of(chain, {"groom.rest='sag_free'"}); }, {"sag_free", "[bend]"});
+    expect_error<Misuse>(
+        [&] { scene_of(chain + "[[solid]]\nattached = \"head\"\n[solid.motion]\nperiod = 1\n"); },
+        {"attached", "head"});
+    expect_error<Misuse>([&] { scene_of(chain + "[stretch"); }, {"scene.toml:5"});
+}
+
+TEST(Scene, a_dry_twin_keeps_the_record_of_its_wetness_and_nothing_that_acts) {
+    Scene s = scene_of(wet_scene);
+    const auto saturation = s.saturation;
+    make_dry(s);
+    EXPECT_FALSE(acts_wet(s));
+    EXPECT_FALSE(s.curl || s.cohesion || s.term<Adhesion>() || s.term<CurlPush>());
+    EXPECT_TRUE(s.term<Stretch>() && s.term<Bend>() && s.term<Core>());
+    EXPECT_EQ(s.saturation, saturation);
+    EXPECT_GT(saturation.size(), 0u);
+}
+
+TEST(Scene, strides_take_every_second_root_each_way_with_its_saturation) {
+    const Scene fine = scene_of(wet_scene), coarse = scene_of(wet_scene, {}, 2);
+    ASSERT_EQ(coarse.groom.rest.count, 4);
+    for (int row = 0; row < 2; ++row)
+        for (int column = 0; column < 2; ++column) {
+            const int a = coarse.groom.grid.at(column, row), b = fine.groom.grid.at(2 * column, 2 * row);
+            for (int i = 0; i < 24; ++i) {
+                EXPECT_TRUE(same_bits(coarse.groom.rest.at(a, i), fine.groom.rest.at(b, i)));
+                EXPECT_EQ(coarse.saturation[size_t(a) * 24 + size_t(i)],
+                          fine.saturation[size_t(b) * 24 + size_t(i)]);
+            }
+        }
+}
+
+}  // namespace
+}  // namespace wetcurl
