@@ -53,7 +53,7 @@ const std::vector<RecipeRow>& recipe_rows() {
     using R = Recipe;
     static const std::vector<RecipeRow> rows = {
         // key, member, strand, root, adhesion, minimum, maximum, whole, meaning
-        {"epochs", &R::epochs, 100, 200, 9000, 1, 1e7, true, "passes over the data"},
+        {"epochs", &R::epochs, 60, 200, 9000, 1, 1e7, true, "passes over the data"},
         {"batch", &R::batch, 1, 128, 4096, 1, 1 << 20, true, "a step's frames (strand), patches (root), samples (adhesion)"},
         {"learning_rate", &R::learning_rate, 1e-3, 1e-4, 1e-3, 1e-12, 10, false, "of Adam"},
         {"weight_decay", &R::weight_decay, 1e-2, 0, 0, 0, 1, false, "decoupled (AdamW)"},

@@ -128,7 +128,7 @@ TEST(Doubling, IsTheTransposedConvolution) {
 TEST(LinearRows, IsTheMatrixProductForAnyNumberOfRowsAndThreads) {
     torch::manual_seed(4);
     const Tensor weight = torch::randn({9, 20}), bias = torch::randn({9});
-    for (int threads : {1, 2})
+    for (int threads : {2, 1})
         for (long rows : {1, 15, 16, 33, 160}) {
             torch::set_num_threads(threads);
             const Tensor x = torch::randn({rows, 20});

@@ -324,7 +324,7 @@ TEST(Training, OverfitsOneFrameOfStrandsFiftyfold) {
 
 TEST(Training, OverfitsOneBatchOfPatchesWithEitherRootNetwork) {
     for (const char* architecture : {"unet_vgg19", "recursive_residual"}) {
-        Job job(Codec::root, {"epochs=60", "width=0.125", "learning_rate=2e-3", "validation=0.8", "validate_every=60"});
+        Job job(Codec::root, {"epochs=120", "width=0.125", "learning_rate=2e-3", "validation=0.8", "validate_every=120"});
         job.request.architecture = architecture;
         ASSERT_EQ(train(job.request), 0);
         EXPECT_GT(job.fall(), 50) << architecture;
