@@ -77,14 +77,15 @@ void print(const ImportOptions& options, const ImportedStrands& in, const Extent
     std::printf("length    %.3f m in the median\n", extent.median_length);
     if (depth) std::printf("scalp     %s\n", described(*depth).c_str());
     std::printf("grid      %s\n", described(layout).c_str());
-    std::printf("written   %s, metres, Y up\n", options.output.c_str());
+    if (!options.output.empty()) std::printf("written   %s, metres, Y up\n", options.output.c_str());
 }
 
 }  // namespace
 
 int import_command(const ImportOptions& options) {
     const FileUnits meant{options.units, options.up};
-    require_writable(options.output, options.overwrite);
+    const bool writes = !options.output.empty();
+    if (writes) require_writable(options.output, options.overwrite);
     ImportedStrands in = import_strands(options.input, meant);
     if (options.resample) in.strands = resampled_strands(in.strands, options.resample);
 
@@ -96,7 +97,7 @@ int import_command(const ImportOptions& options) {
     }
     const RootLayout layout = lay_on_grid(roots_of(in.strands), scalp ? &*scalp : nullptr);
     const Extent extent = extent_of(in.strands);
-    write_strands(options.output, in.strands, options.overwrite);
+    if (writes) write_strands(options.output, in.strands, options.overwrite);
     if (options.json != "-") print(options, in, extent, depth ? &*depth : nullptr, layout);
     write_json(report(options, in, extent, depth ? &*depth : nullptr, layout), options.json);
     return 0;

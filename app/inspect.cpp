@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "app/axial_extent.h"
 #include "app/commands.h"
 #include "app/image_file.h"
 #include "app/results.h"
@@ -78,6 +79,9 @@ Json run_json(const InspectOptions& o) {
               {"terms_absent", h.terms_absent},
               {"seconds_per_frame", time_statistics(run.seconds())}};
     if (run.frames() > 0) {
+        double extent = 0;
+        for (int f = 0; f < run.frames(); ++f) extent += 1000 * axial_extent(run.frame(f).seen()) / run.frames();
+        json["axial_extent_mm"] = extent;
         const RunFrame last = run.frame(run.frames() - 1);
         json["displayed"] = last.displayed.count > 0;
         for (size_t k = 0; k < h.energy_kinds.size(); ++k) json["last_energy_joule"][h.energy_kinds[k]] = last.energy[k];

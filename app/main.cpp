@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
     ImportOptions import;
     c = command("import", "read a hair file, report on it, write it in another format", import, import_command);
     c->add_option("input", import.input, ".hair .data .bin .ply .tfx")->required();
-    c->add_option("output", import.output, ".hair or .data")->required();
+    c->add_option("output", import.output, ".hair or .data; none: report only");
     c->add_option("--units", import.units, "of the file")->check(CLI::IsMember({"m", "cm", "mm", "auto"}))->capture_default_str();
     c->add_option("--up", import.up, "axis")->check(CLI::IsMember({"y", "z"}))->capture_default_str();
     c->add_option("--resample", import.resample, "particles a strand; 0: as it is")->check(CLI::Range(0, 100000));

@@ -6,6 +6,7 @@
 
 #include "base/log.h"
 #include "solver/grooms/groom.h"
+#include "solver/rest_state.h"
 
 namespace wetcurl {
 
@@ -131,6 +132,8 @@ Scene read_scene(Config config, const SceneOptions& options) {
     const Groom full = load_groom(g, scene.seed, "");
     scene.motion = Motion(root.table("motion"));
     read_chain(scene, root);
+    // Of the full groom, so that a thinned run is smoothed as its twin.
+    if (auto& core = scene.term<Core>()) core->beta = filter_beta(mean_segment(full), core->alpha_c);
     read_wet(scene, root);
     read_solids(scene, root, options.solids);
     if (scene.rest == "sag_free" && !scene.term<Bend>()) g.fail("rest", "'sag_free' needs [bend] to carry the weight");

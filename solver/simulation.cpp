@@ -112,7 +112,6 @@ template <class T>
 CpuSimulation<T>::CpuSimulation(const Scene& scene)
     : scene_(scene), terms_(scene.chain), strands_(scene.groom.rest.count), n_(scene.groom.rest.particles),
       blocks_((strands_ + lanes - 1) / lanes), dt_(1 / (scene.fps * scene.integrator.substeps)) {
-    if (auto& core = std::get<std::optional<Core>>(terms_)) core->beta = filter_beta(mean_segment(scene.groom), core->alpha_c);
     for (auto* b : {&x_, &x_before_, &v_, &v_before_}) b->assign(at(blocks_, 0), {S(0), S(0), S(0)});
     place_strands();
 
@@ -161,7 +160,7 @@ void CpuSimulation<T>::place_strands() {
             const StrandRest rest = rest_state_of(scene_, s);
             Quatd frame = Quatd::identity();
             for (int i = 0; i < n_; ++i) {
-                const Vec3d p = cast<double>(scene_.groom.rest.at(s, i));
+                const Vec3d p = rest.start[size_t(i)];
                 const size_t k = at(block, i);
                 const Vec3d world = head_(p);
                 put(x_[k], lane, world);
@@ -175,7 +174,7 @@ void CpuSimulation<T>::place_strands() {
                 if (core) rest_core_[k].set(lane, T(rest.rest_core[size_t(i)]));
                 if (bend) {
                     put(target_[k], lane, rest.target[size_t(i)]);
-                    const Vec3d e = head_(cast<double>(scene_.groom.rest.at(s, i + 1))) - world;
+                    const Vec3d e = head_(rest.start[size_t(i) + 1]) - world;
                     frame = i == 0 ? head_.rotation * root_frame_of(normalized(rotate(conjugate(head_.rotation), e), Vec3d{1, 0, 0}))
                                    : transported(frame, normalized(e, frame_direction(frame)));
                     frame_[k].w.set(lane, T(frame.w)), frame_[k].x.set(lane, T(frame.x));
@@ -304,7 +303,6 @@ void CpuSimulation<T>::evaluate_adhesion() {
     for (int block = 0; block < blocks_; ++block) {
         const size_t k = at(block, 0);
         sample_nearest(p.solids, n_, &x_[k], &phi_[k], &normal_[k], &surface_velocity_[k]);
-        update_touching(n_, &phi_[k], T(term.h_a), &touching_[k]);
     }
     std::vector<AdhesionRecord> near;
     std::vector<std::array<int, 3>> where;
