@@ -16,6 +16,7 @@ CohesionPass::CohesionPass(const Cohesion& term, int strands, int particles, con
     now_.resize(count + 1), next_.resize(count + 1);
     sorted_volume_.assign(count + 1, 0.f), sorted_saturation_.assign(count + 1, 0.f);
     start_.resize(count + 1), rank_.resize(count);
+    segment_.resize(size_t(strands)), own_weight_.resize(size_t(strands));
 }
 
 void CohesionPass::build_lists(const Strands& p) {
@@ -33,6 +34,11 @@ void CohesionPass::build_lists(const Strands& p) {
             if (dot(d, d) < h * h && order[j] / uint32_t(particles_) != strand) visit(j);
         });
     };
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < p.count; ++s) {
+        segment_[size_t(s)] = float(arc_length(p.strand(s), p.particles) / (p.particles - 1));
+        own_weight_[size_t(s)] = float(term_.own_weight(segment_[size_t(s)]));
+    }
     start_[0] = 0;
 #pragma omp parallel for schedule(dynamic, 512)
     for (long k = 0; k < count; ++k) {
@@ -87,7 +93,8 @@ Vec3f CohesionPass::displacement(size_t k) const {
         sums.add(other - own, h, gathered(sorted_volume_, index), gathered(sorted_saturation_, index));
     }
     const Cohesion::Sums<float> total{{sum(sums.pull.x), sum(sums.pull.y), sum(sums.pull.z)}, sum(sums.weight)};
-    return term_.displacement(total, sorted_volume_[k]);
+    const size_t strand = grid_.order()[k] / size_t(particles_);
+    return term_.displacement(total, sorted_volume_[k] * own_weight_[strand]);
 }
 
 void CohesionPass::apply(const Strands& p, Strands& displayed) {
@@ -114,7 +121,7 @@ void CohesionPass::smooth_displacements(const Strands& p) {
 #pragma omp for schedule(static)
         for (int s = 0; s < p.count; ++s) {
             const uint32_t* rank = rank_.data() + size_t(s) * size_t(n);
-            const float beta = float(filter_beta(arc_length(p.strand(s), n) / (n - 1), term_.coherence));
+            const float beta = float(filter_beta(segment_[size_t(s)], term_.coherence));
             for (size_t i = 0; i < u.size(); ++i) u[i] = next_.at(rank[i]) - now_.at(rank[i]);
             for (int round = 0; round < 2; ++round) {
                 for (size_t i = 1; i < u.size(); ++i) u[i] = u[i - 1] + beta * (u[i] - u[i - 1]);
@@ -126,7 +133,8 @@ void CohesionPass::smooth_displacements(const Strands& p) {
 }
 
 size_t CohesionPass::bytes() const {
-    const size_t floats = 3 * (now_.x.capacity() + next_.x.capacity()) + sorted_volume_.capacity() + sorted_saturation_.capacity();
+    const size_t floats = 3 * (now_.x.capacity() + next_.x.capacity()) + sorted_volume_.capacity() + sorted_saturation_.capacity() +
+                          segment_.capacity() + own_weight_.capacity();
     const size_t indices = start_.capacity() + list_.capacity() + rank_.capacity();
     return floats * sizeof(float) + indices * sizeof(uint32_t) + grid_.bytes();
 }

@@ -40,6 +40,7 @@ class CohesionPass {
     };
     Points now_, next_;
     std::vector<float> sorted_volume_, sorted_saturation_;
+    std::vector<float> segment_, own_weight_;  // (strand) mean segment length [m], own_weight of it
     std::vector<uint32_t> start_, list_;   // neighbours of sorted particle k: list_[start_[k] .. start_[k+1])
     std::vector<uint32_t> rank_;           // of each particle (strand, particle) in the grid's order
     double list_seconds_ = 0;

@@ -1,6 +1,7 @@
 // Cohesion of wet strands: displayed positions drawn toward wet neighbours on other strands.
 // The paper, Eq 10. Differs: print lacks m/rho below and scales about the world's origin; the self term in the
-// denominator keeps two lone strands from swapping places and makes the displacement continuous at r = h; the
+// denominator keeps two lone strands from swapping places and makes the displacement continuous at r = h. It holds the
+// particle's own strand, taken as straight: the particle alone is too little where segments are short beside h. The
 // displacement is then smoothed along the strand over `coherence`, since a few passes of Eq 10 alone draw curls into
 // knots of particles: strands come together whole and keep their curl. 0 leaves Eq 10 as it is.
 #pragma once
@@ -31,10 +32,16 @@ struct Cohesion {
             weight += w;
         }
     };
-    // p_i^w - p_i
+    // sum V_k W_ik over the particle's own strand, for each unit of its volume: segments of `length` on a line.
+    double own_weight(double length) const {
+        double sum = kernel_at_zero(h_c);
+        for (int k = 1; length > 0 && k * length < h_c; ++k) sum += 2 * kernel(k * length, h_c);
+        return sum;
+    }
+    // p_i^w - p_i, `own` the particle's volume times its strand's own_weight.
     template <class S>
-    WETCURL_HD Vec3<S> displacement(const Sums<S>& s, const S& own_volume) const {
-        return (S(lambda) / (own_volume * kernel_at_zero(S(h_c)) + s.weight)) * s.pull;
+    WETCURL_HD Vec3<S> displacement(const Sums<S>& s, const S& own) const {
+        return (S(lambda) / (own + s.weight)) * s.pull;
     }
 };
 

@@ -20,7 +20,7 @@ struct Curl {
     bool printed = false;
     static constexpr Parameter<Curl> parameters[] = {
         {"weight", &Curl::w_h, "1", 1, 0, 1, "Eq 9, w_h"},
-        {"contraction", &Curl::contraction, "1", 0.7, 0.2, 1, "axial extent of the wet curl, in that of the dry one (Fig 28)"},
+        {"contraction", &Curl::contraction, "1", 0.75, 0.2, 1, "axial extent of the wet curl, in that of the dry one (Fig 28)"},
     };
 };
 

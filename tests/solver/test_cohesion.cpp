@@ -145,9 +145,12 @@ double gap_after(double gap, double spacing, double& wanted_factor) {
     Hair hair(2, n);
     for (int s = 0; s < 2; ++s)
         for (int i = 0; i < n; ++i) hair.p.at(s, i) = cast<float>(Vec3d{s * gap, -spacing * i, 0});
-    double weight = 0;
-    for (int k = -20; k <= 20; ++k) weight += kernel(std::hypot(gap, spacing * k), support);
-    wanted_factor = 1 - 2 * tightness * weight / (kernel_at_zero(support) + weight);
+    double weight = 0, own = 0;
+    for (int k = -20; k <= 20; ++k) {
+        weight += kernel(std::hypot(gap, spacing * k), support);
+        own += kernel(std::abs(spacing * k), support);
+    }
+    wanted_factor = 1 - 2 * tightness * weight / (own + weight);
     const Strands out = hair.displayed(eq10());
     return double(out.at(1, n / 2).x) - double(out.at(0, n / 2).x);
 }
@@ -162,9 +165,8 @@ TEST(Cohesion, the_gap_of_two_parallel_strands_shrinks_by_the_known_factor) {
         }
 }
 
-// The self term is one particle's: it holds where a strand's particles are as far apart as the support.
-TEST(Cohesion, strands_of_sparse_particles_never_change_places) {
-    for (double spacing : {support, 2 * support})
+TEST(Cohesion, two_strands_never_change_places) {
+    for (double spacing : {0.1 * support, 0.4 * support, support, 2 * support})
         for (double gap = 0.0005; gap < support; gap += 0.0005) {
             double factor;
             EXPECT_GT(gap_after(gap, spacing, factor), 0) << gap;
