@@ -24,7 +24,8 @@ std::unique_ptr<AdhesionModel> adhesion_model_of(const Scene& scene, const std::
     if (scene.adhesion_model.empty()) return nullptr;
     auto network = network_module().load(scene.adhesion_model, device, threads);
     if (network->card().codec != "adhesion")
-        throw Error(scene.adhesion_model + ": found a model of codec '" + network->card().codec + "', [adhesion] needs 'adhesion'");
+        throw Error(scene.adhesion_model + ": found a model of codec '" + network->card().codec +
+                    "', [adhesion] needs 'adhesion'");
     return std::make_unique<NetworkAdhesion>(std::move(network));
 }
 

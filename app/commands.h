@@ -12,11 +12,11 @@ namespace wetcurl {
 struct CommonOptions {
     std::vector<std::string> set;  // key.path=value
     std::string device = "cpu";
-    int threads = 0;               // 0: all
+    int threads = 0;  // 0: all
     std::optional<unsigned long long> seed;
     bool overwrite = false;
     bool resume = false;
-    std::string json;              // file for the results as JSON, "-" for standard output, "" for none
+    std::string json;  // file for the results as JSON, "-" for standard output, "" for none
 };
 
 struct SimulateOptions : CommonOptions {
@@ -48,10 +48,10 @@ struct CompareOptions : CommonOptions {
 struct RenderOptions : CommonOptions {
     std::vector<std::string> runs;  // side by side
     std::string output;
-    int frame = -1;       // -1: all of them (video), or the last one (picture)
+    int frame = -1;  // -1: all of them (video), or the last one (picture)
     int width = 720, height = 900;
     bool saturation = false;
-    double yaw = 30;      // of the camera around the head [degrees]
+    double yaw = 30;  // of the camera around the head [degrees]
     bool labels = true;
 };
 struct ImportOptions : CommonOptions {

@@ -35,7 +35,9 @@ class InterpolationMethod final : public Method {
     InterpolationMethod(const std::string& name, const Groom& high, const Groom& low)
         : name_(name), interpolator_(interpolation_named(name), quad_stencil(high, low), high, low) {}
     std::string name() const override { return name_ + " interpolation"; }
-    void apply(const RunFrame& low, const HeadWindow&, Strands& p) override { interpolator_.apply(low.seen(), low.head, p); }
+    void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
+        interpolator_.apply(low.seen(), low.head, p);
+    }
 
   private:
     std::string name_;
@@ -44,9 +46,13 @@ class InterpolationMethod final : public Method {
 
 class StrandMethod final : public Method {
   public:
-    StrandMethod(std::unique_ptr<Network> network, const Groom& high, const Groom& low, const std::vector<float>& saturation)
-        : network_(std::move(network)), codec_(high, low, saturation), input_(size_t(static_channels + dynamic_channels) * codec_.pixels()),
-          answer_(size_t(strand_coefficients) * codec_.pixels()), base_(answer_.size()) {
+    StrandMethod(std::unique_ptr<Network> network, const Groom& high, const Groom& low,
+                 const std::vector<float>& saturation)
+        : network_(std::move(network)),
+          codec_(high, low, saturation),
+          input_(size_t(static_channels + dynamic_channels) * codec_.pixels()),
+          answer_(size_t(strand_coefficients) * codec_.pixels()),
+          base_(answer_.size()) {
         std::copy(codec_.fixed().begin(), codec_.fixed().end(), input_.begin());
     }
     std::string name() const override { return network_->card().architecture; }
@@ -54,7 +60,8 @@ class StrandMethod final : public Method {
     void apply(const RunFrame& low, const HeadWindow& heads, Strands& p) override {
         float* dynamic = input_.data() + codec_.fixed().size();
         codec_.dynamic(low.positions, heads, dynamic);
-        network_->run(input_.data(), {1, static_channels + dynamic_channels, codec_.height(), codec_.width()}, answer_.data());
+        network_->run(input_.data(), {1, static_channels + dynamic_channels, codec_.height(), codec_.width()},
+                      answer_.data());
         for (size_t k = 0; k < answer_.size(); ++k) answer_[k] += dynamic[k];
         codec_.decode(answer_.data(), heads.now, p);
         head_ = heads.now;
@@ -75,21 +82,30 @@ class StrandMethod final : public Method {
 
 class RootMethod final : public Method {
   public:
-    RootMethod(std::unique_ptr<Network> network, Reconstruction form, const Groom& high, const Groom& low, std::vector<float> low_saturation, float radius)
-        : network_(std::move(network)), form_(form), high_image_(high.grid, 2), low_image_(low.grid),
+    RootMethod(std::unique_ptr<Network> network, Reconstruction form, const Groom& high, const Groom& low,
+               std::vector<float> low_saturation, float radius)
+        : network_(std::move(network)),
+          form_(form),
+          high_image_(high.grid, 2),
+          low_image_(low.grid),
           transform_(form, quad_stencil(high, low), high, low, std::move(low_saturation), radius),
-          plain_(form == Reconstruction::paper ? Interpolation::quad : Interpolation::core, quad_stencil(high, low), high, low),
-          radius_(radius), input_(3 * low_image_.pixels()), output_(3 * high_image_.pixels()) {
+          plain_(form == Reconstruction::paper ? Interpolation::quad : Interpolation::core,
+                 quad_stencil(high, low), high, low),
+          radius_(radius),
+          input_(3 * low_image_.pixels()),
+          output_(3 * high_image_.pixels()) {
         const auto& a = network_->card().arrays;
         auto corner = [&](const char* name) {
             const auto at = a.find(name);
-            if (at == a.end() || at->second.size() != 3) throw Error(std::string("the model lacks ") + name + " of Eq 14 (3 numbers)");
+            if (at == a.end() || at->second.size() != 3)
+                throw Error(std::string("the model lacks ") + name + " of Eq 14 (3 numbers)");
             return Vec3d{at->second[0], at->second[1], at->second[2]};
         };
         box_ = {corner("b_min"), corner("b_max")};
     }
     std::string name() const override {
-        return network_->card().architecture + (form_ == Reconstruction::paper ? ", paper" : ", core and detail");
+        return network_->card().architecture +
+               (form_ == Reconstruction::paper ? ", paper" : ", core and detail");
     }
     void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
         std::vector<Vec3f> colours = shifted_roots(low.positions, {}, radius_);
@@ -117,7 +133,8 @@ class RootMethod final : public Method {
     Strands plain_strands_;
 };
 
-// The saturation that a model was trained on, for runs that say nothing of theirs: the mean profile along the strand.
+// The saturation that a model was trained on, for runs that say nothing of theirs: the mean profile along the
+// strand.
 std::vector<float> profile_of(const ModelCard& card, const Groom& groom) {
     const auto mean = card.arrays.find("input_mean");
     if (mean == card.arrays.end() || mean->second.size() < size_t(strand_coefficients + saturation_pieces))
@@ -125,14 +142,18 @@ std::vector<float> profile_of(const ModelCard& card, const Groom& groom) {
     const int n = groom.rest.particles;
     std::vector<float> sigma;
     for (int s = 0; s < groom.rest.count; ++s)
-        for (int i = 0; i < n; ++i) sigma.push_back(mean->second[size_t(strand_coefficients + std::min(i * saturation_pieces / n, saturation_pieces - 1))]);
+        for (int i = 0; i < n; ++i)
+            sigma.push_back(mean->second[size_t(strand_coefficients +
+                                                std::min(i * saturation_pieces / n, saturation_pieces - 1))]);
     return sigma;
 }
 
 // The scene at the resolution to predict, as wet as it should be.
 Scene target_scene(const InferOptions& o, const RunHeader& low) {
     if (low.stride < 2)
-        throw Error(o.input + ": the run already holds every strand of its groom; a low-resolution one is needed (simulate --strands)");
+        throw Error(o.input +
+                    ": the run already holds every strand of its groom; a low-resolution one is needed "
+                    "(simulate --strands)");
     SceneOptions options;
     options.stride = low.stride / 2;
     if (o.wetness.empty()) return parse_scene(low.scene, o.input, low.scene_folder, options);
@@ -141,28 +162,35 @@ Scene target_scene(const InferOptions& o, const RunHeader& low) {
 }
 
 std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const RunHeader& low) {
-    if (!o.interpolate.empty()) return std::make_unique<InterpolationMethod>(o.interpolate, scene.groom, low.groom);
+    if (!o.interpolate.empty())
+        return std::make_unique<InterpolationMethod>(o.interpolate, scene.groom, low.groom);
     auto network = network_module().load(o.model, o.device, o.threads);
     const ModelCard& card = network->card();
-    if (card.codec == "adhesion") throw Misuse(o.model + ": an adhesion model; name it in a scene's [adhesion] model and simulate");
+    if (card.codec == "adhesion")
+        throw Misuse(o.model + ": an adhesion model; name it in a scene's [adhesion] model and simulate");
     if (card.codec == "strand") {
-        if (!o.reconstruct.empty()) throw Misuse("--reconstruct is for models of the root codec; this one predicts whole strands");
+        if (!o.reconstruct.empty())
+            throw Misuse("--reconstruct is for models of the root codec; this one predicts whole strands");
         if (card.particles != scene.groom.rest.particles)
-            throw Error(fmt::format("{}: made for {} particles a strand, the run has {}", o.model, card.particles, scene.groom.rest.particles));
+            throw Error(fmt::format("{}: made for {} particles a strand, the run has {}", o.model,
+                                    card.particles, scene.groom.rest.particles));
         if (scene.saturation.empty()) scene.saturation = profile_of(card, scene.groom);
         return std::make_unique<StrandMethod>(std::move(network), scene.groom, low.groom, scene.saturation);
     }
-    if (low.saturation.empty()) throw Error(o.input + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
+    if (low.saturation.empty())
+        throw Error(o.input + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
     const double radius = scene.cohesion ? scene.cohesion->h_c : 0.012;
-    return std::make_unique<RootMethod>(std::move(network), reconstruction_named(o.reconstruct.empty() ? "core" : o.reconstruct), scene.groom,
-                                        low.groom, low.saturation, float(radius));
+    return std::make_unique<RootMethod>(std::move(network),
+                                        reconstruction_named(o.reconstruct.empty() ? "core" : o.reconstruct),
+                                        scene.groom, low.groom, low.saturation, float(radius));
 }
 
 }  // namespace
 
 int infer_command(const InferOptions& given) {
     InferOptions o = given;
-    if (o.model.empty() == o.interpolate.empty()) throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core");
+    if (o.model.empty() == o.interpolate.empty())
+        throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core");
     if (o.input.size() > 5 && o.input.substr(o.input.size() - 5) == ".toml") {
         SimulateOptions dry;
         static_cast<CommonOptions&>(dry) = o;
@@ -171,7 +199,13 @@ int infer_command(const InferOptions& given) {
         dry.output = o.output + ".dry.h5";
         dry.dry = true;
         dry.overwrite = true;
-        const Scene full = load_scene(o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2, .solids = false});
+        const Scene full = load_scene(o.input, {.set = o.set,
+                                                .frames = {},
+                                                .strands = {},
+                                                .seed = o.seed,
+                                                .groom = "",
+                                                .stride = 2,
+                                                .solids = false});
         dry.strands = full.groom.rest.count;
         if (const int status = simulate_command(dry); status != 0) return status;
         o.input = dry.output;
@@ -213,7 +247,8 @@ int infer_command(const InferOptions& given) {
         const double end = omp_get_wtime();
         if (const Strands* plain = method->without_network()) {
             double sum = 0;
-            for (size_t k = 0; k < plain->points.size(); ++k) sum += norm(plain->points[k] - out.positions.points[k]);
+            for (size_t k = 0; k < plain->points.size(); ++k)
+                sum += norm(plain->points[k] - out.positions.points[k]);
             moved += 1000 * sum / double(plain->points.size());
         }
         out.head = frame.head;
@@ -239,9 +274,13 @@ int infer_command(const InferOptions& given) {
               {"cohesion_after", display.has_value()}};
     if (!o.model.empty()) json["moved_by_network_mm"] = moved / std::max(1, done);
     write_json(json, o.json);
-    log_info(fmt::format("{}: {}, {} strands, {:.1f} ms a frame of which inference {:.1f} ms{}", o.output, method->name(), scene.groom.rest.count,
-                         1000 * json["seconds_per_frame"]["median"].get<double>(), 1000 * json["inference_seconds_per_frame"]["median"].get<double>(),
-                         o.model.empty() ? "" : fmt::format("; the network moves a particle by {:.2f} mm on average", moved / std::max(1, done))));
+    log_info(fmt::format(
+        "{}: {}, {} strands, {:.1f} ms a frame of which inference {:.1f} ms{}", o.output, method->name(),
+        scene.groom.rest.count, 1000 * json["seconds_per_frame"]["median"].get<double>(),
+        1000 * json["inference_seconds_per_frame"]["median"].get<double>(),
+        o.model.empty() ? ""
+                        : fmt::format("; the network moves a particle by {:.2f} mm on average",
+                                      moved / std::max(1, done))));
     return 0;
 }
 

@@ -27,7 +27,8 @@ void show(const InspectOptions& o, const Json& json) {
             fmt::print("{}:\n", key);
             for (const auto& row : value) {
                 std::string line;
-                for (const auto& [k, v] : row.items()) line += fmt::format("  {} {}", k, v.is_string() ? v.get<std::string>() : v.dump());
+                for (const auto& [k, v] : row.items())
+                    line += fmt::format("  {} {}", k, v.is_string() ? v.get<std::string>() : v.dump());
                 fmt::print("  {}\n", line);
             }
         } else if (value.is_array()) {
@@ -41,7 +42,13 @@ void show(const InspectOptions& o, const Json& json) {
 }
 
 Json scene_json(const InspectOptions& o) {
-    const Scene scene = load_scene(o.file, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 0, .solids = true});
+    const Scene scene = load_scene(o.file, {.set = o.set,
+                                            .frames = {},
+                                            .strands = {},
+                                            .seed = o.seed,
+                                            .groom = "",
+                                            .stride = 0,
+                                            .solids = true});
     const auto simulation = make_simulation(scene, "float");
     const Presence p = presence_of(scene);
     Json json{{"title", scene.title},
@@ -80,12 +87,15 @@ Json run_json(const InspectOptions& o) {
               {"seconds_per_frame", time_statistics(run.seconds())}};
     if (run.frames() > 0) {
         double extent = 0;
-        for (int f = 0; f < run.frames(); ++f) extent += 1000 * axial_extent(run.frame(f).seen()) / run.frames();
+        for (int f = 0; f < run.frames(); ++f)
+            extent += 1000 * axial_extent(run.frame(f).seen()) / run.frames();
         json["axial_extent_mm"] = extent;
         const RunFrame last = run.frame(run.frames() - 1);
         json["displayed"] = last.displayed.count > 0;
-        for (size_t k = 0; k < h.energy_kinds.size(); ++k) json["last_energy_joule"][h.energy_kinds[k]] = last.energy[k];
-        for (size_t k = 0; k < h.stages.size(); ++k) json["last_stage_seconds"][h.stages[k]] = last.stage_seconds[k];
+        for (size_t k = 0; k < h.energy_kinds.size(); ++k)
+            json["last_energy_joule"][h.energy_kinds[k]] = last.energy[k];
+        for (size_t k = 0; k < h.stages.size(); ++k)
+            json["last_stage_seconds"][h.stages[k]] = last.stage_seconds[k];
     }
     return json;
 }
@@ -100,16 +110,23 @@ void write_geometry_image(const H5Reader& file, const std::string& dataset, cons
     if (shape[1] != 3) {  // amplitudes [m], not colours: the first of each axis, over their range
         low = 1e9f, high = -1e9f;
         for (size_t c = 0; c < 3; ++c)
-            for (size_t k = 0; k < plane; ++k) low = std::min(low, data[c * 16 * plane + k]), high = std::max(high, data[c * 16 * plane + k]);
+            for (size_t k = 0; k < plane; ++k)
+                low = std::min(low, data[c * 16 * plane + k]),
+                high = std::max(high, data[c * 16 * plane + k]);
     }
     for (size_t c = 0; c < 3; ++c)
-        for (size_t k = 0; k < plane; ++k) rgb[3 * k + c] = (data[(shape[1] == 3 ? c : c * 16) * plane + k] - low) / std::max(1e-9f, high - low);
+        for (size_t k = 0; k < plane; ++k)
+            rgb[3 * k + c] =
+                (data[(shape[1] == 3 ? c : c * 16) * plane + k] - low) / std::max(1e-9f, high - low);
     write_image_png(path, rgb.data(), int(shape[3]), int(shape[2]), 1);
 }
 
 Json pairs_json(const InspectOptions& o) {
     const H5Reader file(o.file, pairs_format, pairs_version);
-    Json json{{"codec", file.text("codec")}, {"particles_per_strand", file.number("particles")}, {"runs", Json::array()}, {"images", Json::array()}};
+    Json json{{"codec", file.text("codec")},
+              {"particles_per_strand", file.number("particles")},
+              {"runs", Json::array()},
+              {"images", Json::array()}};
     for (const auto& run : file.list("runs")) {
         Json one{{"name", run}};
         for (const auto& name : file.list("runs/" + run)) {
@@ -118,7 +135,8 @@ Json pairs_json(const InspectOptions& o) {
             one[name] = shape;
             if (o.output.empty() || shape.size() != 4 || name == "static") continue;
             const std::filesystem::path stem(o.output);
-            const std::string path = (stem.parent_path() / (stem.stem().string() + "_" + run + "_" + name + ".png")).string();
+            const std::string path =
+                (stem.parent_path() / (stem.stem().string() + "_" + run + "_" + name + ".png")).string();
             write_geometry_image(file, dataset, path);
             json["images"].push_back(path);
         }
@@ -129,19 +147,23 @@ Json pairs_json(const InspectOptions& o) {
 
 Json model_json(const InspectOptions& o) {
     const ModelCard card = network_module().card(o.file);
-    return {{"codec", card.codec},       {"architecture", card.architecture},
-            {"width", card.width},       {"parameters", card.parameters},
+    return {{"codec", card.codec},           {"architecture", card.architecture},
+            {"width", card.width},           {"parameters", card.parameters},
             {"inputs", card.input_channels}, {"outputs", card.output_channels},
-            {"upscale", card.upscale},   {"particles_per_strand", card.particles},
-            {"numbers", card.numbers},   {"trained_on", card.inputs},
+            {"upscale", card.upscale},       {"particles_per_strand", card.particles},
+            {"numbers", card.numbers},       {"trained_on", card.inputs},
             {"recipe", card.recipe}};
 }
 
 template <class Term>
 void add_rows(Json& rows, const char* table) {
     for (const auto& p : Term::parameters)
-        rows.push_back({{"key", std::string(table) + "." + p.key}, {"unit", p.unit}, {"default", p.fallback}, {"minimum", p.minimum},
-                        {"maximum", p.maximum}, {"meaning", p.meaning}});
+        rows.push_back({{"key", std::string(table) + "." + p.key},
+                        {"unit", p.unit},
+                        {"default", p.fallback},
+                        {"minimum", p.minimum},
+                        {"maximum", p.maximum},
+                        {"meaning", p.meaning}});
 }
 
 Json terms_json() {
@@ -159,7 +181,10 @@ Json terms_json() {
 }
 
 Json device_json() {
-    return {{"processors", omp_get_num_procs()}, {"lanes_float", lanes_of<float>}, {"lanes_double", lanes_of<double>}, {"compiler", __VERSION__},
+    return {{"processors", omp_get_num_procs()},
+            {"lanes_float", lanes_of<float>},
+            {"lanes_double", lanes_of<double>},
+            {"compiler", __VERSION__},
             {"instruction_set",
 #if defined(__AVX512F__)
              "AVX-512"
@@ -176,7 +201,8 @@ Json device_json() {
 int inspect_command(const InspectOptions& o) {
     const bool needs_file = o.what != "terms" && o.what != "device";
     if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
-    if (!o.output.empty() && o.what != "pairs") throw Misuse("inspect -o writes the images of pairs; it has no meaning for " + o.what);
+    if (!o.output.empty() && o.what != "pairs")
+        throw Misuse("inspect -o writes the images of pairs; it has no meaning for " + o.what);
     if (o.what == "scene") show(o, scene_json(o));
     if (o.what == "run") show(o, run_json(o));
     if (o.what == "pairs") show(o, pairs_json(o));

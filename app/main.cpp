@@ -1,5 +1,5 @@
-// The program: reads the command line (the only place that includes CLI11), runs one command, turns errors into
-// a message and an exit status: 0 done, 1 failed, 2 misuse, 130 interrupted.
+// The program: reads the command line (the only place that includes CLI11), runs one command, turns errors
+// into a message and an exit status: 0 done, 1 failed, 2 misuse, 130 interrupted.
 #include <omp.h>
 
 #include <CLI/CLI.hpp>
@@ -22,7 +22,10 @@ struct Shared {
 
 // Options that every command takes.
 void add_common(CLI::App* command, CommonOptions& o, Shared& shared) {
-    command->add_option("--set", o.set, "key.path=value over the scene's or recipe's (repeatable)")->type_name("KEY=VALUE")->expected(1)->take_all();
+    command->add_option("--set", o.set, "key.path=value over the scene's or recipe's (repeatable)")
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->take_all();
     command->add_option("--device", o.device, "cpu | cuda[:n]")->capture_default_str();
     command->add_option("--threads", shared.threads, "threads; 0: all")->check(CLI::Range(0, 4096));
     command->add_option("--seed", o.seed, "seed in place of the file's");
@@ -41,13 +44,16 @@ void apply(const Shared& shared, CommonOptions& o) {
     o.threads = shared.threads > 0 ? shared.threads : omp_get_num_procs();
     omp_set_num_threads(o.threads);
     const bool cuda = o.device.rfind("cuda", 0) == 0;
-    if (o.device != "cpu" && !cuda) throw Misuse("--device: found '" + o.device + "', allowed: cpu, cuda, cuda:n");
+    if (o.device != "cpu" && !cuda)
+        throw Misuse("--device: found '" + o.device + "', allowed: cpu, cuda, cuda:n");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app{"wetcurl simulates wet curly hair, trains networks on what it simulates, and runs them in its place."};
+    CLI::App app{
+        "wetcurl simulates wet curly hair, trains networks on what it simulates, and runs them in its "
+        "place."};
     app.require_subcommand(1);
     app.set_version_flag("--version", "wetcurl 0.1.0");
     Shared shared;
@@ -55,7 +61,8 @@ int main(int argc, char** argv) {
     auto command = [&](const char* name, const char* help, auto& options, auto* function) {
         CLI::App* sub = app.add_subcommand(name, help);
         add_common(sub, options, shared);
-        sub->callback([&options, &run, function] { run = [&options, function] { return function(options); }; });
+        sub->callback(
+            [&options, &run, function] { run = [&options, function] { return function(options); }; });
         return sub;
     };
 
@@ -63,18 +70,28 @@ int main(int argc, char** argv) {
     auto* c = command("simulate", "run the physics of a scene into a run cache", simulate, simulate_command);
     c->add_option("scene", simulate.scene, "scene file (TOML)")->required();
     c->add_option("-o,--output", simulate.output, "run cache (HDF5)")->required();
-    c->add_option("--frames", simulate.frames, "frames in place of the scene's")->check(CLI::Range(1, 1000000));
-    c->add_option("--strands", simulate.strands, "at most this many strands: the largest grid that nests in the scene's")->check(CLI::Range(1, 100000000));
+    c->add_option("--frames", simulate.frames, "frames in place of the scene's")
+        ->check(CLI::Range(1, 1000000));
+    c->add_option("--strands", simulate.strands,
+                  "at most this many strands: the largest grid that nests in the scene's")
+        ->check(CLI::Range(1, 100000000));
     c->add_option("--groom", simulate.groom, "hair file in place of the scene's groom");
-    c->add_option("--precision", simulate.precision, "float | double")->check(CLI::IsMember({"float", "double"}))->capture_default_str();
+    c->add_option("--precision", simulate.precision, "float | double")
+        ->check(CLI::IsMember({"float", "double"}))
+        ->capture_default_str();
     c->add_flag("--dry", simulate.dry, "leave out all that acts on wet hair; the wetness is recorded");
-    c->add_flag("--reference", simulate.reference, "run in double with 160 substeps beside it and report the distance");
+    c->add_flag("--reference", simulate.reference,
+                "run in double with 160 substeps beside it and report the distance");
 
     EncodeOptions encode;
-    c = command("encode", "make training pairs of dry low-resolution and wet high-resolution runs", encode, encode_command);
-    c->add_option("runs", encode.inputs, "DRY.h5 WET.h5, repeatable; for adhesion: scenes to run")->required();
+    c = command("encode", "make training pairs of dry low-resolution and wet high-resolution runs", encode,
+                encode_command);
+    c->add_option("runs", encode.inputs, "DRY.h5 WET.h5, repeatable; for adhesion: scenes to run")
+        ->required();
     c->add_option("-o,--output", encode.output, "pairs file (HDF5)")->required();
-    c->add_option("--codec", encode.codec, "root | strand | adhesion")->check(CLI::IsMember({"root", "strand", "adhesion"}))->capture_default_str();
+    c->add_option("--codec", encode.codec, "root | strand | adhesion")
+        ->check(CLI::IsMember({"root", "strand", "adhesion"}))
+        ->capture_default_str();
 
     TrainOptions train;
     c = command("train", "train a network on pairs", train, train_command);
@@ -82,16 +99,21 @@ int main(int argc, char** argv) {
     c->add_option("pairs", train.pairs, "pairs files")->required();
     c->add_option("-o,--output", train.output, "model (HDF5)")->required();
     c->add_option("--recipe", train.recipe, "recipe file (TOML)");
-    c->add_option("--arch", train.architecture, "strand_mlp | unet_vgg19 | recursive_residual | adhesion_mlp");
+    c->add_option("--arch", train.architecture,
+                  "strand_mlp | unet_vgg19 | recursive_residual | adhesion_mlp");
     c->add_option("--width", train.width, "multiplier of the network's width")->check(CLI::PositiveNumber);
     c->add_flag("--resume", train.resume, "go on from OUTPUT.checkpoint");
 
     InferOptions infer;
-    c = command("infer", "predict wet high-resolution hair from a dry low-resolution run", infer, infer_command);
-    c->add_option("input", infer.input, "DRY.h5, or a scene whose dry low-resolution run is made first")->required();
+    c = command("infer", "predict wet high-resolution hair from a dry low-resolution run", infer,
+                infer_command);
+    c->add_option("input", infer.input, "DRY.h5, or a scene whose dry low-resolution run is made first")
+        ->required();
     c->add_option("--model", infer.model, "trained model (HDF5)");
-    c->add_option("--interpolate", infer.interpolate, "without a network: nearest | quad | core")->check(CLI::IsMember({"nearest", "quad", "core"}));
-    c->add_option("--reconstruct", infer.reconstruct, "for a model of the root codec: paper | core")->check(CLI::IsMember({"paper", "core"}));
+    c->add_option("--interpolate", infer.interpolate, "without a network: nearest | quad | core")
+        ->check(CLI::IsMember({"nearest", "quad", "core"}));
+    c->add_option("--reconstruct", infer.reconstruct, "for a model of the root codec: paper | core")
+        ->check(CLI::IsMember({"paper", "core"}));
     c->add_option("--wetness", infer.wetness, "scene whose wetness and cohesion to predict for");
     c->add_option("-o,--output", infer.output, "run cache (HDF5)")->required();
 
@@ -99,37 +121,52 @@ int main(int argc, char** argv) {
     c = command("compare", "error and run time of runs against a reference", compare, compare_command);
     c->add_option("reference", compare.reference, "REFERENCE.h5")->required();
     c->add_option("others", compare.others, "OTHER.h5")->required();
-    c->add_option("--first-frame", compare.first_frame, "leave out the frames before this one")->check(CLI::NonNegativeNumber);
+    c->add_option("--first-frame", compare.first_frame, "leave out the frames before this one")
+        ->check(CLI::NonNegativeNumber);
 
     RenderOptions render;
     c = command("render", "draw runs, side by side, without a window", render, render_command);
     c->add_option("runs", render.runs, "RUN.h5")->required();
     c->add_option("-o,--output", render.output, "out.png, out.mp4 or out.webm")->required();
     c->add_option("--frame", render.frame, "one frame (default: all for a video, the last for a picture)");
-    c->add_option("--width", render.width, "of one panel [pixels]")->check(CLI::Range(64, 8192))->capture_default_str();
-    c->add_option("--height", render.height, "of one panel [pixels]")->check(CLI::Range(64, 8192))->capture_default_str();
+    c->add_option("--width", render.width, "of one panel [pixels]")
+        ->check(CLI::Range(64, 8192))
+        ->capture_default_str();
+    c->add_option("--height", render.height, "of one panel [pixels]")
+        ->check(CLI::Range(64, 8192))
+        ->capture_default_str();
     c->add_option("--yaw", render.yaw, "of the camera around the head [degrees]")->capture_default_str();
     c->add_flag("--saturation", render.saturation, "colour by saturation (red wet, blue dry)");
     c->add_flag("!--no-labels", render.labels, "no text under the panels");
 
     ImportOptions import;
-    c = command("import", "read a hair file, report on it, write it in another format", import, import_command);
+    c = command("import", "read a hair file, report on it, write it in another format", import,
+                import_command);
     c->add_option("input", import.input, ".hair .data .bin .ply .tfx")->required();
     c->add_option("output", import.output, ".hair or .data; none: report only");
-    c->add_option("--units", import.units, "of the file")->check(CLI::IsMember({"m", "cm", "mm", "auto"}))->capture_default_str();
+    c->add_option("--units", import.units, "of the file")
+        ->check(CLI::IsMember({"m", "cm", "mm", "auto"}))
+        ->capture_default_str();
     c->add_option("--up", import.up, "axis")->check(CLI::IsMember({"y", "z"}))->capture_default_str();
-    c->add_option("--resample", import.resample, "particles a strand; 0: as it is")->check(CLI::Range(0, 100000));
-    c->add_option("--scalp", import.scalp, "head mesh in the units of the hair: depth of roots, and the grid laid on it");
+    c->add_option("--resample", import.resample, "particles a strand; 0: as it is")
+        ->check(CLI::Range(0, 100000));
+    c->add_option("--scalp", import.scalp,
+                  "head mesh in the units of the hair: depth of roots, and the grid laid on it");
 
     InspectOptions inspect;
-    c = command("inspect", "say what a file holds, or what a scene names and leaves out", inspect, inspect_command);
-    c->add_option("what", inspect.what, "scene | run | pairs | model | terms | device")->required()->check(CLI::IsMember({"scene", "run", "pairs", "model", "terms", "device"}));
+    c = command("inspect", "say what a file holds, or what a scene names and leaves out", inspect,
+                inspect_command);
+    c->add_option("what", inspect.what, "scene | run | pairs | model | terms | device")
+        ->required()
+        ->check(CLI::IsMember({"scene", "run", "pairs", "model", "terms", "device"}));
     c->add_option("file", inspect.file, "the file");
-    c->add_option("-o,--output", inspect.output, "pairs: write the geometry images of the last frame as PNG, by this name's stem");
+    c->add_option("-o,--output", inspect.output,
+                  "pairs: write the geometry images of the last frame as PNG, by this name's stem");
 
     try {
         app.parse(argc, argv);
-        for (CommonOptions* o : std::initializer_list<CommonOptions*>{&simulate, &encode, &train, &infer, &compare, &render, &import, &inspect})
+        for (CommonOptions* o : std::initializer_list<CommonOptions*>{&simulate, &encode, &train, &infer,
+                                                                      &compare, &render, &import, &inspect})
             apply(shared, *o);
         return run();
     } catch (const CLI::ParseError& e) {

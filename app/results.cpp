@@ -37,7 +37,11 @@ Json time_statistics(std::vector<double> t) {
     const double mean = std::accumulate(t.begin(), t.end(), 0.0) / double(n);
     double square = 0;
     for (double x : t) square += (x - mean) * (x - mean);
-    return {{"mean", mean}, {"median", (t[(n - 1) / 2] + t[n / 2]) / 2}, {"min", t.front()}, {"max", t.back()}, {"std", std::sqrt(square / double(n))}};
+    return {{"mean", mean},
+            {"median", (t[(n - 1) / 2] + t[n / 2]) / 2},
+            {"min", t.front()},
+            {"max", t.back()},
+            {"std", std::sqrt(square / double(n))}};
 }
 
 static volatile std::sig_atomic_t interrupt_count = 0;

@@ -15,14 +15,16 @@ static std::shared_ptr<const Scene> scene_of(const RunHeader& header) {
     if (!scene) {
         SceneOptions options;
         options.stride = header.stride;
-        scene = std::make_shared<Scene>(parse_scene(header.scene, "the run's scene", header.scene_folder, options));
+        scene = std::make_shared<Scene>(
+            parse_scene(header.scene, "the run's scene", header.scene_folder, options));
     }
     return scene;
 }
 
 std::vector<PosedMesh> solids_of(const RunHeader& header, const RunFrame& frame, double time) {
     std::vector<PosedMesh> out;
-    for (const auto& solid : scene_of(header)->solids) out.push_back({triangulated(solid.shape), solid.at(time, frame.head)});
+    for (const auto& solid : scene_of(header)->solids)
+        out.push_back({triangulated(solid.shape), solid.at(time, frame.head)});
     return out;
 }
 

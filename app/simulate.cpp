@@ -35,8 +35,10 @@ int simulate_command(const SimulateOptions& o) {
     if (o.dry) make_dry(scene);
     std::string precision = o.precision;
     // Measured on chains: a float factorisation loses its digits above this.
-    if (const double number = stiffness_number(scene); number > 1e5 && precision == "float" && scene.integrator.kind == "implicit") {
-        log_warning(fmt::format("h² k / m is {:.2g}, above what single precision can factor (1e5): running in double", number));
+    if (const double number = stiffness_number(scene);
+        number > 1e5 && precision == "float" && scene.integrator.kind == "implicit") {
+        log_warning(fmt::format(
+            "h² k / m is {:.2g}, above what single precision can factor (1e5): running in double", number));
         precision = "double";
     }
     Scene fine = scene;
@@ -46,7 +48,9 @@ int simulate_command(const SimulateOptions& o) {
     auto network = adhesion_model_of(scene, o.device, o.threads);
     simulation->use_adhesion_model(network.get());
 
-    RunWriter writer(o.output, header_of(scene, *simulation, acts_wet(scene) ? "simulated wet" : "simulated dry"), o.overwrite);
+    RunWriter writer(o.output,
+                     header_of(scene, *simulation, acts_wet(scene) ? "simulated wet" : "simulated dry"),
+                     o.overwrite);
     InterruptGuard guard;
     Progress progress("simulate", scene.frames, "frame");
     RunFrame frame, exact;
@@ -75,40 +79,45 @@ int simulate_command(const SimulateOptions& o) {
     const Presence presence = presence_of(scene);
     size_t bytes = 0;
     for (const auto& b : simulation->buffers()) bytes += b.bytes;
-    Json json{{"frames", done},
-              {"strands", scene.groom.rest.count},
-              {"particles_per_strand", scene.groom.rest.particles},
-              {"seconds_per_frame", time_statistics(seconds)},
-              {"output_seconds_per_frame", output_seconds / std::max(1, done)},
-              {"device", "cpu"},
-              {"threads", o.threads},
-              {"precision", precision},
-              {"terms_present", presence.present},
-              {"terms_absent", presence.absent},
-              {"substeps", scene.integrator.substeps},
-              {"neighbours_mean", simulation->neighbours_mean()},
-              {"limited_edges", simulation->limited_edges()},
-              {"peak_bytes", bytes},
-              {"bytes_per_particle", double(bytes) / (double(scene.groom.rest.count) * scene.groom.rest.particles)},
-              {"diverged", diverged.has_value()}};
+    Json json{
+        {"frames", done},
+        {"strands", scene.groom.rest.count},
+        {"particles_per_strand", scene.groom.rest.particles},
+        {"seconds_per_frame", time_statistics(seconds)},
+        {"output_seconds_per_frame", output_seconds / std::max(1, done)},
+        {"device", "cpu"},
+        {"threads", o.threads},
+        {"precision", precision},
+        {"terms_present", presence.present},
+        {"terms_absent", presence.absent},
+        {"substeps", scene.integrator.substeps},
+        {"neighbours_mean", simulation->neighbours_mean()},
+        {"limited_edges", simulation->limited_edges()},
+        {"peak_bytes", bytes},
+        {"bytes_per_particle", double(bytes) / (double(scene.groom.rest.count) * scene.groom.rest.particles)},
+        {"diverged", diverged.has_value()}};
     if (!errors.empty())
-        json["error_mm"] = {{"mean", std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size())},
-                            {"last", errors.back()},
-                            {"max", *std::max_element(errors.begin(), errors.end())}};
+        json["error_mm"] = {
+            {"mean", std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size())},
+            {"last", errors.back()},
+            {"max", *std::max_element(errors.begin(), errors.end())}};
     write_json(json, o.json);
     if (diverged) {
-        throw Error(fmt::format("the run diverged at frame {}, strand {}, largest term '{}'; {} frames are kept in {}.partial "
-                                "(more [integrator] substeps, or less stiffness, may help)",
-                                done, diverged->strand, diverged->largest_term, done, o.output));
+        throw Error(fmt::format(
+            "the run diverged at frame {}, strand {}, largest term '{}'; {} frames are kept in {}.partial "
+            "(more [integrator] substeps, or less stiffness, may help)",
+            done, diverged->strand, diverged->largest_term, done, o.output));
     }
     if (guard.interrupted()) {
         log_warning(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
         return 130;
     }
-    log_info(fmt::format("{}: {} strands x {} particles, {} frames, median {:.1f} ms a frame, {:.0f} bytes a particle; present: {}",
-                         o.output, scene.groom.rest.count, scene.groom.rest.particles, done,
-                         1000 * json["seconds_per_frame"]["median"].get<double>(), json["bytes_per_particle"].get<double>(),
-                         fmt::join(presence.present, ", ")));
+    log_info(
+        fmt::format("{}: {} strands x {} particles, {} frames, median {:.1f} ms a frame, {:.0f} bytes a "
+                    "particle; present: {}",
+                    o.output, scene.groom.rest.count, scene.groom.rest.particles, done,
+                    1000 * json["seconds_per_frame"]["median"].get<double>(),
+                    json["bytes_per_particle"].get<double>(), fmt::join(presence.present, ", ")));
     return 0;
 }
 

@@ -37,7 +37,10 @@ int train_command(const TrainOptions& o) {
     if (status != 0) return status;
 
     const ModelCard card = network_module().card(o.output);
-    Json json{{"model", o.output}, {"architecture", card.architecture}, {"codec", card.codec}, {"parameters", card.parameters}};
+    Json json{{"model", o.output},
+              {"architecture", card.architecture},
+              {"codec", card.codec},
+              {"parameters", card.parameters}};
     for (const auto& [name, value] : card.numbers) json[name] = value;
     write_json(json, o.json);
     if (o.json != "-") {

@@ -55,8 +55,10 @@ void include_files(toml::table& table, const fs::path& folder, const std::string
     const toml::node* node = table.get("include");
     if (!node) return;
     const auto line = node->source().begin.line;
-    if (depth > 8) throw Misuse(fmt::format("{}:{}: include: nested deeper than 8 files (a circle?)", name, line));
-    if (!node->is_string()) throw Misuse(fmt::format("{}:{}: include: a file name in quotes is needed", name, line));
+    if (depth > 8)
+        throw Misuse(fmt::format("{}:{}: include: nested deeper than 8 files (a circle?)", name, line));
+    if (!node->is_string())
+        throw Misuse(fmt::format("{}:{}: include: a file name in quotes is needed", name, line));
     const fs::path path = folder / node->as_string()->get();
     if (!fs::exists(path))
         throw Misuse(fmt::format("{}:{}: include: no file '{}'", name, line, path.string()));
@@ -68,13 +70,20 @@ void include_files(toml::table& table, const fs::path& folder, const std::string
 
 const char* type_name(const toml::node& n) {
     switch (n.type()) {
-        case toml::node_type::table: return "a table";
-        case toml::node_type::array: return "an array";
-        case toml::node_type::string: return "a string";
-        case toml::node_type::integer: return "an integer";
-        case toml::node_type::floating_point: return "a number";
-        case toml::node_type::boolean: return "true or false";
-        default: return "a date or time";
+        case toml::node_type::table:
+            return "a table";
+        case toml::node_type::array:
+            return "an array";
+        case toml::node_type::string:
+            return "a string";
+        case toml::node_type::integer:
+            return "an integer";
+        case toml::node_type::floating_point:
+            return "a number";
+        case toml::node_type::boolean:
+            return "true or false";
+        default:
+            return "a date or time";
     }
 }
 
@@ -89,7 +98,9 @@ std::string shown(const toml::node& n) {
     return out.str();
 }
 
-std::string joined(const std::string& path, const std::string& key) { return path.empty() ? key : path + "." + key; }
+std::string joined(const std::string& path, const std::string& key) {
+    return path.empty() ? key : path + "." + key;
+}
 
 }  // namespace
 
@@ -150,9 +161,11 @@ static void find_unused(const toml::node& node, const std::string& path, const s
             out.emplace_back(path, int(t->source().begin.line));
             return;
         }
-        for (const auto& [key, value] : *t) find_unused(value, joined(path, std::string(key.str())), used, out);
+        for (const auto& [key, value] : *t)
+            find_unused(value, joined(path, std::string(key.str())), used, out);
     } else if (const auto* a = node.as_array(); a && a->is_array_of_tables() && used.count(path)) {
-        for (size_t i = 0; i < a->size(); ++i) find_unused(*a->get(i), fmt::format("{}[{}]", path, i), used, out);
+        for (size_t i = 0; i < a->size(); ++i)
+            find_unused(*a->get(i), fmt::format("{}[{}]", path, i), used, out);
     } else if (!used.count(path)) {
         out.emplace_back(path, int(node.source().begin.line));
     }
@@ -168,7 +181,8 @@ void Config::require_all_used() const {
     const std::string prefix = dot == std::string::npos ? "" : path.substr(0, dot + 1);
     std::vector<std::string> siblings;
     for (const auto& u : body_->used)
-        if (u.rfind(prefix, 0) == 0 && u.find('.', prefix.size()) == std::string::npos) siblings.push_back(u.substr(prefix.size()));
+        if (u.rfind(prefix, 0) == 0 && u.find('.', prefix.size()) == std::string::npos)
+            siblings.push_back(u.substr(prefix.size()));
     throw Misuse(fmt::format("{}: unknown or unused key '{}'{}",
                              line > 0 ? fmt::format("{}:{}", body_->name, line) : "--set", path,
                              did_you_mean(path.substr(prefix.size()), siblings)));
@@ -192,20 +206,23 @@ std::string Table::where(const std::string& key) const {
     if (at && !key.empty())
         if (const toml::node* child = as_table(node_)->get(key)) at = child;
     const int line = at ? int(at->source().begin.line) : 0;
-    return line > 0 ? fmt::format("{}:{}: {}", body_->name, line, path) : fmt::format("{}: {}", body_->name, path);
+    return line > 0 ? fmt::format("{}:{}: {}", body_->name, line, path)
+                    : fmt::format("{}: {}", body_->name, path);
 }
 
-void Table::fail(const std::string& key, const std::string& message) const { throw Misuse(where(key) + ": " + message); }
+void Table::fail(const std::string& key, const std::string& message) const {
+    throw Misuse(where(key) + ": " + message);
+}
 
 bool Table::has(const std::string& key) const { return node_ && as_table(node_)->contains(key); }
 
-
 // Marks `key` as used and finds its node, null where absent.
-#define WETCURL_TAKE(key)                                 \
-    body_->used.insert(joined(path_, key));               \
+#define WETCURL_TAKE(key)                   \
+    body_->used.insert(joined(path_, key)); \
     const toml::node* n = node_ ? as_table(node_)->get(key) : nullptr
 
-static double finite_in(const Table& t, const std::string& key, double v, const std::string& found, double minimum, double maximum) {
+static double finite_in(const Table& t, const std::string& key, double v, const std::string& found,
+                        double minimum, double maximum) {
     if (!std::isfinite(v) || v < minimum || v > maximum)
         t.fail(key, fmt::format("found {}, allowed {} to {}", found, minimum, maximum));
     return v;
@@ -214,7 +231,8 @@ static double finite_in(const Table& t, const std::string& key, double v, const 
 double Table::number(const std::string& key, double fallback, double minimum, double maximum) const {
     WETCURL_TAKE(key);
     if (!n) return fallback;
-    if (!n->is_number()) fail(key, fmt::format("found {} ({}), a number is needed", shown(*n), type_name(*n)));
+    if (!n->is_number())
+        fail(key, fmt::format("found {} ({}), a number is needed", shown(*n), type_name(*n)));
     return finite_in(*this, key, *n->value<double>(), shown(*n), minimum, maximum);
 }
 
@@ -229,7 +247,8 @@ std::optional<double> Table::optional_number(const std::string& key, double mini
 long Table::integer(const std::string& key, long fallback, long minimum, long maximum) const {
     WETCURL_TAKE(key);
     if (!n) return fallback;
-    if (!n->is_integer()) fail(key, fmt::format("found {} ({}), a whole number is needed", shown(*n), type_name(*n)));
+    if (!n->is_integer())
+        fail(key, fmt::format("found {} ({}), a whole number is needed", shown(*n), type_name(*n)));
     const long v = long(n->as_integer()->get());
     if (v < minimum || v > maximum) fail(key, fmt::format("found {}, allowed {} to {}", v, minimum, maximum));
     return v;
@@ -238,26 +257,30 @@ long Table::integer(const std::string& key, long fallback, long minimum, long ma
 bool Table::boolean(const std::string& key, bool fallback) const {
     WETCURL_TAKE(key);
     if (!n) return fallback;
-    if (!n->is_boolean()) fail(key, fmt::format("found {} ({}), true or false is needed", shown(*n), type_name(*n)));
+    if (!n->is_boolean())
+        fail(key, fmt::format("found {} ({}), true or false is needed", shown(*n), type_name(*n)));
     return n->as_boolean()->get();
 }
 
 std::string Table::text(const std::string& key, const std::string& fallback) const {
     WETCURL_TAKE(key);
     if (!n) return fallback;
-    if (!n->is_string()) fail(key, fmt::format("found {} ({}), a string is needed", shown(*n), type_name(*n)));
+    if (!n->is_string())
+        fail(key, fmt::format("found {} ({}), a string is needed", shown(*n), type_name(*n)));
     return n->as_string()->get();
 }
 
-std::string Table::choice(const std::string& key, const std::string& fallback, const std::vector<std::string>& allowed) const {
+std::string Table::choice(const std::string& key, const std::string& fallback,
+                          const std::vector<std::string>& allowed) const {
     const std::string found = text(key, fallback);
     for (const auto& a : allowed)
         if (a == found) return found;
-    fail(key, fmt::format("found '{}', allowed: {}{}", found, fmt::join(allowed, ", "), did_you_mean(found, allowed)));
+    fail(key, fmt::format("found '{}', allowed: {}{}", found, fmt::join(allowed, ", "),
+                          did_you_mean(found, allowed)));
 }
 
-std::vector<double> Table::numbers(const std::string& key, const std::vector<double>& fallback, double minimum,
-                                   double maximum) const {
+std::vector<double> Table::numbers(const std::string& key, const std::vector<double>& fallback,
+                                   double minimum, double maximum) const {
     WETCURL_TAKE(key);
     if (!n) return fallback;
     const auto* a = n->as_array();
@@ -265,7 +288,8 @@ std::vector<double> Table::numbers(const std::string& key, const std::vector<dou
         fail(key, fmt::format("found {}, {} numbers in brackets are needed", shown(*n), fallback.size()));
     std::vector<double> out;
     for (const auto& e : *a) {
-        if (!e.is_number()) fail(key, fmt::format("found {} ({}), numbers are needed", shown(e), type_name(e)));
+        if (!e.is_number())
+            fail(key, fmt::format("found {} ({}), numbers are needed", shown(e), type_name(e)));
         out.push_back(finite_in(*this, key, *e.value<double>(), shown(e), minimum, maximum));
     }
     return out;

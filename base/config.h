@@ -1,5 +1,6 @@
 // Scene and recipe files: TOML with the place of every value, typed getters with ranges, and a record of
-// what was read, so that an unknown or unused key is an error. toml++ stands behind it, in one translation unit.
+// what was read, so that an unknown or unused key is an error. toml++ stands behind it, in one translation
+// unit.
 #pragma once
 
 #include <memory>
@@ -47,9 +48,11 @@ class Table {
     bool boolean(const std::string& key, bool fallback) const;
     std::string text(const std::string& key, const std::string& fallback) const;
     // One of `allowed`.
-    std::string choice(const std::string& key, const std::string& fallback, const std::vector<std::string>& allowed) const;
+    std::string choice(const std::string& key, const std::string& fallback,
+                       const std::vector<std::string>& allowed) const;
     // Exactly `fallback.size()` numbers.
-    std::vector<double> numbers(const std::string& key, const std::vector<double>& fallback, double minimum, double maximum) const;
+    std::vector<double> numbers(const std::string& key, const std::vector<double>& fallback, double minimum,
+                                double maximum) const;
     std::optional<double> optional_number(const std::string& key, double minimum, double maximum) const;
     // A path, made absolute from the file's folder; "" where absent.
     std::string path(const std::string& key) const;

@@ -54,7 +54,8 @@ hid_t intermediate_groups() {
 
 std::string shape_text(const std::vector<size_t>& shape) {
     std::string s = "(";
-    for (size_t i = 0; i < shape.size(); ++i) s += (i ? ", " : "") + (shape[i] ? std::to_string(shape[i]) : "any");
+    for (size_t i = 0; i < shape.size(); ++i)
+        s += (i ? ", " : "") + (shape[i] ? std::to_string(shape[i]) : "any");
     return s + ")";
 }
 
@@ -83,7 +84,9 @@ template <class T>
 void H5Writer::write(const std::string& name, const T* data, const std::vector<size_t>& shape) {
     auto dims = dims_of(shape);
     Handle space(H5Screate_simple(int(dims.size()), dims.data(), nullptr), H5Sclose);
-    Handle set(H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+    Handle set(
+        H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose);
     check(set >= 0, path_, "dataset '" + name + "' cannot be made");
     check(H5Dwrite(set, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path_,
           "dataset '" + name + "' cannot be written (disk full?)");
@@ -101,7 +104,9 @@ void H5Writer::append(const std::string& name, const T* data, const std::vector<
         Handle space(H5Screate_simple(rank, none.data(), limit.data()), H5Sclose);
         Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
         H5Pset_chunk(plist, rank, row.data());
-        Handle made(H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), plist, H5P_DEFAULT), H5Dclose);
+        Handle made(
+            H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), plist, H5P_DEFAULT),
+            H5Dclose);
         check(made >= 0, path_, "dataset '" + name + "' cannot be made");
     }
     Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
@@ -126,14 +131,14 @@ void H5Writer::attribute(const std::string& name, const std::string& value) {
     H5Tset_cset(type, H5T_CSET_UTF8);
     Handle space(H5Screate(H5S_SCALAR), H5Sclose);
     // Long texts (a whole scene) do not fit in an object header: a dataset holds them.
-    Handle set(H5Dcreate2(file_, ("about/" + name).c_str(), type, space, intermediate_groups(), H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+    Handle set(H5Dcreate2(file_, ("about/" + name).c_str(), type, space, intermediate_groups(), H5P_DEFAULT,
+                          H5P_DEFAULT),
+               H5Dclose);
     check(set >= 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.c_str()) >= 0, path_,
           "attribute '" + name + "' cannot be written");
 }
 
-void H5Writer::attribute(const std::string& name, double value) {
-    write("about/" + name, &value, {1});
-}
+void H5Writer::attribute(const std::string& name, double value) { write("about/" + name, &value, {1}); }
 
 void H5Writer::flush() { H5Fflush(file_, H5F_SCOPE_GLOBAL); }
 
@@ -151,7 +156,8 @@ H5Reader::H5Reader(const std::string& path, const std::string& format, int versi
     if (!fs::exists(path)) throw Error(path + ": no such file");
     if (fs::is_directory(path)) throw Error(path + ": found a folder, a '" + format + "' file is needed");
     if (fs::file_size(path) == 0) throw Error(path + ": the file is empty");
-    if (H5Fis_hdf5(path.c_str()) <= 0) throw Error(path + ": found no HDF5 file, a '" + format + "' file is needed");
+    if (H5Fis_hdf5(path.c_str()) <= 0)
+        throw Error(path + ": found no HDF5 file, a '" + format + "' file is needed");
     file_ = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     check(file_ >= 0, path, "is cut short or damaged (HDF5 cannot open it)");
     try {
@@ -160,7 +166,8 @@ H5Reader::H5Reader(const std::string& path, const std::string& format, int versi
         check(found == format, path, "found a '" + found + "' file, a '" + format + "' file is needed");
         const int v = int(number("version"));
         check(v >= 1 && v <= version, path,
-              "found version " + std::to_string(v) + ", allowed 1 to " + std::to_string(version) + " (made by a newer wetcurl?)");
+              "found version " + std::to_string(v) + ", allowed 1 to " + std::to_string(version) +
+                  " (made by a newer wetcurl?)");
     } catch (...) {
         H5Fclose(file_);
         throw;
@@ -188,7 +195,8 @@ std::vector<size_t> H5Reader::shape(const std::string& name) const {
 
 static void check_same_kind(hid_t set, hid_t wanted, const std::string& path, const std::string& name) {
     Handle type(H5Dget_type(set), H5Tclose);
-    check(H5Tget_class(type) == H5Tget_class(wanted), path, "dataset '" + name + "' holds another type of values");
+    check(H5Tget_class(type) == H5Tget_class(wanted), path,
+          "dataset '" + name + "' holds another type of values");
 }
 
 template <class T>
@@ -211,7 +219,8 @@ std::vector<T> H5Reader::read(const std::string& name, const std::vector<size_t>
               "dataset '" + name + "' claims an absurd size " + shape_text(found));
         count *= found[i];
     }
-    check(fits, path_, "dataset '" + name + "' has shape " + shape_text(found) + ", needed " + shape_text(wanted));
+    check(fits, path_,
+          "dataset '" + name + "' has shape " + shape_text(found) + ", needed " + shape_text(wanted));
     Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
     check_same_kind(set, type_of<T>(), path_, name);
     std::vector<T> out(count);
@@ -225,7 +234,8 @@ std::vector<T> H5Reader::read(const std::string& name, const std::vector<size_t>
 template <class T>
 void H5Reader::read_row(const std::string& name, size_t row, T* out) const {
     const auto found = shape(name);
-    check(!found.empty() && row < found[0], path_, "dataset '" + name + "' has no row " + std::to_string(row));
+    check(!found.empty() && row < found[0], path_,
+          "dataset '" + name + "' has no row " + std::to_string(row));
     Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
     check_same_kind(set, type_of<T>(), path_, name);
     std::vector<hsize_t> start(found.size(), 0), count(found.begin(), found.end());
@@ -245,7 +255,8 @@ std::string H5Reader::text(const std::string& attribute) const {
     check(has(name), path_, "attribute '" + attribute + "' is missing");
     Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
     Handle type(H5Dget_type(set), H5Tclose);
-    check(H5Tget_class(type) == H5T_STRING && !H5Tis_variable_str(type), path_, "attribute '" + attribute + "' is no text");
+    check(H5Tget_class(type) == H5T_STRING && !H5Tis_variable_str(type), path_,
+          "attribute '" + attribute + "' is no text");
     std::string value(H5Tget_size(type), '\0');
     check(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()) >= 0, path_,
           "attribute '" + attribute + "' cannot be read");
@@ -273,9 +284,9 @@ std::vector<std::string> H5Reader::list(const std::string& group) const {
     return names;
 }
 
-#define WETCURL_FOR(T)                                                                              \
-    template void H5Writer::write<T>(const std::string&, const T*, const std::vector<size_t>&);     \
-    template void H5Writer::append<T>(const std::string&, const T*, const std::vector<size_t>&);    \
+#define WETCURL_FOR(T)                                                                               \
+    template void H5Writer::write<T>(const std::string&, const T*, const std::vector<size_t>&);      \
+    template void H5Writer::append<T>(const std::string&, const T*, const std::vector<size_t>&);     \
     template std::vector<T> H5Reader::read<T>(const std::string&, const std::vector<size_t>&) const; \
     template void H5Reader::read_row<T>(const std::string&, size_t, T*) const;
 WETCURL_FOR(float)

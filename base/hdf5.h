@@ -19,11 +19,14 @@ class H5Writer {
     H5Writer(const H5Writer&) = delete;
     H5Writer& operator=(const H5Writer&) = delete;
 
-    // Row-major data; `name` may hold groups ("groom/points"), which are made. T: float, double, int32_t, int64_t, uint8_t.
+    // Row-major data; `name` may hold groups ("groom/points"), which are made. T: float, double, int32_t,
+    // int64_t, uint8_t.
     template <class T>
     void write(const std::string& name, const T* data, const std::vector<size_t>& shape);
     template <class T>
-    void write(const std::string& name, const std::vector<T>& data) { write(name, data.data(), {data.size()}); }
+    void write(const std::string& name, const std::vector<T>& data) {
+        write(name, data.data(), {data.size()});
+    }
     // Appends one row of `shape` to the extendable dataset `name` (made on first use, one chunk a row).
     template <class T>
     void append(const std::string& name, const T* data, const std::vector<size_t>& shape);
@@ -40,7 +43,8 @@ class H5Writer {
 
 class H5Reader {
   public:
-    // Throws Error where the file is missing, empty, cut short, foreign, of another format or a newer version.
+    // Throws Error where the file is missing, empty, cut short, foreign, of another format or a newer
+    // version.
     H5Reader(const std::string& path, const std::string& format, int version);
     ~H5Reader();
     H5Reader(const H5Reader&) = delete;

@@ -16,8 +16,8 @@ static spdlog::logger& logger() {
 }
 
 void set_log_level(LogLevel level) {
-    constexpr spdlog::level::level_enum map[] = {spdlog::level::debug, spdlog::level::info, spdlog::level::warn,
-                                                 spdlog::level::err, spdlog::level::off};
+    constexpr spdlog::level::level_enum map[] = {spdlog::level::debug, spdlog::level::info,
+                                                 spdlog::level::warn, spdlog::level::err, spdlog::level::off};
     logger().set_level(map[int(level)]);
 }
 void log_debug(const std::string& text) { logger().debug(text); }

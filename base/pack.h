@@ -34,8 +34,7 @@ struct Pack {
     Pack() = default;
     Pack(Register r) : v(r) {}
     template <class U>
-        requires std::is_arithmetic_v<U>
-    Pack(U u) : v(Register{} + T(u)) {}
+    requires std::is_arithmetic_v<U> Pack(U u) : v(Register{} + T(u)) {}
 
     T operator[](int lane) const { return v[lane]; }
     void set(int lane, T t) { v[lane] = t; }
@@ -45,9 +44,18 @@ struct Pack {
     friend Pack operator*(Pack a, Pack b) { return a.v * b.v; }
     friend Pack operator/(Pack a, Pack b) { return a.v / b.v; }
     friend Pack operator-(Pack a) { return -a.v; }
-    Pack& operator+=(Pack b) { v += b.v; return *this; }
-    Pack& operator-=(Pack b) { v -= b.v; return *this; }
-    Pack& operator*=(Pack b) { v *= b.v; return *this; }
+    Pack& operator+=(Pack b) {
+        v += b.v;
+        return *this;
+    }
+    Pack& operator-=(Pack b) {
+        v -= b.v;
+        return *this;
+    }
+    Pack& operator*=(Pack b) {
+        v *= b.v;
+        return *this;
+    }
     friend Mask operator<(Pack a, Pack b) { return a.v < b.v; }
     friend Mask operator>(Pack a, Pack b) { return a.v > b.v; }
     friend Mask operator<=(Pack a, Pack b) { return a.v <= b.v; }

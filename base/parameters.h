@@ -22,7 +22,8 @@ struct Parameter {
 // Fills every member from `table`, or with its default where the key is absent.
 template <class Owner, size_t N>
 void read_parameters(Owner& owner, const Parameter<Owner> (&rows)[N], Table table) {
-    for (const auto& row : rows) owner.*row.member = table.number(row.key, row.fallback, row.minimum, row.maximum);
+    for (const auto& row : rows)
+        owner.*row.member = table.number(row.key, row.fallback, row.minimum, row.maximum);
 }
 
 }  // namespace wetcurl

@@ -12,8 +12,12 @@ static bool quiet_everywhere = false;
 void Progress::set_quiet(bool quiet) { quiet_everywhere = quiet; }
 
 Progress::Progress(std::string what, long total, std::string unit)
-    : what_(std::move(what)), unit_(std::move(unit)), total_(total), live_(isatty(STDERR_FILENO)),
-      start_(Clock::now()), last_(start_) {}
+    : what_(std::move(what)),
+      unit_(std::move(unit)),
+      total_(total),
+      live_(isatty(STDERR_FILENO)),
+      start_(Clock::now()),
+      last_(start_) {}
 
 Progress::~Progress() {
     if (open_line_) std::fputc('\n', stderr);
@@ -29,8 +33,9 @@ void Progress::update(long done, const std::string& note) {
     const double elapsed = std::chrono::duration<double>(now - start_).count();
     const double rate = elapsed > 0 ? done / elapsed : 0;
     const double left = rate > 0 ? (total_ - done) / rate : 0;
-    std::string tail = fmt::format("{}/{} {}s, {:.3g} {}s/s, {} {:.0f} s{}{}", done, total_, unit_, rate, unit_,
-                                   last ? "took" : "left", last ? elapsed : left, note.empty() ? "" : ", ", note);
+    std::string tail =
+        fmt::format("{}/{} {}s, {:.3g} {}s/s, {} {:.0f} s{}{}", done, total_, unit_, rate, unit_,
+                    last ? "took" : "left", last ? elapsed : left, note.empty() ? "" : ", ", note);
     if (live_) {
         constexpr int width = 24;
         int filled = total_ > 0 ? int(width * done / total_) : width;

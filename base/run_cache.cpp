@@ -32,8 +32,11 @@ struct RunWriter::Body {
 };
 
 RunWriter::RunWriter(const std::string& path, const RunHeader& h, bool overwrite)
-    : body_(new Body{{path, run_format, run_version, overwrite}, size_t(h.groom.rest.count), size_t(h.groom.rest.particles),
-                     h.energy_kinds.size(), h.stages.size()}) {
+    : body_(new Body{{path, run_format, run_version, overwrite},
+                     size_t(h.groom.rest.count),
+                     size_t(h.groom.rest.particles),
+                     h.energy_kinds.size(),
+                     h.stages.size()}) {
     H5Writer& f = body_->file;
     f.attribute("scene", h.scene);
     f.attribute("scene_folder", h.scene_folder);
@@ -60,7 +63,8 @@ RunWriter::~RunWriter() = default;
 void RunWriter::append(const RunFrame& frame) {
     H5Writer& f = body_->file;
     const size_t s = body_->strands, n = body_->particles;
-    if (cells(frame.positions) != s * n) throw Error(f.path() + ": a frame of another number of particles than the groom's");
+    if (cells(frame.positions) != s * n)
+        throw Error(f.path() + ": a frame of another number of particles than the groom's");
     f.append("positions", floats(frame.positions), {s, n, 3});
     if (frame.displayed.count) f.append("displayed", floats(frame.displayed), {s, n, 3});
     if (body_->energies) f.append("energy", frame.energy.data(), {body_->energies});
@@ -73,7 +77,9 @@ void RunWriter::append(const RunFrame& frame) {
     f.append("seconds", &frame.seconds, {1});
     f.flush();
 }
-void RunWriter::attribute(const std::string& name, const std::string& value) { body_->file.attribute(name, value); }
+void RunWriter::attribute(const std::string& name, const std::string& value) {
+    body_->file.attribute(name, value);
+}
 void RunWriter::commit() { body_->file.commit(); }
 
 struct RunReader::Body {
@@ -83,7 +89,8 @@ struct RunReader::Body {
     std::vector<double> head, seconds;
 };
 
-RunReader::RunReader(const std::string& path) : body_(new Body{{path, run_format, run_version}, {}, 0, {}, {}}) {
+RunReader::RunReader(const std::string& path)
+    : body_(new Body{{path, run_format, run_version}, {}, 0, {}, {}}) {
     const H5Reader& f = body_->file;
     RunHeader& h = body_->header;
     h.scene = f.text("scene");
@@ -103,7 +110,8 @@ RunReader::RunReader(const std::string& path) : body_(new Body{{path, run_format
     h.terms_absent = f.text("terms_absent");
     if (!(h.fps > 0) || h.stride < 1) throw Error(path + ": fps and stride must be positive");
     const auto points = f.shape("groom/points");
-    if (points.size() != 3 || points[0] == 0 || points[1] < 2 || points[2] != 3 || points[0] > 100'000'000 || points[1] > 100'000)
+    if (points.size() != 3 || points[0] == 0 || points[1] < 2 || points[2] != 3 || points[0] > 100'000'000 ||
+        points[1] > 100'000)
         throw Error(path + ": dataset 'groom/points' must be (strands ≥ 1, particles ≥ 2, 3)");
     h.groom.rest = Strands(int(points[0]), int(points[1]));
     const auto rest = f.read<float>("groom/points");
@@ -117,12 +125,14 @@ RunReader::RunReader(const std::string& path) : body_(new Body{{path, run_format
     std::vector<char> seen(points[0], 0);
     for (int s : h.groom.grid.strand)
         if (s < -1 || s >= int(points[0]) || (s >= 0 && seen[size_t(s)]++))
-            throw Error(path + ": dataset 'groom/grid' names strand " + std::to_string(s) + " twice or out of range");
+            throw Error(path + ": dataset 'groom/grid' names strand " + std::to_string(s) +
+                        " twice or out of range");
     if (f.has("saturation")) h.saturation = f.read<float>("saturation", {points[0], points[1]});
     if (f.has("positions")) {
         const auto shape = f.shape("positions");
         if (shape.size() != 4 || shape[1] != points[0] || shape[2] != points[1] || shape[3] != 3)
-            throw Error(path + ": dataset 'positions' must be (frames, strands, particles, 3) of the groom's size");
+            throw Error(path +
+                        ": dataset 'positions' must be (frames, strands, particles, 3) of the groom's size");
         body_->frames = int(shape[0]);
         const size_t n = shape[0];
         body_->head = f.read<double>("head", {n, 7});
@@ -144,7 +154,8 @@ const std::string& RunReader::path() const { return body_->file.path(); }
 RunFrame RunReader::frame(int index) const {
     const H5Reader& f = body_->file;
     if (index < 0 || index >= body_->frames)
-        throw Error(f.path() + ": found frame " + std::to_string(index) + ", allowed 0 to " + std::to_string(body_->frames - 1));
+        throw Error(f.path() + ": found frame " + std::to_string(index) + ", allowed 0 to " +
+                    std::to_string(body_->frames - 1));
     const size_t row = size_t(index);
     const Strands& rest = body_->header.groom.rest;
     RunFrame out;
@@ -153,8 +164,9 @@ RunFrame RunReader::frame(int index) const {
         f.read_row(name, row, &s.points.data()->x);
         for (size_t i = 0; i < s.points.size(); ++i)
             if (!std::isfinite(s.points[i].x + s.points[i].y + s.points[i].z))
-                throw Error(f.path() + ": dataset '" + name + "', frame " + std::to_string(index) + ", strand " +
-                            std::to_string(i / size_t(rest.particles)) + ": found a position that is not finite");
+                throw Error(f.path() + ": dataset '" + name + "', frame " + std::to_string(index) +
+                            ", strand " + std::to_string(i / size_t(rest.particles)) +
+                            ": found a position that is not finite");
         return s;
     };
     out.positions = read_strands("positions");

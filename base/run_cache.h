@@ -17,29 +17,29 @@ inline constexpr int run_version = 1;
 
 // What is the same for all frames.
 struct RunHeader {
-    std::string scene;        // the resolved scene, TOML
-    std::string scene_folder; // where its relative paths start
-    std::string method;       // "simulated dry", "simulated wet", "strand_mlp", "quad interpolation"…
+    std::string scene;         // the resolved scene, TOML
+    std::string scene_folder;  // where its relative paths start
+    std::string method;        // "simulated dry", "simulated wet", "strand_mlp", "quad interpolation"…
     std::string device = "cpu";
     double fps = 24;
     unsigned long long seed = 0;
-    Groom groom;                    // rest strands, head frame
-    int stride = 1;                 // of this run's grid in the scene's full grid (2: every second root each way)
-    std::vector<float> saturation;  // (strand, particle); empty for a run without wetness
-    std::vector<std::string> energy_kinds;  // names of the columns of `energy`; empty: not recorded
-    std::vector<std::string> stages;        // names of the columns of `stage_seconds`
-    std::vector<std::string> inputs;        // "file hash" of what it was made from
+    Groom groom;     // rest strands, head frame
+    int stride = 1;  // of this run's grid in the scene's full grid (2: every second root each way)
+    std::vector<float> saturation;            // (strand, particle); empty for a run without wetness
+    std::vector<std::string> energy_kinds;    // names of the columns of `energy`; empty: not recorded
+    std::vector<std::string> stages;          // names of the columns of `stage_seconds`
+    std::vector<std::string> inputs;          // "file hash" of what it was made from
     std::string terms_present, terms_absent;  // comma-separated
 };
 
 struct RunFrame {
-    Pose head;                       // of the head (and what is attached to it) at this frame
-    Strands positions;               // p, metres, world
-    Strands displayed;               // p^w of Eq 10; count 0 where the run has no cohesion
-    std::vector<float> energy;       // one a kind [J]
+    Pose head;                  // of the head (and what is attached to it) at this frame
+    Strands positions;          // p, metres, world
+    Strands displayed;          // p^w of Eq 10; count 0 where the run has no cohesion
+    std::vector<float> energy;  // one a kind [J]
     std::vector<float> stage_seconds;
-    std::vector<uint8_t> contact;    // (strand, particle), 1 in contact; may be empty
-    double seconds = 0;              // run time of this frame, file output left out
+    std::vector<uint8_t> contact;  // (strand, particle), 1 in contact; may be empty
+    double seconds = 0;            // run time of this frame, file output left out
     // What is seen: p^w where there is one, p elsewhere.
     const Strands& seen() const { return displayed.count ? displayed : positions; }
 };
@@ -63,7 +63,7 @@ class RunReader {
     ~RunReader();
     const RunHeader& header() const;
     int frames() const;
-    RunFrame frame(int f) const;  // 0 ≤ f < frames()
+    RunFrame frame(int f) const;          // 0 ≤ f < frames()
     std::vector<double> seconds() const;  // (frame)
     const std::string& path() const;
 

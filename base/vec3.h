@@ -9,22 +9,40 @@ namespace wetcurl {
 template <class S>
 struct Vec3 {
     S x, y, z;
-    WETCURL_HD friend Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-    WETCURL_HD friend Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+    WETCURL_HD friend Vec3 operator+(const Vec3& a, const Vec3& b) {
+        return {a.x + b.x, a.y + b.y, a.z + b.z};
+    }
+    WETCURL_HD friend Vec3 operator-(const Vec3& a, const Vec3& b) {
+        return {a.x - b.x, a.y - b.y, a.z - b.z};
+    }
     WETCURL_HD friend Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
     WETCURL_HD friend Vec3 operator*(const S& s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
-    WETCURL_HD Vec3& operator+=(const Vec3& b) { x += b.x; y += b.y; z += b.z; return *this; }
-    WETCURL_HD Vec3& operator-=(const Vec3& b) { x -= b.x; y -= b.y; z -= b.z; return *this; }
+    WETCURL_HD Vec3& operator+=(const Vec3& b) {
+        x += b.x;
+        y += b.y;
+        z += b.z;
+        return *this;
+    }
+    WETCURL_HD Vec3& operator-=(const Vec3& b) {
+        x -= b.x;
+        y -= b.y;
+        z -= b.z;
+        return *this;
+    }
 };
 
 template <class S>
-WETCURL_HD S dot(const Vec3<S>& a, const Vec3<S>& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+WETCURL_HD S dot(const Vec3<S>& a, const Vec3<S>& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class S>
 WETCURL_HD Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class S>
-WETCURL_HD S norm(const Vec3<S>& a) { return sqrt(dot(a, a)); }
+WETCURL_HD S norm(const Vec3<S>& a) {
+    return sqrt(dot(a, a));
+}
 template <class M, class S>
 WETCURL_HD Vec3<S> select(M m, const Vec3<S>& a, const Vec3<S>& b) {
     return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
@@ -37,7 +55,9 @@ WETCURL_HD Vec3<S> normalized(const Vec3<S>& a, const Vec3<S>& otherwise) {
     return select(good, (S(1) / maximum(n, S(tiny_length<S>))) * a, otherwise);
 }
 template <class S, class U>
-WETCURL_HD Vec3<S> cast(const Vec3<U>& a) { return {S(a.x), S(a.y), S(a.z)}; }
+WETCURL_HD Vec3<S> cast(const Vec3<U>& a) {
+    return {S(a.x), S(a.y), S(a.z)};
+}
 
 using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
@@ -47,7 +67,12 @@ template <class S>
 struct Sym3 {
     S xx, xy, xz, yy, yz, zz;
     WETCURL_HD Sym3& operator+=(const Sym3& b) {
-        xx += b.xx; xy += b.xy; xz += b.xz; yy += b.yy; yz += b.yz; zz += b.zz;
+        xx += b.xx;
+        xy += b.xy;
+        xz += b.xz;
+        yy += b.yy;
+        yz += b.yz;
+        zz += b.zz;
         return *this;
     }
     WETCURL_HD friend Vec3<S> operator*(const Sym3& m, const Vec3<S>& v) {
@@ -56,25 +81,44 @@ struct Sym3 {
     }
 };
 template <class S>
-WETCURL_HD Sym3<S> identity_times(const S& s) { return {s, S(0), S(0), s, S(0), s}; }
+WETCURL_HD Sym3<S> identity_times(const S& s) {
+    return {s, S(0), S(0), s, S(0), s};
+}
 // a I + b n n^T
 template <class S>
 WETCURL_HD Sym3<S> isotropic_plus_outer(const S& a, const S& b, const Vec3<S>& n) {
-    return {a + b * n.x * n.x, b * n.x * n.y, b * n.x * n.z, a + b * n.y * n.y, b * n.y * n.z, a + b * n.z * n.z};
+    return {a + b * n.x * n.x, b * n.x * n.y, b * n.x * n.z,
+            a + b * n.y * n.y, b * n.y * n.z, a + b * n.z * n.z};
 }
 
 // General 3x3 matrix by rows.
 template <class S>
 struct Mat3 {
     Vec3<S> r0, r1, r2;
-    WETCURL_HD friend Vec3<S> operator*(const Mat3& m, const Vec3<S>& v) { return {dot(m.r0, v), dot(m.r1, v), dot(m.r2, v)}; }
-    WETCURL_HD Mat3& operator+=(const Mat3& b) { r0 += b.r0; r1 += b.r1; r2 += b.r2; return *this; }
-    WETCURL_HD Mat3& operator-=(const Mat3& b) { r0 -= b.r0; r1 -= b.r1; r2 -= b.r2; return *this; }
+    WETCURL_HD friend Vec3<S> operator*(const Mat3& m, const Vec3<S>& v) {
+        return {dot(m.r0, v), dot(m.r1, v), dot(m.r2, v)};
+    }
+    WETCURL_HD Mat3& operator+=(const Mat3& b) {
+        r0 += b.r0;
+        r1 += b.r1;
+        r2 += b.r2;
+        return *this;
+    }
+    WETCURL_HD Mat3& operator-=(const Mat3& b) {
+        r0 -= b.r0;
+        r1 -= b.r1;
+        r2 -= b.r2;
+        return *this;
+    }
 };
 template <class S>
-WETCURL_HD Vec3<S> transposed_times(const Mat3<S>& m, const Vec3<S>& v) { return v.x * m.r0 + v.y * m.r1 + v.z * m.r2; }
+WETCURL_HD Vec3<S> transposed_times(const Mat3<S>& m, const Vec3<S>& v) {
+    return v.x * m.r0 + v.y * m.r1 + v.z * m.r2;
+}
 template <class S>
-WETCURL_HD Mat3<S> to_mat3(const Sym3<S>& m) { return {{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}}; }
+WETCURL_HD Mat3<S> to_mat3(const Sym3<S>& m) {
+    return {{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}};
+}
 
 // Unit quaternion: a rotation.
 template <class S>
@@ -90,7 +134,9 @@ using Quatf = Quat<float>;
 using Quatd = Quat<double>;
 
 template <class S>
-WETCURL_HD Quat<S> conjugate(const Quat<S>& q) { return {q.w, -q.x, -q.y, -q.z}; }
+WETCURL_HD Quat<S> conjugate(const Quat<S>& q) {
+    return {q.w, -q.x, -q.y, -q.z};
+}
 template <class S>
 WETCURL_HD Vec3<S> rotate(const Quat<S>& q, const Vec3<S>& v) {
     Vec3<S> u{q.x, q.y, q.z};
@@ -103,7 +149,9 @@ WETCURL_HD Quat<S> normalized(const Quat<S>& q) {
     return {s * q.w, s * q.x, s * q.y, s * q.z};
 }
 template <class S, class U>
-WETCURL_HD Quat<S> cast(const Quat<U>& q) { return {S(q.w), S(q.x), S(q.y), S(q.z)}; }
+WETCURL_HD Quat<S> cast(const Quat<U>& q) {
+    return {S(q.w), S(q.x), S(q.y), S(q.z)};
+}
 
 // A vector perpendicular to unit n (not normalised; its length is at least 0.5).
 template <class S>

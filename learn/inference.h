@@ -9,7 +9,8 @@
 
 namespace wetcurl {
 
-// `threads` 0: all of the machine's. Throws Error for a bad file or an absent device, Misuse for another device name.
+// `threads` 0: all of the machine's. Throws Error for a bad file or an absent device, Misuse for another
+// device name.
 std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads);
 
 }  // namespace wetcurl

@@ -12,12 +12,13 @@ class Network {
   public:
     virtual ~Network() = default;
     virtual const ModelCard& card() const = 0;
-    // input (B, C, H, W), row-major in host memory, C = card().input_channels, in the units of the pairs file:
-    // normalisation happens inside. output (B, card().output_channels, H * upscale, W * upscale), allocated by the
-    // caller: codec root gives the colours up(input) + residual (Eq 17; any H, W: the network pads to its multiple of
-    // 32 and crops), codec strand the residual coefficients [m] over the base, codec adhesion the scaled F.n.
-    // Per-strand and per-particle networks take any grid, (P, C, 1, 1) for P masked pixels too; the latter costs
-    // no transposition. Throws Error for a wrong C. Not for two threads at once.
+    // input (B, C, H, W), row-major in host memory, C = card().input_channels, in the units of the pairs
+    // file: normalisation happens inside. output (B, card().output_channels, H * upscale, W * upscale),
+    // allocated by the caller: codec root gives the colours up(input) + residual (Eq 17; any H, W: the
+    // network pads to its multiple of 32 and crops), codec strand the residual coefficients [m] over the
+    // base, codec adhesion the scaled F.n. Per-strand and per-particle networks take any grid, (P, C, 1, 1)
+    // for P masked pixels too; the latter costs no transposition. Throws Error for a wrong C. Not for two
+    // threads at once.
     virtual void run(const float* input, std::array<long, 4> shape, float* output) = 0;
 };
 

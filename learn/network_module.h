@@ -15,9 +15,9 @@ namespace wetcurl {
 struct TrainRequest {
     std::string kind;                // sr | adhesion
     std::vector<std::string> pairs;  // pairs files of one codec
-    std::string output;              // the model; OUTPUT.checkpoint and OUTPUT.jsonl stand beside it meanwhile
-    std::string recipe;              // TOML file, "" for the defaults
-    std::vector<std::string> set;    // key.path=value over the recipe
+    std::string output;            // the model; OUTPUT.checkpoint and OUTPUT.jsonl stand beside it meanwhile
+    std::string recipe;            // TOML file, "" for the defaults
+    std::vector<std::string> set;  // key.path=value over the recipe
     // These go before the recipe where they are given.
     std::string architecture;  // "" : the recipe's
     double width = 0;          // 0: the recipe's
@@ -35,7 +35,8 @@ struct TrainRequest {
 struct NetworkModule {
     virtual ~NetworkModule() = default;
     // Throws Error for a bad model file or an absent device, Misuse for an unknown device name.
-    virtual std::unique_ptr<Network> load(const std::string& path, const std::string& device, int threads) = 0;
+    virtual std::unique_ptr<Network> load(const std::string& path, const std::string& device,
+                                          int threads) = 0;
     // The card alone, without a network being made.
     virtual ModelCard card(const std::string& path) = 0;
     // Exit status: 0 done, 130 interrupted with a checkpoint left. Throws Error (bad pairs, diverged loss) or
@@ -43,8 +44,8 @@ struct NetworkModule {
     virtual int train(const TrainRequest& request) = 0;
 };
 
-// Opens libwetcurl_networks on first use: beside the executable, else in ../lib. Throws Error where it is not there
-// or does not load. The module, and so every Network, lives until the program ends.
+// Opens libwetcurl_networks on first use: beside the executable, else in ../lib. Throws Error where it is not
+// there or does not load. The module, and so every Network, lives until the program ends.
 NetworkModule& network_module();
 
 }  // namespace wetcurl

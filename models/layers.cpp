@@ -11,7 +11,9 @@ namespace wetcurl {
 
 namespace nn = torch::nn;
 
-int scaled_channels(int channels, double width) { return 8 * std::max(1, int(std::ceil(channels * width / 8))); }
+int scaled_channels(int channels, double width) {
+    return 8 * std::max(1, int(std::ceil(channels * width / 8)));
+}
 
 long parameter_count(const Model& model) {
     long n = 0;
@@ -51,9 +53,9 @@ Tensor run_layer(nn::Linear& layer, const Tensor& rows) {
     return linear_rows(rows, layer->weight.to(rows.scalar_type()), layer->bias.to(rows.scalar_type()));
 }
 
-// Debian's LibTorch multiplies matrices with the reference BLAS (3 GFLOP/s a core here) but convolves with oneDNN
-// (100): on the CPU the product is written as a 1x1 convolution, channels last, so that nothing is copied. With one
-// thread LibTorch takes oneDNN only from a batch of 16 on, hence the split.
+// Debian's LibTorch multiplies matrices with the reference BLAS (3 GFLOP/s a core here) but convolves with
+// oneDNN (100): on the CPU the product is written as a 1x1 convolution, channels last, so that nothing is
+// copied. With one thread LibTorch takes oneDNN only from a batch of 16 on, hence the split.
 Tensor linear_rows(const Tensor& rows, const Tensor& weight, const Tensor& bias) {
     if (!rows.device().is_cpu()) return torch::linear(rows, weight, bias);
     constexpr long split = 16;
@@ -65,8 +67,9 @@ Tensor linear_rows(const Tensor& rows, const Tensor& weight, const Tensor& bias)
     return y.reshape({count + padding, out}).narrow(0, 0, count);
 }
 
-// Differs from a call of conv_transpose2d: the 2x2 patches do not overlap, so that each pixel gives its own four by a
-// matrix product. The same sums at linear_rows' speed, and right in bfloat16, where 1.13 on the CPU is not.
+// Differs from a call of conv_transpose2d: the 2x2 patches do not overlap, so that each pixel gives its own
+// four by a matrix product. The same sums at linear_rows' speed, and right in bfloat16, where 1.13 on the CPU
+// is not.
 Tensor run_doubling(nn::ConvTranspose2d& layer, const Tensor& x) {
     const long b = x.size(0), h = x.size(2), w = x.size(3), out = layer->weight.size(1);
     const Tensor weight = layer->weight.flatten(1).t().to(x.scalar_type());  // (4 O, C)

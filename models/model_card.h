@@ -17,8 +17,9 @@ struct ModelCard {
     int particles = 0;  // of a strand (codec strand), else 0
     long parameters = 0;
     std::map<std::string, double> numbers;  // validation error, steps… and the pairs' own numbers
-    // Codec strand: input_mean, input_std (input_channels), output_scale (output_channels), applied inside the
-    // network; the mean of a saturation channel is the profile to fall back on. Codec root: b_min, b_max (3) [m].
+    // Codec strand: input_mean, input_std (input_channels), output_scale (output_channels), applied inside
+    // the network; the mean of a saturation channel is the profile to fall back on. Codec root: b_min, b_max
+    // (3) [m].
     std::map<std::string, std::vector<float>> arrays;
     std::string recipe;  // the resolved recipe, TOML
     std::string inputs;  // "file hash" of what it was trained on, one a line

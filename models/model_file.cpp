@@ -17,8 +17,9 @@ std::vector<size_t> shape_of(const Tensor& t) { return {t.sizes().begin(), t.siz
 int count_in(const H5Reader& file, const std::string& name, int minimum, int maximum) {
     const double v = file.number(name);
     if (v != std::floor(v) || v < minimum || v > maximum)
-        throw Error(file.path() + ": " + name + ": found " + std::to_string(v) + ", allowed whole numbers from " +
-                    std::to_string(minimum) + " to " + std::to_string(maximum));
+        throw Error(file.path() + ": " + name + ": found " + std::to_string(v) +
+                    ", allowed whole numbers from " + std::to_string(minimum) + " to " +
+                    std::to_string(maximum));
     return int(v);
 }
 
@@ -28,11 +29,12 @@ ModelCard card_of(const H5Reader& file) {
     card.architecture = file.text("architecture");
     const Architecture* architecture = find_architecture(card.architecture);
     if (!architecture || architecture->codec != card.codec)
-        throw Error(file.path() + ": found architecture '" + card.architecture + "' for codec '" + card.codec +
-                    "', which is not known here (made by a newer wetcurl?)");
+        throw Error(file.path() + ": found architecture '" + card.architecture + "' for codec '" +
+                    card.codec + "', which is not known here (made by a newer wetcurl?)");
     card.width = file.number("width");
     if (!(card.width > 0 && card.width <= 64))
-        throw Error(file.path() + ": width: found " + std::to_string(card.width) + ", allowed above 0, up to 64");
+        throw Error(file.path() + ": width: found " + std::to_string(card.width) +
+                    ", allowed above 0, up to 64");
     card.input_channels = count_in(file, "input_channels", 1, 1 << 16);
     card.output_channels = count_in(file, "output_channels", 1, 1 << 16);
     card.upscale = count_in(file, "upscale", 1, 16);
@@ -40,14 +42,15 @@ ModelCard card_of(const H5Reader& file) {
     card.parameters = count_in(file, "parameters", 1, 2000000000);
     card.recipe = file.text("recipe");
     card.inputs = file.text("inputs");
-    for (const auto& name : file.list("numbers")) card.numbers[name] = file.read<double>("numbers/" + name, {1})[0];
+    for (const auto& name : file.list("numbers"))
+        card.numbers[name] = file.read<double>("numbers/" + name, {1})[0];
     for (const auto& name : file.list("arrays")) card.arrays[name] = file.read<float>("arrays/" + name, {0});
     const Architecture& a = *architecture;
-    if ((a.input_channels && card.input_channels != a.input_channels) || card.output_channels != a.output_channels ||
-        card.upscale != a.upscale)
+    if ((a.input_channels && card.input_channels != a.input_channels) ||
+        card.output_channels != a.output_channels || card.upscale != a.upscale)
         throw Error(file.path() + ": found " + std::to_string(card.input_channels) + " input and " +
-                    std::to_string(card.output_channels) + " output channels, upscale " + std::to_string(card.upscale) +
-                    ", which " + a.name + " does not have");
+                    std::to_string(card.output_channels) + " output channels, upscale " +
+                    std::to_string(card.upscale) + ", which " + a.name + " does not have");
     return card;
 }
 

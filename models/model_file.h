@@ -1,5 +1,5 @@
-// The model file: HDF5 "wetcurl model", version 1. Named single-precision tensors and the card; never an archive
-// of one LibTorch version. Ours.
+// The model file: HDF5 "wetcurl model", version 1. Named single-precision tensors and the card; never an
+// archive of one LibTorch version. Ours.
 #pragma once
 
 #include <memory>
@@ -17,8 +17,8 @@ inline constexpr int model_version = 1;
 
 // Throws Error where it cannot be written, or is there and `overwrite` is false.
 void save_model(const std::string& path, const ModelCard& card, const Model& model, bool overwrite);
-// Throws Error where the file is missing, cut short, foreign, newer, holds a value that is not finite, or weights
-// that do not fit the network it names.
+// Throws Error where the file is missing, cut short, foreign, newer, holds a value that is not finite, or
+// weights that do not fit the network it names.
 ModelCard read_card(const std::string& path);
 std::pair<ModelCard, std::shared_ptr<Model>> load_model(const std::string& path);
 

@@ -23,8 +23,8 @@ Tensor array_of(const ModelCard& card, const std::string& name, int n, float fal
     const auto found = card.arrays.find(name);
     if (found == card.arrays.end()) return torch::full({n}, fallback);
     if (found->second.size() != size_t(n))
-        throw Error("model: array '" + name + "' holds " + std::to_string(found->second.size()) + " values, needed " +
-                    std::to_string(n));
+        throw Error("model: array '" + name + "' holds " + std::to_string(found->second.size()) +
+                    " values, needed " + std::to_string(n));
     return torch::tensor(found->second);
 }
 
@@ -82,7 +82,8 @@ const Architecture& architecture_for(const std::string& name, const std::string&
 
 std::shared_ptr<Model> make_model(const ModelCard& card) {
     const Architecture* architecture = find_architecture(card.architecture);
-    if (!architecture) throw Error("model: found architecture '" + card.architecture + "', which is not known here");
+    if (!architecture)
+        throw Error("model: found architecture '" + card.architecture + "', which is not known here");
     return architecture->make(card);
 }
 

@@ -25,7 +25,8 @@ const std::vector<Architecture>& architectures();
 const Architecture* find_architecture(const std::string& name);
 // Throws Misuse where the name ("" : the codec's default) is unknown, serves another codec or does not scale.
 const Architecture& architecture_for(const std::string& name, const std::string& codec, double width);
-// A fresh network as the card says, initialised from LibTorch's random state; `card.parameters` is not looked at.
+// A fresh network as the card says, initialised from LibTorch's random state; `card.parameters` is not looked
+// at.
 std::shared_ptr<Model> make_model(const ModelCard& card);
 
 // "cpu", "cuda" or "cuda:1". Throws Misuse for another name, Error where there is no such device.

@@ -8,7 +8,8 @@ namespace wetcurl {
 
 class StrandMlp : public Model {
   public:
-    // 256 channels at width 1; `mean`, `deviation` (C) and `scale` (outputs): of the inputs and of the residual.
+    // 256 channels at width 1; `mean`, `deviation` (C) and `scale` (outputs): of the inputs and of the
+    // residual.
     StrandMlp(double width, const Tensor& mean, const Tensor& deviation, const Tensor& scale);
     // (B, C, H, W) in the units of the pairs file to residual amplitudes (B, outputs, H, W) [m].
     Tensor forward(const Tensor& input) override;

@@ -13,7 +13,7 @@ constexpr int multiple = 1 << pools;
 struct Row {
     int channels, convolutions;
 };
-constexpr Row down_table[pools] = {{64, 2}, {128, 2}, {256, 4}, {512, 4}, {512, 4}};  // C1…C5
+constexpr Row down_table[pools] = {{64, 2}, {128, 2}, {256, 4}, {512, 4}, {512, 4}};         // C1…C5
 constexpr Row up_table[pools + 1] = {{64, 4}, {64, 4}, {64, 4}, {64, 2}, {64, 2}, {64, 2}};  // r1…r6
 }  // namespace
 
@@ -40,8 +40,8 @@ UnetVgg19::UnetVgg19(double width) {
         level.name = "r";
         level.name += std::to_string(up_.size() + 1);
         const int out = scaled_channels(row.channels, width);
-        level.doubling = register_module(level.name + "_up",
-                                         nn::ConvTranspose2d(nn::ConvTranspose2dOptions(channels, out, 2).stride(2)));
+        level.doubling = register_module(
+            level.name + "_up", nn::ConvTranspose2d(nn::ConvTranspose2dOptions(channels, out, 2).stride(2)));
         // Each output pixel has one source pixel: the fan is that of a 1x1 layer, without a ReLU behind it.
         nn::init::normal_(level.doubling->weight, 0, 1 / std::sqrt(double(channels)));
         nn::init::zeros_(level.doubling->bias);
@@ -68,7 +68,7 @@ Tensor UnetVgg19::forward(const Tensor& input) {
     x = x.to(body);
     std::vector<Tensor> skips;
     for (auto& level : down_) {
-        skips.push_back(run(level, x));         // (B, C, s, s)
+        skips.push_back(run(level, x));          // (B, C, s, s)
         x = torch::max_pool2d(skips.back(), 2);  // (B, C, s/2, s/2)
     }
     for (auto& level : up_) {

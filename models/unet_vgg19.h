@@ -1,6 +1,6 @@
 // The paper's network on the root codec: VGG19 down, transposed convolutions up, a residual over up(input).
-// Figures 19 and 20, Table 1. All convolutions 5x5, stride 1, padding 2, ReLU but after the last and the doublings;
-// skips are taken before the pool (only that matches Table 1). 60,031,235 parameters at width 1.
+// Figures 19 and 20, Table 1. All convolutions 5x5, stride 1, padding 2, ReLU but after the last and the
+// doublings; skips are taken before the pool (only that matches Table 1). 60,031,235 parameters at width 1.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,8 @@ namespace wetcurl {
 class UnetVgg19 : public Model {
   public:
     explicit UnetVgg19(double width);
-    // (B, 3, h, w) to (B, 3, 2h, 2w); any h and w: padded to multiples of 32 by repeating the edge, then cropped.
+    // (B, 3, h, w) to (B, 3, 2h, 2w); any h and w: padded to multiples of 32 by repeating the edge, then
+    // cropped.
     Tensor forward(const Tensor& input) override;
     // Where set, receives each block's name (C1…C5, r1…r7) and output (before the pool).
     std::function<void(const std::string& block, const Tensor& output)> watch;

@@ -9,8 +9,11 @@
 namespace wetcurl {
 
 Display::Display(const Scene& scene)
-    : scene_(scene), volume_(volumes_of(scene)), rest_depth_(rest_depths_of(scene)),
-      cohesion_(*scene.cohesion, scene.groom.rest.count, scene.groom.rest.particles, volume_, scene.saturation) {}
+    : scene_(scene),
+      volume_(volumes_of(scene)),
+      rest_depth_(rest_depths_of(scene)),
+      cohesion_(*scene.cohesion, scene.groom.rest.count, scene.groom.rest.particles, volume_,
+                scene.saturation) {}
 
 void Display::apply(const Strands& p, const Pose& head, double time, Strands& displayed) {
     const double begin = omp_get_wtime();
@@ -18,7 +21,13 @@ void Display::apply(const Strands& p, const Pose& head, double time, Strands& di
     std::vector<PosedSolid<float>> solids;
     for (const auto& solid : scene_.solids) {
         const Pose pose = solid.at(time, head);
-        solids.push_back({&solid.shape, cast<float>(pose.rotation), cast<float>(pose.translation), {}, {}, 0.f, solid.attached});
+        solids.push_back({&solid.shape,
+                          cast<float>(pose.rotation),
+                          cast<float>(pose.translation),
+                          {},
+                          {},
+                          0.f,
+                          solid.attached});
     }
     const long count = solids.empty() ? 0 : long(displayed.points.size());
 #pragma omp parallel for schedule(static)

@@ -1,5 +1,5 @@
-// What is seen of wet hair: p^w, strands drawn together (Eq 10) and projected out of solids. The simulation shows
-// its frames through it, and so does whoever puts learned strands in its place.
+// What is seen of wet hair: p^w, strands drawn together (Eq 10) and projected out of solids. The simulation
+// shows its frames through it, and so does whoever puts learned strands in its place.
 #pragma once
 
 #include <memory>

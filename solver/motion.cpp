@@ -23,9 +23,11 @@ Motion::Motion(Table t) {
     if (norm(axis_) < 1e-6) t.fail("axis", "found a zero vector, a direction is needed");
     axis_ = normalized(axis_, axis_);
     angle_ = angle * pi / 180;
-    if (period_ == 0 && (angle_ != 0 || norm(shift_) > 0)) t.fail("period", "an oscillation needs a period above 0 [s]");
+    if (period_ == 0 && (angle_ != 0 || norm(shift_) > 0))
+        t.fail("period", "an oscillation needs a period above 0 [s]");
     for (Table k : t.tables("keyframe")) {
-        const auto r = k.numbers("rotation", {0, 0, 0}, -3600, 3600), x = k.numbers("translation", {0, 0, 0}, -1e4, 1e4);
+        const auto r = k.numbers("rotation", {0, 0, 0}, -3600, 3600),
+                   x = k.numbers("translation", {0, 0, 0}, -1e4, 1e4);
         keys_.push_back({k.number("time", 0, 0, 1e6),
                          {r[0] * pi / 180, r[1] * pi / 180, r[2] * pi / 180, x[0], x[1], x[2]}});
     }
@@ -45,7 +47,9 @@ void Motion::read_file(Table t, const std::string& path) {
         for (double& v : k.value) words >> v;
         bool finite = bool(words) && std::isfinite(k.time);
         for (double v : k.value) finite = finite && std::isfinite(v);
-        if (!finite) throw Misuse(path + ":" + std::to_string(number) + ": found '" + line + "', needed: time rx ry rz [degrees] tx ty tz [m]");
+        if (!finite)
+            throw Misuse(path + ":" + std::to_string(number) + ": found '" + line +
+                         "', needed: time rx ry rz [degrees] tx ty tz [m]");
         for (int c = 0; c < 3; ++c) k.value[c] *= pi / 180;
         keys_.push_back(k);
     }
@@ -55,12 +59,14 @@ void Motion::read_file(Table t, const std::string& path) {
 // Slopes of Fritsch and Carlson 1980: C1, and no overshoot beyond the keys.
 void Motion::finish(Table t) {
     for (size_t k = 1; k < keys_.size(); ++k)
-        if (!(keys_[k].time > keys_[k - 1].time)) t.fail("keyframe", "times must grow; keyframe " + std::to_string(k) + " does not");
+        if (!(keys_[k].time > keys_[k - 1].time))
+            t.fail("keyframe", "times must grow; keyframe " + std::to_string(k) + " does not");
     slopes_.assign(keys_.size(), Key{0, {}});
     for (size_t k = 1; k + 1 < keys_.size(); ++k)
         for (int c = 0; c < 6; ++c) {
             const double h0 = keys_[k].time - keys_[k - 1].time, h1 = keys_[k + 1].time - keys_[k].time;
-            const double d0 = (keys_[k].value[c] - keys_[k - 1].value[c]) / h0, d1 = (keys_[k + 1].value[c] - keys_[k].value[c]) / h1;
+            const double d0 = (keys_[k].value[c] - keys_[k - 1].value[c]) / h0,
+                         d1 = (keys_[k + 1].value[c] - keys_[k].value[c]) / h1;
             if (d0 * d1 > 0) slopes_[k].value[c] = 3 * (h0 + h1) / ((2 * h1 + h0) / d0 + (h1 + 2 * h0) / d1);
         }
 }
@@ -68,7 +74,8 @@ void Motion::finish(Table t) {
 Pose Motion::at(double time) const {
     double v[6] = {};
     if (!keys_.empty()) {
-        const auto after = std::upper_bound(keys_.begin(), keys_.end(), time, [](double x, const Key& k) { return x < k.time; });
+        const auto after = std::upper_bound(keys_.begin(), keys_.end(), time,
+                                            [](double x, const Key& k) { return x < k.time; });
         if (after == keys_.begin()) {
             std::copy_n(keys_.front().value, 6, v);
         } else if (after == keys_.end()) {
@@ -77,15 +84,18 @@ Pose Motion::at(double time) const {
             const size_t k = size_t(after - keys_.begin()) - 1;
             const double h = keys_[k + 1].time - keys_[k].time, s = (time - keys_[k].time) / h;
             for (int c = 0; c < 6; ++c)
-                v[c] = (1 + 2 * s) * (1 - s) * (1 - s) * keys_[k].value[c] + s * (1 - s) * (1 - s) * h * slopes_[k].value[c] +
-                       s * s * (3 - 2 * s) * keys_[k + 1].value[c] + s * s * (s - 1) * h * slopes_[k + 1].value[c];
+                v[c] = (1 + 2 * s) * (1 - s) * (1 - s) * keys_[k].value[c] +
+                       s * (1 - s) * (1 - s) * h * slopes_[k].value[c] +
+                       s * s * (3 - 2 * s) * keys_[k + 1].value[c] +
+                       s * s * (s - 1) * h * slopes_[k + 1].value[c];
         }
     }
     Vec3d r{v[0], v[1], v[2]};
     Pose pose{Quatd::identity(), {v[3], v[4], v[5]}};
     if (const double angle = norm(r); angle > 0) pose.rotation = rotation_about((1 / angle) * r, angle);
     if (period_ > 0 && time > start_) {
-        // The sine's own first quarter eases in: its amplitude grows over half a period, so velocity starts at 0.
+        // The sine's own first quarter eases in: its amplitude grows over half a period, so velocity starts
+        // at 0.
         const double run = time - start_, ease = std::min(1.0, run / (0.5 * period_));
         const double s = ease * ease * (3 - 2 * ease) * std::sin(2 * pi * run / period_);
         pose.rotation = rotation_about(axis_, s * angle_) * pose.rotation;

@@ -12,7 +12,8 @@ class Motion {
   public:
     Motion() = default;  // at rest
     // [motion]: any of `rotation` / `translation` oscillations and keyframes
-    //   axis, angle [degrees], shift [m, 3], period [s], start [s]: an oscillation that eases in; pivot [m, 3]
+    //   axis, angle [degrees], shift [m, 3], period [s], start [s]: an oscillation that eases in; pivot [m,
+    //   3]
     //   [[motion.keyframe]] time [s], rotation [degrees, 3: rotation vector], translation [m, 3]
     //   file = "…": lines of `time rx ry rz tx ty tz`
     explicit Motion(Table table);

@@ -12,8 +12,9 @@ namespace {
 
 std::vector<double> core_lengths(const std::vector<Vec3d>& p, double beta) {
     std::vector<double> out(p.size() - 1);
-    smooth_edges<double>(int(out.size()), beta, [&](int i) { return p[size_t(i) + 1] - p[size_t(i)]; },
-                         [&](int i, const Vec3d& b) { out[size_t(i)] = norm(b); });
+    smooth_edges<double>(
+        int(out.size()), beta, [&](int i) { return p[size_t(i) + 1] - p[size_t(i)]; },
+        [&](int i, const Vec3d& b) { out[size_t(i)] = norm(b); });
     return out;
 }
 
@@ -26,18 +27,21 @@ std::vector<double> masses(const Scene& scene, int s, const std::vector<Vec3d>& 
         mass[i + 1] += half;
     }
     if (scene.wetness)
-        for (size_t i = 0; i < n; ++i) mass[i] *= 1 + scene.wetness->absorbed * scene.saturation[size_t(s) * n + i];
+        for (size_t i = 0; i < n; ++i)
+            mass[i] *= 1 + scene.wetness->absorbed * scene.saturation[size_t(s) * n + i];
     return mass;
 }
 
-// The drawn shape as an equilibrium: from the tip, edge i must pass on the weight below it (f_i = G_i - G_{i-1}).
-// What lies along the edge goes to the stretch's rest length, the rest to the bend's target.
-void free_of_sag(const Scene& scene, const std::vector<Vec3d>& p, const std::vector<double>& dry_mass, StrandRest& rest) {
+// The drawn shape as an equilibrium: from the tip, edge i must pass on the weight below it (f_i = G_i -
+// G_{i-1}). What lies along the edge goes to the stretch's rest length, the rest to the bend's target.
+void free_of_sag(const Scene& scene, const std::vector<Vec3d>& p, const std::vector<double>& dry_mass,
+                 StrandRest& rest) {
     const int edges = int(p.size()) - 1;
     const double k_s = scene.term<Stretch>() ? scene.term<Stretch>()->k_s : 0, k_b = scene.term<Bend>()->k_b;
     std::vector<Quatd> frame{root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0}))};
     for (int i = 1; i < edges; ++i)
-        frame.push_back(transported(frame.back(), normalized(p[size_t(i) + 1] - p[size_t(i)], frame_direction(frame.back()))));
+        frame.push_back(transported(
+            frame.back(), normalized(p[size_t(i) + 1] - p[size_t(i)], frame_direction(frame.back()))));
     Vec3d carried{0, 0, 0}, reaction{0, 0, 0};
     for (int i = edges - 1; i >= 1; --i) {
         const size_t k = size_t(i);
@@ -82,8 +86,8 @@ StrandRest rest_state_of(const Scene& scene, int s) {
     if (scene.curl && !scene.curl->printed) {
         const auto dry = rest.target;
         rest.target = curled(*scene.curl, dry, sigma);
-        // From the drawn shape a curl would tighten with its frames untwisted, and end in a tangle: they are carried
-        // through time, and the tighter curl has another twist. So the strand begins as its wet curl.
+        // From the drawn shape a curl would tighten with its frames untwisted, and end in a tangle: they are
+        // carried through time, and the tighter curl has another twist. So the strand begins as its wet curl.
         const Quatd root = root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0}));
         rest.start = shape_from_intrinsic(curled(*scene.curl, intrinsic_shape(p), sigma), p[0], root);
         if (core) {
@@ -103,7 +107,8 @@ std::vector<float> rest_depths_of(const Scene& scene) {
 #pragma omp parallel for schedule(static)
     for (size_t k = 0; k < depth.size(); ++k)
         for (const auto& solid : scene.solids)
-            if (solid.attached) depth[k] = std::min(depth[k], float(distance(solid.shape, cast<double>(points[k])).phi));
+            if (solid.attached)
+                depth[k] = std::min(depth[k], float(distance(solid.shape, cast<double>(points[k])).phi));
     return depth;
 }
 

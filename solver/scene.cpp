@@ -55,7 +55,8 @@ void read_wet(Scene& scene, Table root) {
         scene.curl->pitch = t.optional_number("pitch", 0, 10);
         scene.curl->printed = is_printed(t);
         if (scene.curl->radius.has_value() != scene.curl->pitch.has_value())
-            t.fail(scene.curl->radius ? "radius" : "pitch", "a helix needs both radius and pitch, or neither");
+            t.fail(scene.curl->radius ? "radius" : "pitch",
+                   "a helix needs both radius and pitch, or neither");
         if (scene.curl->printed) {
             if (!scene.curl->radius) t.fail("form", "'printed' needs the radius and pitch of its helix");
             scene.term<CurlPush>().emplace();
@@ -65,7 +66,8 @@ void read_wet(Scene& scene, Table root) {
     read_term(scene.cohesion, root, "cohesion");
     if (scene.cohesion) scene.cohesion->passes = int(root.table("cohesion").integer("passes", 10, 1, 1000));
     for (const char* wet : {"curl", "cohesion", "adhesion"})
-        if (root.has(wet) && !scene.wetness) root.fail(wet, std::string("[") + wet + "] acts on wet hair and needs a [wetness] table");
+        if (root.has(wet) && !scene.wetness)
+            root.fail(wet, std::string("[") + wet + "] acts on wet hair and needs a [wetness] table");
     if (scene.curl && !scene.curl->printed && !scene.term<Bend>())
         root.fail("curl", "[curl] blends the target of [bend], which this scene does not name");
 }
@@ -80,7 +82,8 @@ Solid read_solid(Table t, size_t index) {
     solid.name = t.text("name", "solid " + std::to_string(index));
     const std::string shape = t.choice("shape", "sphere", {"sphere", "capsule", "box", "plane", "mesh"});
     if (shape == "sphere") solid.shape = Sphere{t.number("radius", 0.1, 1e-4, 100)};
-    if (shape == "capsule") solid.shape = Capsule{t.number("half_length", 0.1, 0, 100), t.number("radius", 0.05, 1e-4, 100)};
+    if (shape == "capsule")
+        solid.shape = Capsule{t.number("half_length", 0.1, 0, 100), t.number("radius", 0.05, 1e-4, 100)};
     if (shape == "box") solid.shape = Box{vec3(t.numbers("half", {0.1, 0.1, 0.1}, 1e-4, 100))};
     if (shape == "plane") solid.shape = Plane{};
     if (shape == "mesh") {
@@ -91,13 +94,15 @@ Solid read_solid(Table t, size_t index) {
     const std::string attached = t.choice("attached", "none", {"none", "head"});
     solid.attached = attached == "head";
     solid.friction = t.number("friction", 0.3, 0, 100);
-    if (solid.attached && t.has("motion")) t.fail("motion", "a solid that is attached to the head moves with it");
+    if (solid.attached && t.has("motion"))
+        t.fail("motion", "a solid that is attached to the head moves with it");
     if (!solid.attached) solid.motion = Motion(t.table("motion"));
     return solid;
 }
 
 void read_solids(Scene& scene, Table root, bool wanted) {
-    if (scene.term<Adhesion>() && !root.has("solid")) root.fail("adhesion", "[adhesion] needs a [[solid]] to stick to");
+    if (scene.term<Adhesion>() && !root.has("solid"))
+        root.fail("adhesion", "[adhesion] needs a [[solid]] to stick to");
     const auto tables = root.tables("solid");
     if (wanted)
         for (size_t i = 0; i < tables.size(); ++i) scene.solids.push_back(read_solid(tables[i], i));
@@ -107,7 +112,8 @@ Scene read_scene(Config config, const SceneOptions& options) {
     for (const auto& s : options.set) config.set(s);
     if (options.frames) config.set("frames=" + std::to_string(*options.frames));
     if (options.seed) config.set("seed=" + std::to_string(*options.seed));
-    if (!options.groom.empty()) config.set("groom.file='" + std::filesystem::absolute(options.groom).string() + "'");
+    if (!options.groom.empty())
+        config.set("groom.file='" + std::filesystem::absolute(options.groom).string() + "'");
     Table root = config.root();
     Scene scene;
     scene.title = root.text("title", "");
@@ -136,29 +142,38 @@ Scene read_scene(Config config, const SceneOptions& options) {
     if (auto& core = scene.term<Core>()) core->beta = filter_beta(mean_segment(full), core->alpha_c);
     read_wet(scene, root);
     read_solids(scene, root, options.solids);
-    if (scene.rest == "sag_free" && !scene.term<Bend>()) g.fail("rest", "'sag_free' needs [bend] to carry the weight");
+    if (scene.rest == "sag_free" && !scene.term<Bend>())
+        g.fail("rest", "'sag_free' needs [bend] to carry the weight");
     config.require_all_used();
-    if (!scene.term<Stretch>()) log_warning(root.where() + "no [stretch]: nothing holds the particles of a strand together");
+    if (!scene.term<Stretch>())
+        log_warning(root.where() + "no [stretch]: nothing holds the particles of a strand together");
 
     std::vector<int> kept;
-    if (options.stride > 0) scene.stride = options.stride;
-    else if (options.strands) thinned(full, *options.strands, &scene.stride);
+    if (options.stride > 0)
+        scene.stride = options.stride;
+    else if (options.strands)
+        thinned(full, *options.strands, &scene.stride);
     scene.groom = coarsened(full, scene.stride, &kept);
     if (scene.groom.rest.count == 0) throw Error(scene.title + ": no strand is left in the groom");
     if (scene.wetness) {
         // Patterns are laid on the full groom, so that a thinned run is as wet as its twin.
         const auto sigma = saturation_of(*scene.wetness, full, scene.seed);
         const size_t n = size_t(full.rest.particles);
-        for (int s : kept) scene.saturation.insert(scene.saturation.end(), sigma.begin() + long(size_t(s) * n), sigma.begin() + long(size_t(s + 1) * n));
+        for (int s : kept)
+            scene.saturation.insert(scene.saturation.end(), sigma.begin() + long(size_t(s) * n),
+                                    sigma.begin() + long(size_t(s + 1) * n));
     }
     return scene;
 }
 
 }  // namespace
 
-Scene load_scene(const std::string& path, const SceneOptions& options) { return read_scene(Config::load(path), options); }
+Scene load_scene(const std::string& path, const SceneOptions& options) {
+    return read_scene(Config::load(path), options);
+}
 
-Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder, const SceneOptions& options) {
+Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder,
+                  const SceneOptions& options) {
     return read_scene(Config::parse(text, name, folder), options);
 }
 

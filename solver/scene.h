@@ -29,8 +29,8 @@ struct Solid {
     std::string name;
     Shape shape;
     Motion motion;
-    bool attached = false;    // to the head
-    double friction = 0.3;    // Coulomb
+    bool attached = false;  // to the head
+    double friction = 0.3;  // Coulomb
     Pose at(double time, const Pose& head) const { return attached ? head : motion.at(time); }
 };
 
@@ -47,19 +47,23 @@ struct Scene {
     std::optional<Wetness> wetness;
     std::optional<Curl> curl;
     std::optional<Cohesion> cohesion;
-    std::string adhesion_model;      // file of a network in Eq 11's place; "": Eq 11
+    std::string adhesion_model;  // file of a network in Eq 11's place; "": Eq 11
     Motion motion;
     std::vector<Solid> solids;
 
-    Groom groom;                     // of this run: the full groom, thinned by `stride`
+    Groom groom;  // of this run: the full groom, thinned by `stride`
     int stride = 1;
-    std::vector<float> saturation;   // (strand, particle); empty without wetness
-    std::string text, folder;        // the resolved TOML, and where its relative paths start
+    std::vector<float> saturation;  // (strand, particle); empty without wetness
+    std::string text, folder;       // the resolved TOML, and where its relative paths start
 
     template <class Term>
-    std::optional<Term>& term() { return std::get<std::optional<Term>>(chain); }
+    std::optional<Term>& term() {
+        return std::get<std::optional<Term>>(chain);
+    }
     template <class Term>
-    const std::optional<Term>& term() const { return std::get<std::optional<Term>>(chain); }
+    const std::optional<Term>& term() const {
+        return std::get<std::optional<Term>>(chain);
+    }
     bool has_attached_solid() const {
         for (const auto& s : solids)
             if (s.attached) return true;
@@ -68,18 +72,19 @@ struct Scene {
 };
 
 struct SceneOptions {
-    std::vector<std::string> set;           // key.path=value
-    std::optional<int> frames, strands;     // --frames, --strands
+    std::vector<std::string> set;        // key.path=value
+    std::optional<int> frames, strands;  // --frames, --strands
     std::optional<unsigned long long> seed;
-    std::string groom;                      // a hair file in place of the scene's groom
-    int stride = 0;                         // exactly this stride of the full grid, where above 0
-    bool solids = true;                     // false: leave their files alone
+    std::string groom;   // a hair file in place of the scene's groom
+    int stride = 0;      // exactly this stride of the full grid, where above 0
+    bool solids = true;  // false: leave their files alone
 };
 
-// Reads and checks a scene; builds its groom, wetness and level sets. Throws Misuse (a wrong key or value, with
-// file and line) or Error (bad data).
+// Reads and checks a scene; builds its groom, wetness and level sets. Throws Misuse (a wrong key or value,
+// with file and line) or Error (bad data).
 Scene load_scene(const std::string& path, const SceneOptions& options = {});
-Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder, const SceneOptions& options = {});
+Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder,
+                  const SceneOptions& options = {});
 
 // The scene as a dry one: no wet weight, curl, cohesion, adhesion; its saturation is kept as a record.
 void make_dry(Scene& scene);

@@ -17,7 +17,9 @@ namespace wetcurl {
 Presence presence_of(const Scene& scene) {
     Presence p;
     auto note = [&](bool there, const char* name) { (there ? p.present : p.absent).push_back(name); };
-    std::apply([&](const auto&... term) { (note(term.has_value(), std::decay_t<decltype(*term)>::name), ...); }, scene.chain);
+    std::apply(
+        [&](const auto&... term) { (note(term.has_value(), std::decay_t<decltype(*term)>::name), ...); },
+        scene.chain);
     note(scene.wetness.has_value(), Wetness::name);
     note(scene.curl.has_value(), Curl::name);
     note(scene.cohesion.has_value(), Cohesion::name);
@@ -110,8 +112,12 @@ class CpuSimulation final : public Simulation {
 
 template <class T>
 CpuSimulation<T>::CpuSimulation(const Scene& scene)
-    : scene_(scene), terms_(scene.chain), strands_(scene.groom.rest.count), n_(scene.groom.rest.particles),
-      blocks_((strands_ + lanes - 1) / lanes), dt_(1 / (scene.fps * scene.integrator.substeps)) {
+    : scene_(scene),
+      terms_(scene.chain),
+      strands_(scene.groom.rest.count),
+      n_(scene.groom.rest.particles),
+      blocks_((strands_ + lanes - 1) / lanes),
+      dt_(1 / (scene.fps * scene.integrator.substeps)) {
     for (auto* b : {&x_, &x_before_, &v_, &v_before_}) b->assign(at(blocks_, 0), {S(0), S(0), S(0)});
     place_strands();
 
@@ -151,7 +157,9 @@ void CpuSimulation<T>::place_strands() {
     if (scene_.term<CurlPush>()) push_.resize(cells);
     head_ = head_before_ = scene_.motion.at(0);
 
-    auto put = [](Vec3<S>& to, int lane, const Vec3d& p) { to.x.set(lane, T(p.x)), to.y.set(lane, T(p.y)), to.z.set(lane, T(p.z)); };
+    auto put = [](Vec3<S>& to, int lane, const Vec3d& p) {
+        to.x.set(lane, T(p.x)), to.y.set(lane, T(p.y)), to.z.set(lane, T(p.z));
+    };
 #pragma omp parallel for schedule(dynamic)
     for (int block = 0; block < blocks_; ++block)
         for (int lane = 0; lane < lanes; ++lane) {
@@ -167,7 +175,8 @@ void CpuSimulation<T>::place_strands() {
                 put(x_before_[k], lane, world);
                 if (i < 2) put(root_[size_t(block) * 2 + size_t(i)], lane, p);
                 mass_[k].set(lane, T(rest.mass[size_t(i)]));
-                if (!saturation_.empty()) saturation_[k].set(lane, T(scene_.saturation[size_t(s) * size_t(n_) + size_t(i)]));
+                if (!saturation_.empty())
+                    saturation_[k].set(lane, T(scene_.saturation[size_t(s) * size_t(n_) + size_t(i)]));
                 if (!depth.empty()) rest_depth_[k].set(lane, T(depth[size_t(s) * size_t(n_) + size_t(i)]));
                 if (i + 1 == n_) continue;
                 rest_length_[k].set(lane, T(rest.rest_length[size_t(i)]));
@@ -175,18 +184,22 @@ void CpuSimulation<T>::place_strands() {
                 if (bend) {
                     put(target_[k], lane, rest.target[size_t(i)]);
                     const Vec3d e = head_(rest.start[size_t(i) + 1]) - world;
-                    frame = i == 0 ? head_.rotation * root_frame_of(normalized(rotate(conjugate(head_.rotation), e), Vec3d{1, 0, 0}))
-                                   : transported(frame, normalized(e, frame_direction(frame)));
+                    frame = i == 0
+                                ? head_.rotation * root_frame_of(normalized(
+                                                       rotate(conjugate(head_.rotation), e), Vec3d{1, 0, 0}))
+                                : transported(frame, normalized(e, frame_direction(frame)));
                     frame_[k].w.set(lane, T(frame.w)), frame_[k].x.set(lane, T(frame.x));
                     frame_[k].y.set(lane, T(frame.y)), frame_[k].z.set(lane, T(frame.z));
                 }
                 if (!push_.empty()) {
                     const Curl& curl = *scene_.curl;
-                    const double r = *curl.radius, omega = helix_angle(r, *curl.pitch / (2 * M_PI), rest.rest_length[size_t(i)]);
+                    const double r = *curl.radius, omega = helix_angle(r, *curl.pitch / (2 * M_PI),
+                                                                       rest.rest_length[size_t(i)]);
                     const double weight = curl.w_h * scene_.saturation[size_t(s) * size_t(n_) + size_t(i)];
-                    put(push_[k], lane, weight * Vec3d{*curl.pitch / (2 * M_PI) * omega,
-                                                       r * (std::cos(omega * (i + 1)) - std::cos(omega * i)),
-                                                       r * (std::sin(omega * (i + 1)) - std::sin(omega * i))});
+                    put(push_[k], lane,
+                        weight * Vec3d{*curl.pitch / (2 * M_PI) * omega,
+                                       r * (std::cos(omega * (i + 1)) - std::cos(omega * i)),
+                                       r * (std::sin(omega * (i + 1)) - std::sin(omega * i))});
                 }
             }
         }
@@ -207,7 +220,8 @@ Placement<T> CpuSimulation<T>::placement_at(double time, double dt) const {
         const Pose now = solid.at(time, p.head), before = settling_ ? now : solid.at(time - dt, head_before);
         p.solids.push_back({&solid.shape, cast<T>(now.rotation), cast<T>(now.translation),
                             cast<T>((1 / dt) * (now.translation - before.translation)),
-                            cast<T>(angular_velocity(before.rotation, now.rotation, dt)), T(solid.friction), solid.attached});
+                            cast<T>(angular_velocity(before.rotation, now.rotation, dt)), T(solid.friction),
+                            solid.attached});
     }
     return p;
 }
@@ -245,11 +259,21 @@ void CpuSimulation<T>::step_block(int block, const Placement<T>& p, ChainScratch
     set_root(block, p.head, root);
     const auto& bend = std::get<std::optional<Bend>>(terms_);
     const auto& adhesion = std::get<std::optional<Adhesion>>(terms_);
-    BlockStep<S> step{n_, T(dt_), first_, &x_[k], &x_before_[k], &v_[k], &v_before_[k], root, cast<T>(scene_.integrator.gravity),
-                      cast<T>(p.head.rotation * conjugate(head_.rotation)), bend ? &frame_[k] : nullptr};
+    BlockStep<S> step{n_,
+                      T(dt_),
+                      first_,
+                      &x_[k],
+                      &x_before_[k],
+                      &v_[k],
+                      &v_before_[k],
+                      root,
+                      cast<T>(scene_.integrator.gravity),
+                      cast<T>(p.head.rotation * conjugate(head_.rotation)),
+                      bend ? &frame_[k] : nullptr};
     ChainView<S> view = view_of(block, p.head, head_);
     auto sample = [&](const Vec3<S>* x) {
-        if (adhesion && given_.empty()) sample_nearest(p.solids, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
+        if (adhesion && given_.empty())
+            sample_nearest(p.solids, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
     };
     if (scene_.integrator.kind == "implicit")
         implicit_step(terms_, step, view, scratch, sample);
@@ -270,11 +294,13 @@ void CpuSimulation<T>::step_block(int block, const Placement<T>& p, ChainScratch
         limited_ += limited;
     }
     for (const auto& solid : p.solids)
-        resolve_contact(solid, n_, rest_depth_.empty() ? nullptr : &rest_depth_[k], T(dt_), x, x_old, v, v_old);
+        resolve_contact(solid, n_, rest_depth_.empty() ? nullptr : &rest_depth_[k], T(dt_), x, x_old, v,
+                        v_old);
     if (adhesion) update_touching(n_, &phi_[k], T(adhesion->h_a), &touching_[k]);
     if (bend) {
         transport_frames(n_, &frame_[k], step.root_turn, x, &frame_[k]);
-        if (bend->twist_rate > 0) relax_twist(*bend, n_, x, &target_[k], T(1 - std::exp(-bend->twist_rate * dt_)), &frame_[k]);
+        if (bend->twist_rate > 0)
+            relax_twist(*bend, n_, x, &target_[k], T(1 - std::exp(-bend->twist_rate * dt_)), &frame_[k]);
     }
 }
 
@@ -283,7 +309,8 @@ void CpuSimulation<T>::substep(double time) {
     const Placement<T> p = placement_at(time, dt_);
     if (model_ || records_) evaluate_adhesion();
 #pragma omp parallel for schedule(static)
-    for (int block = 0; block < blocks_; ++block) step_block(block, p, scratch_[size_t(omp_get_thread_num())]);
+    for (int block = 0; block < blocks_; ++block)
+        step_block(block, p, scratch_[size_t(omp_get_thread_num())]);
     std::swap(x_, x_before_);
     std::swap(v_, v_before_);
     head_before_ = head_;
@@ -291,8 +318,8 @@ void CpuSimulation<T>::substep(double time) {
     first_ = scene_.integrator.kind == "explicit";
 }
 
-// The twelve inputs of every particle near a solid, from the state as it is; the network's answers hold for the
-// substep that follows.
+// The twelve inputs of every particle near a solid, from the state as it is; the network's answers hold for
+// the substep that follows.
 template <class T>
 void CpuSimulation<T>::evaluate_adhesion() {
     const Adhesion& term = *std::get<std::optional<Adhesion>>(terms_);
@@ -307,7 +334,9 @@ void CpuSimulation<T>::evaluate_adhesion() {
     std::vector<AdhesionRecord> near;
     std::vector<std::array<int, 3>> where;
     const double speed = 1 / std::sqrt(term.a_max * term.h_a);
-    auto answer = [&](int block, int i, int lane) -> float& { return answers_[at(block, i) * lanes + size_t(lane)]; };
+    auto answer = [&](int block, int i, int lane) -> float& {
+        return answers_[at(block, i) * lanes + size_t(lane)];
+    };
     for (int s = 0; s < strands_; ++s)
         for (int i = 1; i < n_; ++i) {
             const int block = s / lanes, lane = s % lanes;
@@ -408,7 +437,8 @@ void CpuSimulation<T>::snapshot(RunFrame& frame) const {
     for (int block = 0; block < blocks_; ++block) {
         const auto e = energy_of(block);
         for (size_t kind = 0; kind < e.size(); ++kind)
-            for (int lane = 0; lane < lanes && block * lanes + lane < strands_; ++lane) sum[kind] += double(e[kind][lane]);
+            for (int lane = 0; lane < lanes && block * lanes + lane < strands_; ++lane)
+                sum[kind] += double(e[kind][lane]);
     }
     frame.energy.assign(sum.begin(), sum.end());
     frame.contact.clear();
@@ -434,7 +464,10 @@ std::optional<Divergence> CpuSimulation<T>::divergence() const {
             size_t largest = 0;
             for (size_t kind = 0; kind < e.size(); ++kind) {
                 const double value = std::abs(double(e[kind][lane]));
-                if (!std::isfinite(value)) { largest = kind; break; }
+                if (!std::isfinite(value)) {
+                    largest = kind;
+                    break;
+                }
                 if (value > std::abs(double(e[largest][lane]))) largest = kind;
             }
             return Divergence{s, energy_kinds[largest]};
@@ -450,20 +483,24 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
         using Value = typename std::decay_t<decltype(b)>::value_type;
         if (!b.empty()) out.push_back({name, b.capacity() * sizeof(Value)});
     };
-    add("positions", x_), add("positions before", x_before_), add("velocities", v_), add("velocities before", v_before_);
+    add("positions", x_), add("positions before", x_before_), add("velocities", v_),
+        add("velocities before", v_before_);
     add("roots", root_), add("mass", mass_), add("rest lengths", rest_length_);
     add("bend targets", target_), add("bend frames", frame_), add("core lengths", rest_core_);
     add("saturation", saturation_), add("rest depth", rest_depth_), add("printed curl", push_);
     add("adhesion contact", touching_), add("adhesion distance", phi_), add("adhesion normal", normal_);
-    add("adhesion surface velocity", surface_velocity_), add("adhesion given", given_), add("adhesion answers", answers_);
+    add("adhesion surface velocity", surface_velocity_), add("adhesion given", given_),
+        add("adhesion answers", answers_);
     if (display_) {
         out.push_back({"cohesion lists", display_->bytes()});
         add("displayed positions", displayed_.points);
     }
     size_t scratch = 0;
     for (const auto& s : scratch_)
-        scratch += (s.predicted_x.size() + s.predicted_v.size() + s.force.size() + s.term.size()) * sizeof(Vec3<S>) +
-                   s.diagonal.size() * sizeof(Sym3<S>) + (s.upper1.size() + s.upper2.size()) * sizeof(Mat3<S>) + s.frame.size() * sizeof(Quat<S>);
+        scratch +=
+            (s.predicted_x.size() + s.predicted_v.size() + s.force.size() + s.term.size()) * sizeof(Vec3<S>) +
+            s.diagonal.size() * sizeof(Sym3<S>) + (s.upper1.size() + s.upper2.size()) * sizeof(Mat3<S>) +
+            s.frame.size() * sizeof(Quat<S>);
     out.push_back({"scratch of the threads", scratch});
     for (const auto& solid : scene_.solids)
         if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape))

@@ -65,7 +65,8 @@ struct Presence {
 };
 Presence presence_of(const Scene& scene);
 
-// The largest h² k / m of the scene's springs in one substep; above 1e5 a float factorisation is not to be trusted.
+// The largest h² k / m of the scene's springs in one substep; above 1e5 a float factorisation is not to be
+// trusted.
 double stiffness_number(const Scene& scene);
 
 }  // namespace wetcurl

@@ -1,5 +1,6 @@
 // The whole state of a training between two steps: HDF5 "wetcurl checkpoint", version 1.
-// Ours. The order of the data follows from (seed, epoch), so place and recipe stand for sampler and random state.
+// Ours. The order of the data follows from (seed, epoch), so place and recipe stand for sampler and random
+// state.
 #pragma once
 
 #include <string>
@@ -15,12 +16,12 @@ struct TrainingState {
     Tensor weights, first_moment, second_moment;  // (n)
     Tensor best;                                  // (n), weights of the best validation so far
     long optimiser_steps = 0;
-    long epoch = 0, step = 0;     // the next step to be done
-    double loss_sum = 0;          // of this epoch's steps so far
-    double best_loss = 0;         // of `best`
-    long best_epoch = -1;         // -1: none yet
-    long log_position = 0;        // [bytes]
-    std::string recipe, inputs;   // what it was made with: another one cannot go on from here
+    long epoch = 0, step = 0;    // the next step to be done
+    double loss_sum = 0;         // of this epoch's steps so far
+    double best_loss = 0;        // of `best`
+    long best_epoch = -1;        // -1: none yet
+    long log_position = 0;       // [bytes]
+    std::string recipe, inputs;  // what it was made with: another one cannot go on from here
 };
 
 // Written beside its name and renamed when whole: a reader finds the last one or this one, never a part.

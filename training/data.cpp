@@ -52,7 +52,9 @@ void require_finite(const Tensor& values, const std::string& where) {
         throw Error(where + ": found a value that is not finite, only finite numbers are allowed");
 }
 
-std::string run_name(const PairsReader& pairs, int run) { return pairs.path() + ": runs/" + std::to_string(run); }
+std::string run_name(const PairsReader& pairs, int run) {
+    return pairs.path() + ": runs/" + std::to_string(run);
+}
 
 // A frame that a batch can name.
 struct Place {
@@ -63,7 +65,8 @@ struct Place {
 vector<Place> places_of(const vector<long>& frames, const vector<long>& trained, bool held_out) {
     vector<Place> places;
     for (size_t r = 0; r < frames.size(); ++r)
-        for (long f = held_out ? trained[r] : 0; f < (held_out ? frames[r] : trained[r]); ++f) places.push_back({r, f});
+        for (long f = held_out ? trained[r] : 0; f < (held_out ? frames[r] : trained[r]); ++f)
+            places.push_back({r, f});
     return places;
 }
 
@@ -110,11 +113,16 @@ class StrandData : public TrainingData {
         Tensor fixed, dynamic, target;  // (P, Cs), (F, P, Cd), (F, P, 48)
     };
 
-    static vector<float> values(const Tensor& t) { return {t.data_ptr<float>(), t.data_ptr<float>() + t.numel()}; }
+    static vector<float> values(const Tensor& t) {
+        return {t.data_ptr<float>(), t.data_ptr<float>() + t.numel()};
+    }
 
     // (C, H W) to rows of the masked pixels (P, C).
     static Tensor masked_rows(const float* planes, long channels, const Tensor& pixels, long area) {
-        return torch::from_blob(const_cast<float*>(planes), {channels, area}).index_select(1, pixels).t().contiguous();
+        return torch::from_blob(const_cast<float*>(planes), {channels, area})
+            .index_select(1, pixels)
+            .t()
+            .contiguous();
     }
 
     void add_run(const PairsReader& file, int r) {
@@ -136,28 +144,32 @@ class StrandData : public TrainingData {
         out.fixed = masked_rows(run.fixed.data(), run.static_channels, pixels, area);
         out.dynamic = torch::empty({run.frames, count, run.dynamic_channels});
         out.target = torch::empty({run.frames, count, strand_coefficients});
-        vector<float> dynamic(size_t(run.dynamic_channels * area)), target(size_t(strand_coefficients * area));
+        vector<float> dynamic(size_t(run.dynamic_channels * area)),
+            target(size_t(strand_coefficients * area));
         for (int f = 0; f < run.frames; ++f) {
             file.frame(r, f, dynamic.data(), target.data());
             out.dynamic[f].copy_(masked_rows(dynamic.data(), run.dynamic_channels, pixels, area));
             out.target[f].copy_(masked_rows(target.data(), strand_coefficients, pixels, area));
         }
         for (const auto& t : {out.fixed, out.dynamic, out.target}) require_finite(t, where);
-        if (!runs_.empty() && (runs_[0].fixed.size(1) != out.fixed.size(1) || runs_[0].dynamic.size(2) != out.dynamic.size(2)))
+        if (!runs_.empty() &&
+            (runs_[0].fixed.size(1) != out.fixed.size(1) || runs_[0].dynamic.size(2) != out.dynamic.size(2)))
             throw Error(where + ": found other channels than in the first run");
         runs_.push_back(out);
         frames_.push_back(run.frames);
         trained_.push_back(trained_of(run.frames, recipe_.validation, where));
     }
 
-    // Per channel over the frames that training sees, in double: mean and deviation of the inputs, size of the target.
+    // Per channel over the frames that training sees, in double: mean and deviation of the inputs, size of
+    // the target.
     void find_statistics() {
         Tensor sum = torch::zeros({channels()}, torch::kDouble), squares = sum.clone();
         Tensor targets = torch::zeros({strand_coefficients}, torch::kDouble);
         double rows = 0;
         for (const auto& place : train_) {
             const Batch b = of({place});
-            const Tensor x = b.input.flatten(1).to(torch::kDouble), y = b.target.flatten(1).to(torch::kDouble);
+            const Tensor x = b.input.flatten(1).to(torch::kDouble),
+                         y = b.target.flatten(1).to(torch::kDouble);
             sum += x.sum(0);
             squares += x.square().sum(0);
             targets += y.square().sum(0);
@@ -165,7 +177,8 @@ class StrandData : public TrainingData {
         }
         const Tensor mean = sum / rows;
         const Tensor deviation = (squares / rows - mean.square()).clamp_min(0).sqrt();
-        // A channel that never changes taught nothing: it comes in as zero, also where it differs at run time.
+        // A channel that never changes taught nothing: it comes in as zero, also where it differs at run
+        // time.
         constexpr double mute = 1e30;
         const Tensor constant = deviation <= 1e-5 * mean.abs() + 1e-9;
         mean_ = mean.to(torch::kFloat);
@@ -174,7 +187,9 @@ class StrandData : public TrainingData {
         // Amplitudes that hardly move keep a thousandth of the largest, so that none is out of reach.
         scale_ = torch::maximum(size, 1e-3 * size.max()).clamp_min(1e-9).to(torch::kFloat);
         unit_ = length_sum_ / double(strands_);
-        if (!(unit_ > 0)) throw Error("pairs: found a mean strand length of " + std::to_string(unit_) + " m, needed above 0");
+        if (!(unit_ > 0))
+            throw Error("pairs: found a mean strand length of " + std::to_string(unit_) +
+                        " m, needed above 0");
     }
 
     long channels() const { return runs_[0].fixed.size(1) + runs_[0].dynamic.size(2); }
@@ -263,8 +278,11 @@ class RootData : public TrainingData {
         double lower[3], upper[3];
         file.box(lower, upper);
         if (!std::equal(lower, lower + 3, lower_) || !std::equal(upper, upper + 3, upper_))
-            throw Error(file.path() + ": found another box (b_min, b_max) than in the first file; one model has one box: encode the runs together");
-        if (!(unit() > 0) || !std::isfinite(unit())) throw Error(file.path() + ": found an empty box (b_min, b_max)");
+            throw Error(file.path() +
+                        ": found another box (b_min, b_max) than in the first file; one model has one box: "
+                        "encode the runs together");
+        if (!(unit() > 0) || !std::isfinite(unit()))
+            throw Error(file.path() + ": found an empty box (b_min, b_max)");
     }
 
     void add_run(const PairsReader& file, int r) {
@@ -272,7 +290,9 @@ class RootData : public TrainingData {
         const std::string where = run_name(file, r);
         Run out{torch::empty({run.frames, 3, run.height, run.width}),
                 torch::empty({run.frames, 3, 2 * run.height, 2 * run.width}),
-                torch::tensor(vector<int>(run.mask.begin(), run.mask.end())).ne(0).to(torch::kFloat)
+                torch::tensor(vector<int>(run.mask.begin(), run.mask.end()))
+                    .ne(0)
+                    .to(torch::kFloat)
                     .view({1, 1, 2 * run.height, 2 * run.width})};
         for (int f = 0; f < run.frames; ++f)
             file.frame(r, f, out.input[f].data_ptr<float>(), out.target[f].data_ptr<float>());
@@ -329,14 +349,16 @@ class AdhesionData : public TrainingData {
         for (auto* file : pairs)
             for (int r = 0; r < file->runs(); ++r) {
                 const auto samples = file->adhesion(r);
-                const auto split = samples.begin() + trained_of(long(samples.size()), recipe.validation, run_name(*file, r));
+                const auto split =
+                    samples.begin() + trained_of(long(samples.size()), recipe.validation, run_name(*file, r));
                 train.insert(train.end(), samples.begin(), split);
                 held.insert(held.end(), split, samples.end());
             }
         for (size_t s = 0; s < train.size(); ++s) (train[s].contact ? contact_ : free_).push_back(long(s));
         if (contact_.empty() || free_.empty())
-            throw Error(pairs.front()->path() + ": found " + std::to_string(contact_.size()) + " samples in contact and " +
-                        std::to_string(free_.size()) + " free ones to train on, both kinds are needed");
+            throw Error(pairs.front()->path() + ": found " + std::to_string(contact_.size()) +
+                        " samples in contact and " + std::to_string(free_.size()) +
+                        " free ones to train on, both kinds are needed");
         train_ = of(train);
         held_ = of(held);
     }
@@ -352,17 +374,23 @@ class AdhesionData : public TrainingData {
     }
     long steps() const override { return ceil_divide(2 * half(), long(recipe_.batch)); }
     Batch batch(long step) const override {
-        const size_t first = size_t(step * long(recipe_.batch)), last = std::min(first + size_t(recipe_.batch), order_.size());
-        const Tensor chosen = torch::tensor(vector<long>(order_.begin() + long(first), order_.begin() + long(last)));
-        return {train_.input.index_select(0, chosen), train_.target.index_select(0, chosen),
-                train_.base.index_select(0, chosen), {}};
+        const size_t first = size_t(step * long(recipe_.batch)),
+                     last = std::min(first + size_t(recipe_.batch), order_.size());
+        const Tensor chosen =
+            torch::tensor(vector<long>(order_.begin() + long(first), order_.begin() + long(last)));
+        return {train_.input.index_select(0, chosen),
+                train_.target.index_select(0, chosen),
+                train_.base.index_select(0, chosen),
+                {}};
     }
     // The natural distribution.
     long validation_batches() const override { return ceil_divide(held_.input.size(0), rows_a_batch); }
     Batch validation_batch(long i) const override {
         const long first = i * rows_a_batch, count = std::min(rows_a_batch, held_.input.size(0) - first);
-        return {held_.input.narrow(0, first, count), held_.target.narrow(0, first, count),
-                held_.base.narrow(0, first, count), {}};
+        return {held_.input.narrow(0, first, count),
+                held_.target.narrow(0, first, count),
+                held_.base.narrow(0, first, count),
+                {}};
     }
     double unit() const override { return 1; }
 
@@ -370,13 +398,16 @@ class AdhesionData : public TrainingData {
     static constexpr long rows_a_batch = 1 << 16;
     static constexpr long force_before = 7;  // input of particle i: its F.n in the step before
 
-    long half() const { return std::min(long(recipe_.epoch_samples) / 2, long(contact_.size() + free_.size())); }
+    long half() const {
+        return std::min(long(recipe_.epoch_samples) / 2, long(contact_.size() + free_.size()));
+    }
 
     static Batch of(const vector<AdhesionSample>& samples) {
         const long n = long(samples.size());
         Tensor input = torch::empty({n, adhesion_inputs}), target = torch::empty({n, 1});
         for (long s = 0; s < n; ++s) {
-            std::copy_n(samples[size_t(s)].input.data(), adhesion_inputs, input.data_ptr<float>() + s * adhesion_inputs);
+            std::copy_n(samples[size_t(s)].input.data(), adhesion_inputs,
+                        input.data_ptr<float>() + s * adhesion_inputs);
             target.data_ptr<float>()[s] = samples[size_t(s)].target;
         }
         return {image(input), image(target), image(input.narrow(1, force_before, 1)), {}};
@@ -398,13 +429,16 @@ std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, const
     const PairsReader& first = *pairs.front();
     for (auto* file : pairs)
         if (file->codec() != first.codec() || file->particles() != first.particles())
-            throw Error(file->path() + ": found codec " + name_of(file->codec()) + " with " + std::to_string(file->particles()) +
-                        " particles, needed what " + first.path() + " has: " + name_of(first.codec()) + " with " +
-                        std::to_string(first.particles()));
+            throw Error(file->path() + ": found codec " + name_of(file->codec()) + " with " +
+                        std::to_string(file->particles()) + " particles, needed what " + first.path() +
+                        " has: " + name_of(first.codec()) + " with " + std::to_string(first.particles()));
     switch (first.codec()) {
-        case Codec::strand: return std::make_unique<StrandData>(pairs, recipe);
-        case Codec::root: return std::make_unique<RootData>(pairs, recipe);
-        default: return std::make_unique<AdhesionData>(pairs, recipe);
+        case Codec::strand:
+            return std::make_unique<StrandData>(pairs, recipe);
+        case Codec::root:
+            return std::make_unique<RootData>(pairs, recipe);
+        default:
+            return std::make_unique<AdhesionData>(pairs, recipe);
     }
 }
 

@@ -1,6 +1,6 @@
-// What a training step sees: batches drawn from pairs files, in an order that (seed, epoch) alone decides, so that
-// a resumed training draws what the uninterrupted one would have.
-// Ours; patches as in section V, 1:1 sampling of contact and free particles as in section IV.D.
+// What a training step sees: batches drawn from pairs files, in an order that (seed, epoch) alone decides, so
+// that a resumed training draws what the uninterrupted one would have. Ours; patches as in section V, 1:1
+// sampling of contact and free particles as in section IV.D.
 #pragma once
 
 #include <memory>
@@ -18,8 +18,9 @@ namespace wetcurl {
 struct Batch {
     Tensor input;   // strand (P, C, 1, 1): masked pixels; root (B, 3, h, w); adhesion (n, 12, 1, 1)
     Tensor target;  // strand (P, 48, 1, 1); root (B, 3, 2h, 2w); adhesion (n, 1, 1, 1)
-    Tensor base;    // strand (P, 48): amplitudes of the base; root (B, 3, 2h, 2w): up(input); adhesion: F.n before
-    Tensor mask;    // root alone (B, 1, 2h, 2w): 1 where a strand is
+    Tensor
+        base;  // strand (P, 48): amplitudes of the base; root (B, 3, 2h, 2w): up(input); adhesion: F.n before
+    Tensor mask;  // root alone (B, 1, 2h, 2w): 1 where a strand is
     Batch to(torch::Device device) const;
 };
 
@@ -30,9 +31,9 @@ class TrainingData {
     virtual void describe(ModelCard& card) const = 0;
     // Draws the order of an epoch.
     virtual void begin_epoch(long epoch) = 0;
-    virtual long steps() const = 0;                     // an epoch
-    virtual Batch batch(long step) const = 0;           // 0 ≤ step < steps()
-    virtual long validation_batches() const = 0;        // of held-out data; 0: none is held out
+    virtual long steps() const = 0;               // an epoch
+    virtual Batch batch(long step) const = 0;     // 0 ≤ step < steps()
+    virtual long validation_batches() const = 0;  // of held-out data; 0: none is held out
     virtual Batch validation_batch(long i) const = 0;
     // [m]: mean strand length (strand), diagonal of the box (root); 1 (adhesion).
     virtual double unit() const = 0;

@@ -121,7 +121,8 @@ class Trainer {
         if (model && !request_.overwrite && !request_.resume)
             throw Error(request_.output + ": is there already; --overwrite replaces it");
         if (checkpoint && !request_.overwrite && !request_.resume)
-            throw Error(checkpoint_path() + ": an interrupted training is there; --resume goes on, --overwrite begins anew");
+            throw Error(checkpoint_path() +
+                        ": an interrupted training is there; --resume goes on, --overwrite begins anew");
         return false;
     }
 
@@ -135,7 +136,8 @@ class Trainer {
         if (request_.kind != "sr" && request_.kind != "adhesion")
             throw Misuse("train: found '" + request_.kind + "', allowed sr, adhesion");
         if ((request_.kind == "adhesion") != (codec_ == Codec::adhesion))
-            throw Misuse("train " + request_.kind + ": " + request_.pairs.front() + " holds pairs of codec " + name_of(codec_));
+            throw Misuse("train " + request_.kind + ": " + request_.pairs.front() + " holds pairs of codec " +
+                         name_of(codec_));
         std::vector<std::string> names;
         for (const auto& a : architectures())
             if (a.codec == name_of(codec_)) names.push_back(a.name);
@@ -153,7 +155,8 @@ class Trainer {
         at::globalContext().setDeterministicCuDNN(true);
         at::globalContext().setBenchmarkCuDNN(false);
         at::globalContext().setAllowTF32CuDNN(half);  // "float" means single precision throughout
-        const Architecture& architecture = architecture_for(recipe_.architecture, name_of(codec_), recipe_.width);
+        const Architecture architecture =
+            architecture_for(recipe_.architecture, name_of(codec_), recipe_.width);
         card_.codec = architecture.codec;
         card_.architecture = architecture.name;
         card_.width = recipe_.width;
@@ -168,17 +171,20 @@ class Trainer {
         optimiser_ = std::make_unique<Optimiser>(*model_, recipe_.weight_decay, recipe_.gradient_clip);
         loss_ = make_loss(codec_, recipe_, readers_.front()->particles(), data_->unit(), device_);
         total_steps_ = epochs_ * data_->steps();
-        say(card_.architecture + ", " + std::to_string(card_.parameters) + " parameters, " + std::to_string(epochs_) +
-            " epochs of " + std::to_string(data_->steps()) + " steps on " + recipe_.device);
+        say(card_.architecture + ", " + std::to_string(card_.parameters) + " parameters, " +
+            std::to_string(epochs_) + " epochs of " + std::to_string(data_->steps()) + " steps on " +
+            recipe_.device);
     }
 
     bool resume() {
         if (!request_.resume || !fs::exists(checkpoint_path())) return false;
         state_ = load_checkpoint(checkpoint_path(), optimiser_->weights.numel());
         if (state_.recipe != recipe_.text)
-            throw Misuse(checkpoint_path() + ": was made with another recipe:\n" + state_.recipe + "now it is\n" + recipe_.text);
+            throw Misuse(checkpoint_path() + ": was made with another recipe:\n" + state_.recipe +
+                         "now it is\n" + recipe_.text);
         if (state_.inputs != inputs_)
-            throw Error(checkpoint_path() + ": was made from other pairs: found " + state_.inputs + ", now " + inputs_);
+            throw Error(checkpoint_path() + ": was made from other pairs: found " + state_.inputs + ", now " +
+                        inputs_);
         optimiser_->weights.copy_(state_.weights);
         optimiser_->first_moment.copy_(state_.first_moment);
         optimiser_->second_moment.copy_(state_.second_moment);
@@ -191,7 +197,8 @@ class Trainer {
     void start_anew() {
         state_.recipe = recipe_.text;
         state_.inputs = inputs_;
-        state_.best = optimiser_->weights.to(torch::kCPU, torch::kFloat, /*non_blocking=*/false, /*copy=*/true);
+        state_.best =
+            optimiser_->weights.to(torch::kCPU, torch::kFloat, /*non_blocking=*/false, /*copy=*/true);
     }
 
     double learning_rate() const {
@@ -220,9 +227,9 @@ class Trainer {
 
     [[noreturn]] void fail_diverged(double loss, double gradient, double rate) const {
         std::ostringstream text;
-        text << request_.output << ": training diverged at step " << optimiser_->steps + 1 << " (epoch " << state_.epoch + 1
-             << "): loss " << loss << ", norm of the gradient " << gradient << ", learning_rate " << rate
-             << "; a smaller learning_rate or gradient_clip = 1 may help";
+        text << request_.output << ": training diverged at step " << optimiser_->steps + 1 << " (epoch "
+             << state_.epoch + 1 << "): loss " << loss << ", norm of the gradient " << gradient
+             << ", learning_rate " << rate << "; a smaller learning_rate or gradient_clip = 1 may help";
         throw Error(text.str());
     }
 
@@ -244,7 +251,8 @@ class Trainer {
             }
             count += weight;
         }
-        for (double* v : {&sum.loss, &sum.base_loss, &sum.distance, &sum.base_distance}) *v /= std::max(count, 1.0);
+        for (double* v : {&sum.loss, &sum.base_loss, &sum.distance, &sum.base_distance})
+            *v /= std::max(count, 1.0);
         return sum;
     }
 
@@ -256,15 +264,18 @@ class Trainer {
                                                             {"loss", mean_loss},
                                                             {"learning_rate", learning_rate()},
                                                             {"seconds", watch_.seconds()}};
-        const bool due = (state_.epoch + 1) % long(recipe_.validate_every) == 0 || state_.epoch + 1 == epochs_;
+        const bool due =
+            (state_.epoch + 1) % long(recipe_.validate_every) == 0 || state_.epoch + 1 == epochs_;
         if (due && data_->validation_batches() > 0) {
             const Validation found = validate();
             line.insert(line.end(), {{"validation_loss", found.loss}, {"base_loss", found.base_loss}});
             std::ostringstream note;
             note.precision(3);
             if (found.positions) {
-                line.insert(line.end(), {{"validation_mm", 1e3 * found.distance}, {"base_mm", 1e3 * found.base_distance}});
-                note << ", held out " << 1e3 * found.distance << " mm (base " << 1e3 * found.base_distance << ")";
+                line.insert(line.end(), {{"validation_mm", 1e3 * found.distance},
+                                         {"base_mm", 1e3 * found.base_distance}});
+                note << ", held out " << 1e3 * found.distance << " mm (base " << 1e3 * found.base_distance
+                     << ")";
             } else {
                 note << ", held out " << found.loss << " (base " << found.base_loss << ")";
             }
@@ -296,7 +307,8 @@ class Trainer {
 
     int stop(const MetricsLog& log) {
         checkpoint(log);
-        say("interrupted at epoch " + std::to_string(state_.epoch + 1) + "; " + checkpoint_path() + " is left, --resume goes on");
+        say("interrupted at epoch " + std::to_string(state_.epoch + 1) + "; " + checkpoint_path() +
+            " is left, --resume goes on");
         return interrupted_status;
     }
 
@@ -316,8 +328,8 @@ class Trainer {
         fs::remove(checkpoint_path());
         std::ostringstream text;
         text.precision(4);
-        text << request_.output << ": best at epoch " << state_.best_epoch + 1 << " of " << epochs_ << ", loss " << state_.best_loss
-             << best_note_ << ", " << watch_.seconds() << " s";
+        text << request_.output << ": best at epoch " << state_.best_epoch + 1 << " of " << epochs_
+             << ", loss " << state_.best_loss << best_note_ << ", " << watch_.seconds() << " s";
         say(text.str());
     }
 

@@ -7,19 +7,21 @@
 namespace wetcurl {
 namespace {
 
-// Decoding is linear: every distance is a norm of D e, e the error of the amplitudes, D the basis or its differences
-// along the strand. One product gives all that the weights ask for.
+// Decoding is linear: every distance is a norm of D e, e the error of the amplitudes, D the basis or its
+// differences along the strand. One product gives all that the weights ask for.
 class StrandLoss : public Loss {
   public:
     StrandLoss(const Recipe& recipe, int particles, double length, torch::Device device)
         : particles_(particles), length_weight_(recipe.length) {
         const StrandDct dct(particles);
-        const Tensor basis = torch::from_blob(const_cast<float*>(dct.basis().data()), {dct_kept, particles}).t();
+        const Tensor basis =
+            torch::from_blob(const_cast<float*>(dct.basis().data()), {dct_kept, particles}).t();
         const long n = particles;
         segment_ = length / double(n - 1);
         const Tensor edges = basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, n - 1);  // (n-1, 16)
         // Particle 0 is exact by construction, and the norm has no gradient there.
-        positions_ = (basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, 1)).contiguous().to(device);  // (n-1, 16)
+        positions_ =
+            (basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, 1)).contiguous().to(device);  // (n-1, 16)
         edges_ = edges.contiguous().to(device);
 
         std::vector<Tensor> rows, weights;
@@ -30,7 +32,9 @@ class StrandLoss : public Loss {
         };
         add(recipe.position, positions_, double(n) * length);
         add(recipe.edge, edges, double(n - 1) * segment_);
-        if (n > 2) add(recipe.curvature, edges.narrow(0, 1, n - 2) - edges.narrow(0, 0, n - 2), double(n - 2) * segment_);
+        if (n > 2)
+            add(recipe.curvature, edges.narrow(0, 1, n - 2) - edges.narrow(0, 0, n - 2),
+                double(n - 2) * segment_);
         if (rows.empty()) return;
         rows_ = torch::cat(rows).contiguous();
         weights_ = torch::cat(weights);
@@ -55,8 +59,8 @@ class StrandLoss : public Loss {
     double count(const Batch& batch) const override { return double(batch.target.size(0)); }
 
   private:
-    // Amplitudes (P, 48) and rows D (R, 16) to |D c| (P, R) [m]. Below a nanometre the norm is rounded off, so that
-    // its gradient stays finite at 0.
+    // Amplitudes (P, 48) and rows D (R, 16) to |D c| (P, R) [m]. Below a nanometre the norm is rounded off,
+    // so that its gradient stays finite at 0.
     static Tensor norms(const Tensor& amplitudes, const Tensor& rows) {
         const Tensor decoded = linear_rows(amplitudes.reshape({-1, dct_kept}), rows);  // (3 P, R)
         return decoded.view({-1, 3, rows.size(0)}).square().sum(1).add(1e-18).sqrt();
@@ -99,11 +103,15 @@ class AdhesionLoss : public Loss {
 
 }  // namespace
 
-std::unique_ptr<Loss> make_loss(Codec codec, const Recipe& recipe, int particles, double unit, torch::Device device) {
+std::unique_ptr<Loss> make_loss(Codec codec, const Recipe& recipe, int particles, double unit,
+                                torch::Device device) {
     switch (codec) {
-        case Codec::strand: return std::make_unique<StrandLoss>(recipe, particles, unit, device);
-        case Codec::root: return std::make_unique<RootLoss>(unit);
-        default: return std::make_unique<AdhesionLoss>();
+        case Codec::strand:
+            return std::make_unique<StrandLoss>(recipe, particles, unit, device);
+        case Codec::root:
+            return std::make_unique<RootLoss>(unit);
+        default:
+            return std::make_unique<AdhesionLoss>();
     }
 }
 

@@ -22,6 +22,7 @@ class Loss {
 };
 
 // `unit` of TrainingData [m].
-std::unique_ptr<Loss> make_loss(Codec codec, const Recipe& recipe, int particles, double unit, torch::Device device);
+std::unique_ptr<Loss> make_loss(Codec codec, const Recipe& recipe, int particles, double unit,
+                                torch::Device device);
 
 }  // namespace wetcurl

@@ -13,7 +13,8 @@ namespace fs = std::filesystem;
 
 MetricsLog::MetricsLog(const std::string& path, long position) {
     std::error_code error;
-    if (position > 0 && long(fs::file_size(path, error)) > position) fs::resize_file(path, size_t(position), error);
+    if (position > 0 && long(fs::file_size(path, error)) > position)
+        fs::resize_file(path, size_t(position), error);
     file_ = std::fopen(path.c_str(), position > 0 ? "a" : "w");
     if (!file_ || error) throw Error(path + ": cannot be written");
     std::fseek(file_, 0, SEEK_END);

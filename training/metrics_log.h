@@ -11,8 +11,8 @@ namespace wetcurl {
 
 class MetricsLog {
   public:
-    // Goes on behind the first `position` bytes of the file; what lay behind them is dropped. Throws Error where it
-    // cannot be written.
+    // Goes on behind the first `position` bytes of the file; what lay behind them is dropped. Throws Error
+    // where it cannot be written.
     MetricsLog(const std::string& path, long position);
     ~MetricsLog();
     MetricsLog(const MetricsLog&) = delete;

@@ -33,7 +33,8 @@ double Optimiser::step(double learning_rate) {
     ++steps;
     first_moment.lerp_(gradient_, 1 - beta1);
     second_moment.mul_(beta2).addcmul_(gradient_, gradient_, 1 - beta2);
-    const double first_bias = 1 - std::pow(beta1, double(steps)), second_bias = 1 - std::pow(beta2, double(steps));
+    const double first_bias = 1 - std::pow(beta1, double(steps)),
+                 second_bias = 1 - std::pow(beta2, double(steps));
     const Tensor denominator = second_moment.sqrt().div_(std::sqrt(second_bias)).add_(epsilon);
     if (weight_decay_ > 0) weights.mul_(1 - learning_rate * weight_decay_);
     weights.addcdiv_(first_moment, denominator, -learning_rate / first_bias);

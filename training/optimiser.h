@@ -1,6 +1,6 @@
 // Adam with decoupled weight decay (AdamW; Adam where the decay is 0), over one flat vector of weights.
-// Kingma and Ba 2015, Loshchilov and Hutter 2019. Ours rather than LibTorch's: its state is three vectors that a
-// checkpoint holds to the bit in any version, and a step is a handful of passes over them.
+// Kingma and Ba 2015, Loshchilov and Hutter 2019. Ours rather than LibTorch's: its state is three vectors
+// that a checkpoint holds to the bit in any version, and a step is a handful of passes over them.
 #pragma once
 
 #include "models/layers.h"
@@ -12,7 +12,8 @@ class Optimiser {
     // Moves the model's weights and gradients into flat vectors of which they become views.
     Optimiser(Model& model, double weight_decay, double gradient_clip);
     void clear_gradients() { gradient_.zero_(); }
-    // One step down the gradient, whose norm, before clipping, it returns; one that is not finite changes nothing.
+    // One step down the gradient, whose norm, before clipping, it returns; one that is not finite changes
+    // nothing.
     double step(double learning_rate);
 
     // The whole state. (n)

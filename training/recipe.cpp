@@ -29,8 +29,9 @@ double read_row(const RecipeRow& row, const Table& root, double fallback) {
 // The shortest text that reads back as this number.
 std::string as_text(double value) {
     char text[32];
-    const auto end = value == std::floor(value) && std::abs(value) < 1e16 ? std::to_chars(text, text + 32, long(value)).ptr
-                                                                           : std::to_chars(text, text + 32, value).ptr;
+    const auto end = value == std::floor(value) && std::abs(value) < 1e16
+                         ? std::to_chars(text, text + 32, long(value)).ptr
+                         : std::to_chars(text, text + 32, value).ptr;
     return {text, end};
 }
 
@@ -54,21 +55,30 @@ const std::vector<RecipeRow>& recipe_rows() {
     static const std::vector<RecipeRow> rows = {
         // key, member, strand, root, adhesion, minimum, maximum, whole, meaning
         {"epochs", &R::epochs, 60, 200, 9000, 1, 1e7, true, "passes over the data"},
-        {"batch", &R::batch, 1, 128, 4096, 1, 1 << 20, true, "a step's frames (strand), patches (root), samples (adhesion)"},
+        {"batch", &R::batch, 1, 128, 4096, 1, 1 << 20, true,
+         "a step's frames (strand), patches (root), samples (adhesion)"},
         {"learning_rate", &R::learning_rate, 1e-3, 1e-4, 1e-3, 1e-12, 10, false, "of Adam"},
         {"weight_decay", &R::weight_decay, 1e-2, 0, 0, 0, 1, false, "decoupled (AdamW)"},
         {"gradient_clip", &R::gradient_clip, 1, 0, 0, 0, 1e9, false, "largest norm of the gradient; 0: any"},
-        {"patch", &R::patch, none, 128, none, 8, 4096, true, "side of a patch [low-resolution pixels]; smaller images go whole"},
-        {"epoch_samples", &R::epoch_samples, none, none, 8192, 2, 1e9, true, "samples drawn an epoch, contact and free 1:1"},
+        {"patch", &R::patch, none, 128, none, 8, 4096, true,
+         "side of a patch [low-resolution pixels]; smaller images go whole"},
+        {"epoch_samples", &R::epoch_samples, none, none, 8192, 2, 1e9, true,
+         "samples drawn an epoch, contact and free 1:1"},
         {"width", &R::width, 1, 1, 1, 1e-3, 16, false, "channel multiplier"},
         {"seed", &R::seed, 0, 0, 0, 0, 9e15, true, "of the first weights and of the order of the data"},
-        {"validation", &R::validation, 0.2, 0.2, 0.2, 0, 0.9, false, "share of each run's frames, the last ones, held out"},
+        {"validation", &R::validation, 0.2, 0.2, 0.2, 0, 0.9, false,
+         "share of each run's frames, the last ones, held out"},
         {"validate_every", &R::validate_every, 1, 1, 100, 1, 1e7, true, "epochs between two validations"},
-        {"checkpoint_seconds", &R::checkpoint_seconds, 60, 60, 60, 0, 1e6, false, "between two checkpoints [s]"},
-        {"loss.position", &R::position, 1, none, none, 0, 1e6, false, "weight: mean distance of decoded particles / strand length"},
-        {"loss.edge", &R::edge, 0.3, none, none, 0, 1e6, false, "weight: mean difference of edges / segment length"},
-        {"loss.curvature", &R::curvature, 0, none, none, 0, 1e6, false, "weight: mean second difference / segment length"},
-        {"loss.length", &R::length, 0, none, none, 0, 1e6, false, "weight: mean difference of edge lengths / segment length"},
+        {"checkpoint_seconds", &R::checkpoint_seconds, 60, 60, 60, 0, 1e6, false,
+         "between two checkpoints [s]"},
+        {"loss.position", &R::position, 1, none, none, 0, 1e6, false,
+         "weight: mean distance of decoded particles / strand length"},
+        {"loss.edge", &R::edge, 0.3, none, none, 0, 1e6, false,
+         "weight: mean difference of edges / segment length"},
+        {"loss.curvature", &R::curvature, 0, none, none, 0, 1e6, false,
+         "weight: mean second difference / segment length"},
+        {"loss.length", &R::length, 0, none, none, 0, 1e6, false,
+         "weight: mean difference of edge lengths / segment length"},
     };
     return rows;
 }
@@ -82,7 +92,8 @@ Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<s
         if (const double fallback = row.fallback(codec); !std::isnan(fallback))
             recipe.*row.member = read_row(row, root, fallback);
     recipe.architecture = root.choice("architecture", architectures.front(), architectures);
-    recipe.schedule = root.choice("schedule", codec == Codec::strand ? "cosine" : "constant", {"constant", "cosine"});
+    recipe.schedule =
+        root.choice("schedule", codec == Codec::strand ? "cosine" : "constant", {"constant", "cosine"});
     recipe.precision = root.choice("precision", "float", {"float", "bfloat16"});
     recipe.device = root.text("device", "cpu");
     config.require_all_used();

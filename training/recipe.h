@@ -15,7 +15,8 @@ struct Recipe {
     double validation, validate_every, checkpoint_seconds;
     double position, edge, curvature, length;  // weights of the losses
     std::string architecture, schedule, device, precision;
-    std::string text;  // the whole recipe as TOML, `device` and `checkpoint_seconds` apart: they change no result
+    std::string
+        text;  // the whole recipe as TOML, `device` and `checkpoint_seconds` apart: they change no result
 };
 
 // One key that is a number. A codec without a default (NaN) does not have the key.
@@ -30,8 +31,8 @@ struct RecipeRow {
 };
 const std::vector<RecipeRow>& recipe_rows();
 
-// The file of `request` (or the defaults), its assignments, and what the request gives itself, which goes first.
-// Throws Misuse with file and line for an unknown key, a wrong type, a value out of range.
+// The file of `request` (or the defaults), its assignments, and what the request gives itself, which goes
+// first. Throws Misuse with file and line for an unknown key, a wrong type, a value out of range.
 Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<std::string>& architectures);
 
 }  // namespace wetcurl

@@ -1,5 +1,6 @@
 // The smoothing filter of Eq 2 on the edges of a strand, and its adjoint.
-// Differs: the start is d_{-2} = d_{-1} = e_0 (print drops the minus signs), l is the mean rest length of a segment.
+// Differs: the start is d_{-2} = d_{-1} = e_0 (print drops the minus signs), l is the mean rest length of a
+// segment.
 #pragma once
 
 #include <cmath>
@@ -9,7 +10,9 @@
 namespace wetcurl {
 
 // beta = min(1, 1 - exp(-l / alpha)); l, alpha [m]. alpha = 0 is the identity.
-inline double filter_beta(double l, double alpha) { return alpha > 0 ? std::min(1.0, 1.0 - std::exp(-l / alpha)) : 1.0; }
+inline double filter_beta(double l, double alpha) {
+    return alpha > 0 ? std::min(1.0, 1.0 - std::exp(-l / alpha)) : 1.0;
+}
 
 // d = G e over n edges (Eq 2). `edge(i)` gives e_i, `store(i, d_i)` takes the result.
 template <class S, class Edge, class Store>

@@ -8,7 +8,8 @@ namespace wetcurl {
 
 template <class S>
 WETCURL_HD Vec3<S> frame_direction(const Quat<S>& f) {
-    return {S(1) - S(2) * (f.y * f.y + f.z * f.z), S(2) * (f.x * f.y + f.w * f.z), S(2) * (f.x * f.z - f.w * f.y)};
+    return {S(1) - S(2) * (f.y * f.y + f.z * f.z), S(2) * (f.x * f.y + f.w * f.z),
+            S(2) * (f.x * f.z - f.w * f.y)};
 }
 
 // The frame turned minimally so that its first axis is the unit vector `direction`.

@@ -17,7 +17,8 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
     float side = radius;
     const double most = std::max<double>(4096, 8.0 * double(count));
     auto cells_along = [&](float extent) { return double(std::floor(extent / side)) + 1; };
-    while (cells_along(high.x - low.x) * cells_along(high.y - low.y) * cells_along(high.z - low.z) > most) side *= 1.25f;
+    while (cells_along(high.x - low.x) * cells_along(high.y - low.y) * cells_along(high.z - low.z) > most)
+        side *= 1.25f;
     inverse_ = 1 / side;
     nx_ = cell(high.x, low.x) + 1;
     ny_ = cell(high.y, low.y) + 1;
@@ -27,7 +28,8 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
     sorted_.resize(count);
     cell_of_.resize(count);
     for (size_t i = 0; i < count; ++i) {
-        const size_t c = (size_t(cell(p[i].z, low.z)) * ny_ + size_t(cell(p[i].y, low.y))) * nx_ + size_t(cell(p[i].x, low.x));
+        const size_t c = (size_t(cell(p[i].z, low.z)) * ny_ + size_t(cell(p[i].y, low.y))) * nx_ +
+                         size_t(cell(p[i].x, low.x));
         cell_of_[i] = uint32_t(c);
         ++start_[c + 1];
     }
@@ -43,7 +45,8 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
 }
 
 size_t NeighborGrid::bytes() const {
-    return (start_.capacity() + order_.capacity() + cell_of_.capacity()) * sizeof(uint32_t) + sorted_.capacity() * sizeof(Vec3f);
+    return (start_.capacity() + order_.capacity() + cell_of_.capacity()) * sizeof(uint32_t) +
+           sorted_.capacity() * sizeof(Vec3f);
 }
 
 }  // namespace wetcurl

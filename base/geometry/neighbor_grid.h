@@ -28,7 +28,8 @@ class NeighborGrid {
         for (int z = cz > 0 ? cz - 1 : 0; z <= cz + 1 && z < nz_; ++z)
             for (int y = cy > 0 ? cy - 1 : 0; y <= cy + 1 && y < ny_; ++y) {
                 const size_t row = (size_t(z) * size_t(ny_) + size_t(y)) * size_t(nx_);
-                for (uint32_t k = start_[row + size_t(x0)], end = start_[row + size_t(x1) + 1]; k < end; ++k) visit(k);
+                for (uint32_t k = start_[row + size_t(x0)], end = start_[row + size_t(x1) + 1]; k < end; ++k)
+                    visit(k);
             }
     }
 

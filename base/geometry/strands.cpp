@@ -24,7 +24,8 @@ std::string Groom::hash() const {
 }
 
 Groom coarsened(const Groom& full, int stride, std::vector<int>* kept) {
-    if (stride < 1) throw Error("stride of a coarser grid: found " + std::to_string(stride) + ", allowed 1 or more");
+    if (stride < 1)
+        throw Error("stride of a coarser grid: found " + std::to_string(stride) + ", allowed 1 or more");
     Groom out;
     out.grid.width = (full.grid.width + stride - 1) / stride;
     out.grid.height = (full.grid.height + stride - 1) / stride;
@@ -63,13 +64,15 @@ std::vector<Vec3d> resampled(const std::vector<Vec3d>& given, int n) {
     if (p.size() < 2) throw Error("resampling needs a strand of two distinct points or more");
     if (n < 2) throw Error("resampling: found " + std::to_string(n) + " particles, allowed 2 or more");
     const int m = int(p.size());
-    // Centripetal Catmull-Rom (Barry and Goldman 1988), ends mirrored, walked in fine steps for its arc length.
+    // Centripetal Catmull-Rom (Barry and Goldman 1988), ends mirrored, walked in fine steps for its arc
+    // length.
     constexpr int fine = 16;
     std::vector<Vec3d> curve{p[0]};
     for (int k = 0; k + 1 < m; ++k) {
         const Vec3d p1 = p[k], p2 = p[k + 1];
         const Vec3d p0 = k > 0 ? p[k - 1] : 2.0 * p1 - p2, p3 = k + 2 < m ? p[k + 2] : 2.0 * p2 - p1;
-        const double t1 = std::sqrt(norm(p1 - p0)), t2 = t1 + std::sqrt(norm(p2 - p1)), t3 = t2 + std::sqrt(norm(p3 - p2));
+        const double t1 = std::sqrt(norm(p1 - p0)), t2 = t1 + std::sqrt(norm(p2 - p1)),
+                     t3 = t2 + std::sqrt(norm(p3 - p2));
         for (int j = 1; j <= fine; ++j) {
             const double t = t1 + (t2 - t1) * j / fine;
             auto mix = [t](const Vec3d& a, const Vec3d& b, double ta, double tb) {

@@ -15,7 +15,8 @@ struct Strands {
     std::vector<Vec3f> points;
 
     Strands() = default;
-    Strands(int count, int particles) : count(count), particles(particles), points(size_t(count) * particles) {}
+    Strands(int count, int particles)
+        : count(count), particles(particles), points(size_t(count) * particles) {}
     Vec3f* strand(int s) { return points.data() + size_t(s) * particles; }
     const Vec3f* strand(int s) const { return points.data() + size_t(s) * particles; }
     Vec3f& at(int s, int i) { return strand(s)[i]; }
@@ -38,7 +39,7 @@ struct Groom {
     Strands rest;
     std::vector<Vec3f> normal;  // unit, one a strand
     RootGrid grid;
-    std::string hash() const;   // of points and grid: two runs pair only where grooms nest
+    std::string hash() const;  // of points and grid: two runs pair only where grooms nest
 };
 
 // The groom of every `stride`-th root each way, strands renumbered row by row.

@@ -1,5 +1,5 @@
-// The direct solve of one strand's block-pentadiagonal system, 3x3 blocks, LDL^T; block-tridiagonal where no term
-// couples two edges. Golub and Van Loan, 4.3 (banded), on blocks; a lane is a strand.
+// The direct solve of one strand's block-pentadiagonal system, 3x3 blocks, LDL^T; block-tridiagonal where no
+// term couples two edges. Golub and Van Loan, 4.3 (banded), on blocks; a lane is a strand.
 #pragma once
 
 #include "base/vec3.h"
@@ -52,7 +52,8 @@ WETCURL_HD Mat3<S> transposed_product(const Mat3<S>& u, const Mat3<S>& q) {
 
 // Solves A x = r for rows first..n-1 in place: r becomes x; diagonal, upper1, upper2 are destroyed.
 template <bool Penta, class S>
-WETCURL_HD void solve_blocks(int first, int n, Sym3<S>* diagonal, Mat3<S>* upper1, Mat3<S>* upper2, Vec3<S>* r) {
+WETCURL_HD void solve_blocks(int first, int n, Sym3<S>* diagonal, Mat3<S>* upper1, Mat3<S>* upper2,
+                             Vec3<S>* r) {
     for (int i = first; i < n; ++i) {
         const Factor3<S> f(diagonal[i]);
         const Vec3<S> y = f.solve(r[i]);

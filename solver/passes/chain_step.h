@@ -1,7 +1,8 @@
 // One substep of one block of strands: the implicit step (BDF2) and the paper's explicit one.
-// EQUATIONS: A (v - v^) = M (v~ - v^) + h f(x~ + h v^, v^), A = M + h C + h² H, x = x~ + h v, with the history
-// x~, v~ and step h of BDF2 (backward Euler in the first step) and the predictor v^ = v_n. Seen: the higher-order
-// predictor 2 v_n - v_{n-1} feeds energy in wherever H is a majoriser; none at all (v^ = 0) kills a swing.
+// EQUATIONS: A (v - v^) = M (v~ - v^) + h f(x~ + h v^, v^), A = M + h C + h² H, x = x~ + h v, with the
+// history x~, v~ and step h of BDF2 (backward Euler in the first step) and the predictor v^ = v_n. Seen: the
+// higher-order predictor 2 v_n - v_{n-1} feeds energy in wherever H is a majoriser; none at all (v^ = 0)
+// kills a swing.
 #pragma once
 
 #include <vector>
@@ -16,12 +17,13 @@ template <class S>
 struct BlockStep {
     int n;
     Plain<S> dt;
-    bool first;                         // no history yet: backward Euler
-    Vec3<S>*x, *x_before, *v, *v_before;  // (n) now and one step ago; on return the new state lies in *_before
-    const Vec3<S>* root;                // (2) prescribed positions of particles 0 and 1 at the end of the step
+    bool first;  // no history yet: backward Euler
+    Vec3<S>*x, *x_before, *v,
+        *v_before;        // (n) now and one step ago; on return the new state lies in *_before
+    const Vec3<S>* root;  // (2) prescribed positions of particles 0 and 1 at the end of the step
     Vec3<Plain<S>> gravity;
-    Quat<Plain<S>> root_turn;           // rotation of the root over the step
-    Quat<S>* frame;                     // (n-1) or null
+    Quat<Plain<S>> root_turn;  // rotation of the root over the step
+    Quat<S>* frame;            // (n-1) or null
 };
 
 // Buffers of one thread, for one block.
@@ -44,7 +46,8 @@ struct ChainScratch {
 
 // Frames of all edges carried to the positions x: first the root's own rotation, then each edge's.
 template <class S>
-WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>>& root_turn, const Vec3<S>* x, Quat<S>* to) {
+WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>>& root_turn,
+                                 const Vec3<S>* x, Quat<S>* to) {
     const Quat<S> turn = cast<S>(root_turn);
     for (int i = 0; i + 1 < n; ++i) {
         const Quat<S> turned = turn * from[i];
@@ -52,18 +55,21 @@ WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>
     }
 }
 
-// The twist of each frame relaxes toward the frame carried along the strand from the root, by the share `relax`,
-// but only where that does not raise the energy of the edge that it is the reference of.
+// The twist of each frame relaxes toward the frame carried along the strand from the root, by the share
+// `relax`, but only where that does not raise the energy of the edge that it is the reference of.
 template <class S>
-WETCURL_HD void relax_twist(const Bend& bend, int n, const Vec3<S>* x, const Vec3<S>* target, Plain<S> relax, Quat<S>* frame) {
+WETCURL_HD void relax_twist(const Bend& bend, int n, const Vec3<S>* x, const Vec3<S>* target, Plain<S> relax,
+                            Quat<S>* frame) {
     Quat<S> carried = frame[0];
     for (int i = 1; i + 2 < n; ++i) {
         carried = transported(carried, frame_direction(frame[i]));
         S cosine, sine;
         half_twist(frame[i], carried, cosine, sine);
-        const Quat<S> nudged = normalized(frame[i] * normalized(Quat<S>{cosine, S(relax) * sine, S(0), S(0)}));
+        const Quat<S> nudged =
+            normalized(frame[i] * normalized(Quat<S>{cosine, S(relax) * sine, S(0), S(0)}));
         const Vec3<S> e = x[i + 2] - x[i + 1];
-        const auto better = bend.edge_energy(nudged, target[i + 1], e) <= bend.edge_energy(frame[i], target[i + 1], e);
+        const auto better =
+            bend.edge_energy(nudged, target[i + 1], e) <= bend.edge_energy(frame[i], target[i + 1], e);
         frame[i] = {select(better, nudged.w, frame[i].w), select(better, nudged.x, frame[i].x),
                     select(better, nudged.y, frame[i].y), select(better, nudged.z, frame[i].z)};
     }
@@ -88,10 +94,11 @@ int limit_strain(int n, const S* rest_length, Plain<S> limiter, Vec3<S>* x) {
     return limited;
 }
 
-// The implicit step. `view` carries the terms' data; its x, v, frame and scratch are set here. `before_forces(x)`
-// is called once the positions are known at which forces are taken.
+// The implicit step. `view` carries the terms' data; its x, v, frame and scratch are set here.
+// `before_forces(x)` is called once the positions are known at which forces are taken.
 template <class S, class BeforeForces>
-void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s, BeforeForces before_forces) {
+void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
+                   BeforeForces before_forces) {
     const int n = b.n;
     const S h(b.first ? b.dt : b.dt * Plain<S>(2) / 3);
     const S now(b.first ? Plain<S>(1) : Plain<S>(4) / 3), before(b.first ? Plain<S>(0) : Plain<S>(-1) / 3);
@@ -103,7 +110,8 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     view.x = s.predicted_x.data();
     view.v = s.predicted_v.data();
     view.scratch = s.term.data();
-    if (b.frame) transport_frames(n, b.frame, b.root_turn, view.x, s.frame.data()), view.frame = s.frame.data();
+    if (b.frame)
+        transport_frames(n, b.frame, b.root_turn, view.x, s.frame.data()), view.frame = s.frame.data();
     before_forces(view.x);
     const bool penta = !s.upper2.empty();
     const Sym3<S> no_sym = identity_times(S(0));
@@ -145,7 +153,8 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
 
 // The paper's scheme: symplectic Euler on printed forces.
 template <class S, class BeforeForces>
-void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s, BeforeForces before_forces) {
+void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
+                   BeforeForces before_forces) {
     view.x = b.x;
     view.v = b.v;
     view.frame = b.frame;
@@ -156,7 +165,8 @@ void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     const ChainSystem<S> system{S(b.dt), s.force.data(), nullptr, nullptr, nullptr};
     for_each_present(terms, [&](const auto& term) { term.assemble(view, system); });
     for (int i = 0; i < b.n; ++i) {
-        const Vec3<S> v = i < 2 ? S(1 / b.dt) * (b.root[i] - b.x[i]) : b.v[i] + (S(b.dt) / view.mass[i]) * s.force[i];
+        const Vec3<S> v =
+            i < 2 ? S(1 / b.dt) * (b.root[i] - b.x[i]) : b.v[i] + (S(b.dt) / view.mass[i]) * s.force[i];
         b.v_before[i] = v;
         b.x_before[i] = i < 2 ? b.root[i] : b.x[i] + S(b.dt) * v;
     }

@@ -92,7 +92,8 @@ Vec3f CohesionPass::displacement(size_t k) const {
         const Vec3<S> other{gathered(now_.x, index), gathered(now_.y, index), gathered(now_.z, index)};
         sums.add(other - own, h, gathered(sorted_volume_, index), gathered(sorted_saturation_, index));
     }
-    const Cohesion::Sums<float> total{{sum(sums.pull.x), sum(sums.pull.y), sum(sums.pull.z)}, sum(sums.weight)};
+    const Cohesion::Sums<float> total{{sum(sums.pull.x), sum(sums.pull.y), sum(sums.pull.z)},
+                                      sum(sums.weight)};
     const size_t strand = grid_.order()[k] / size_t(particles_);
     return term_.displacement(total, sorted_volume_[k] * own_weight_[strand]);
 }
@@ -104,7 +105,8 @@ void CohesionPass::apply(const Strands& p, Strands& displayed) {
     for (int pass = 0; pass < term_.passes; ++pass) {
 #pragma omp parallel for schedule(dynamic, 1024)
         for (long k = 0; k < count; ++k)
-            if (order[size_t(k)] % uint32_t(particles_) != 0) next_.set(size_t(k), now_.at(size_t(k)) + displacement(size_t(k)));
+            if (order[size_t(k)] % uint32_t(particles_) != 0)
+                next_.set(size_t(k), now_.at(size_t(k)) + displacement(size_t(k)));
         if (term_.coherence > 0) smooth_displacements(p);
         std::swap(now_, next_);
     }
@@ -133,8 +135,8 @@ void CohesionPass::smooth_displacements(const Strands& p) {
 }
 
 size_t CohesionPass::bytes() const {
-    const size_t floats = 3 * (now_.x.capacity() + next_.x.capacity()) + sorted_volume_.capacity() + sorted_saturation_.capacity() +
-                          segment_.capacity() + own_weight_.capacity();
+    const size_t floats = 3 * (now_.x.capacity() + next_.x.capacity()) + sorted_volume_.capacity() +
+                          sorted_saturation_.capacity() + segment_.capacity() + own_weight_.capacity();
     const size_t indices = start_.capacity() + list_.capacity() + rank_.capacity();
     return floats * sizeof(float) + indices * sizeof(uint32_t) + grid_.bytes();
 }

@@ -1,5 +1,6 @@
-// Contact of a block's particles with solids: projection onto the level set, Coulomb friction, and what adhesion
-// needs to know. Bridson 2002, Sec. 7.2 for friction on velocities; depth against min(0, phi at rest) is ours.
+// Contact of a block's particles with solids: projection onto the level set, Coulomb friction, and what
+// adhesion needs to know. Bridson 2002, Sec. 7.2 for friction on velocities; depth against min(0, phi at
+// rest) is ours.
 #pragma once
 
 #include "base/geometry/shapes.h"
@@ -14,7 +15,7 @@ struct PosedSolid {
     Quat<T> rotation;
     Vec3<T> translation, velocity, spin;  // velocity of its origin [m/s], angular velocity [rad/s]
     T friction;
-    bool attached;                        // to the head: real grooms are drawn into it
+    bool attached;  // to the head: real grooms are drawn into it
 };
 
 // Distance and outward normal in the world at x.
@@ -31,12 +32,12 @@ Vec3<S> velocity_at(const PosedSolid<Plain<S>>& solid, const Vec3<S>& x) {
     return cast<S>(solid.velocity) + cross(cast<S>(solid.spin), x - cast<S>(solid.translation));
 }
 
-// Positions pushed out to `allowed` (≤ 0: how deep the particle may lie), velocities relieved of their inward part
-// and slowed along the surface. Corrections go to the step before alike, so that the history of the integrator
-// stays what it was. n particles; 0 and 1 are prescribed.
+// Positions pushed out to `allowed` (≤ 0: how deep the particle may lie), velocities relieved of their inward
+// part and slowed along the surface. Corrections go to the step before alike, so that the history of the
+// integrator stays what it was. n particles; 0 and 1 are prescribed.
 template <class S>
-void resolve_contact(const PosedSolid<Plain<S>>& solid, int n, const S* rest_depth, Plain<S> dt, Vec3<S>* x, Vec3<S>* x_before,
-                     Vec3<S>* v, Vec3<S>* v_before) {
+void resolve_contact(const PosedSolid<Plain<S>>& solid, int n, const S* rest_depth, Plain<S> dt, Vec3<S>* x,
+                     Vec3<S>* x_before, Vec3<S>* v, Vec3<S>* v_before) {
     const Vec3<S> zero{S(0), S(0), S(0)};
     for (int i = 2; i < n; ++i) {
         const DistanceSample<S> d = distance_in_world(solid, x[i]);
@@ -58,8 +59,8 @@ void resolve_contact(const PosedSolid<Plain<S>>& solid, int n, const S* rest_dep
 
 // The nearest solid at each particle, as adhesion sees it.
 template <class S>
-void sample_nearest(const std::vector<PosedSolid<Plain<S>>>& solids, int n, const Vec3<S>* x, S* phi, Vec3<S>* normal,
-                    Vec3<S>* surface_velocity) {
+void sample_nearest(const std::vector<PosedSolid<Plain<S>>>& solids, int n, const Vec3<S>* x, S* phi,
+                    Vec3<S>* normal, Vec3<S>* surface_velocity) {
     for (int i = 0; i < n; ++i) {
         phi[i] = S(1e9);
         for (const auto& solid : solids) {
@@ -76,7 +77,8 @@ void sample_nearest(const std::vector<PosedSolid<Plain<S>>>& solids, int n, cons
 template <class S>
 void update_touching(int n, const S* phi, Plain<S> range, S* touching) {
     for (int i = 0; i < n; ++i)
-        touching[i] = select(phi[i] > S(range), S(0), select(phi[i] < S(Plain<S>(0.1) * range), S(1), touching[i]));
+        touching[i] =
+            select(phi[i] > S(range), S(0), select(phi[i] < S(Plain<S>(0.1) * range), S(1), touching[i]));
 }
 
 }  // namespace wetcurl

@@ -1,7 +1,7 @@
 // Adhesion of wet hair to solids, on a shell outside the level set.
-// The paper, Eq 11 and 12; kernel after Akinci 2013. Differs: print acts inside the solid (phi < 0) and lost the
-// kernel's quarter power; here the shell is h/2 < phi <= h outside, and the shape's C1 twin is the default
-// (Akinci's has an infinite slope at both ends).
+// The paper, Eq 11 and 12; kernel after Akinci 2013. Differs: print acts inside the solid (phi < 0) and lost
+// the kernel's quarter power; here the shell is h/2 < phi <= h outside, and the shape's C1 twin is the
+// default (Akinci's has an infinite slope at both ends).
 #pragma once
 
 #include "base/parameters.h"
@@ -15,7 +15,8 @@ struct Adhesion {
     double a_max, h_a, hold;
     bool printed = false;
     static constexpr Parameter<Adhesion> parameters[] = {
-        {"strength", &Adhesion::a_max, "m/s^2", 60, 0, 1e6, "a_max: the largest pull at saturation 1; the paper's v = a_max h^3 / 0.00495"},
+        {"strength", &Adhesion::a_max, "m/s^2", 60, 0, 1e6,
+         "a_max: the largest pull at saturation 1; the paper's v = a_max h^3 / 0.00495"},
         {"range", &Adhesion::h_a, "m", 0.01, 1e-6, 1, "Eq 12, h: beyond it wet hair lets go"},
         {"hold", &Adhesion::hold, "1/s", 60, 0, 1e6, "tangential hold of hair nearer than h/2 (ours)"},
     };
@@ -34,7 +35,9 @@ struct Adhesion {
     }
 
     template <class S>
-    WETCURL_HD S energy(const ChainView<S>&) const { return S(0); }
+    WETCURL_HD S energy(const ChainView<S>&) const {
+        return S(0);
+    }
 
     template <class S>
     WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {

@@ -15,14 +15,17 @@ struct Bend {
     double k_b, c_b, twist_rate;
     bool printed = false;
     static constexpr Parameter<Bend> parameters[] = {
-        {"stiffness", &Bend::k_b, "N/m", 0.05, 0, 1e12, "Eq 4, k_b = EI / l^3 for a beam of flexural rigidity EI"},
+        {"stiffness", &Bend::k_b, "N/m", 0.05, 0, 1e12,
+         "Eq 4, k_b = EI / l^3 for a beam of flexural rigidity EI"},
         {"damping", &Bend::c_b, "N s/m", 5e-6, 0, 1e6, "Eq 4, c_b: on the rate of e_i - t_i"},
         {"twist_rate", &Bend::twist_rate, "1/s", 20, 0, 1e6,
          "relaxation of time-parallel frames toward frames carried from the root (ours)"},
     };
 
     template <class S>
-    WETCURL_HD static Vec3<S> target(const ChainView<S>& c, int i) { return rotate(c.frame[i - 1], c.target[i]); }
+    WETCURL_HD static Vec3<S> target(const ChainView<S>& c, int i) {
+        return rotate(c.frame[i - 1], c.target[i]);
+    }
 
     // Energy of edge i for a target turned by frame f of the edge before.
     template <class S>
@@ -44,7 +47,8 @@ struct Bend {
         for (int i = 1; i + 1 < c.n; ++i) {
             const Vec3<S> t = target(c, i), e = edge(c, i), e1 = edge(c, i - 1);
             const S inverse = S(1) / maximum(dot(e1, e1), S(tiny_length<S>));
-            // How t_i turns with the edge before: dt_i = -B de_{i-1}, B = [t]x[e]x / |e|² = (e t^T - t.e I) / |e|².
+            // How t_i turns with the edge before: dt_i = -B de_{i-1}, B = [t]x[e]x / |e|² = (e t^T - t.e I) /
+            // |e|².
             const S te = dot(t, e1) * inverse;
             const Vec3<S> u = inverse * e1;
             const Vec3<S> dv = c.v[i + 1] - c.v[i], dv1 = c.v[i] - c.v[i - 1];
@@ -59,14 +63,17 @@ struct Bend {
                             {u.z * t.x, u.z * t.y, u.z * t.z - te}};
             // B^T B = (u.u) t t^T - te (u t^T + t u^T) + te² I
             const S uu = dot(u, u);
-            auto btb = [&](const S& ti, const S& tj, const S& ui, const S& uj) { return uu * ti * tj - te * (ui * tj + ti * uj); };
+            auto btb = [&](const S& ti, const S& tj, const S& ui, const S& uj) {
+                return uu * ti * tj - te * (ui * tj + ti * uj);
+            };
             const S te2 = te * te;
-            const Sym3<S> bb{weight * (btb(t.x, t.x, u.x, u.x) + te2), weight * btb(t.x, t.y, u.x, u.y),
-                             weight * btb(t.x, t.z, u.x, u.z),         weight * (btb(t.y, t.y, u.y, u.y) + te2),
-                             weight * btb(t.y, t.z, u.y, u.z),         weight * (btb(t.z, t.z, u.z, u.z) + te2)};
+            const Sym3<S> bb{
+                weight * (btb(t.x, t.x, u.x, u.x) + te2), weight * btb(t.x, t.y, u.x, u.y),
+                weight * btb(t.x, t.z, u.x, u.z),         weight * (btb(t.y, t.y, u.y, u.y) + te2),
+                weight * btb(t.y, t.z, u.y, u.z),         weight * (btb(t.z, t.z, u.z, u.z) + te2)};
             a.diagonal[i - 1] += bb;
             const S two = weight + weight;
-            const Sym3<S> middle{bb.xx - two * b.r0.x + weight, bb.xy - weight * (b.r0.y + b.r1.x),
+            const Sym3<S> middle{bb.xx - two * b.r0.x + weight,      bb.xy - weight * (b.r0.y + b.r1.x),
                                  bb.xz - weight * (b.r0.z + b.r2.x), bb.yy - two * b.r1.y + weight,
                                  bb.yz - weight * (b.r1.z + b.r2.y), bb.zz - two * b.r2.z + weight};
             a.diagonal[i] += middle;
@@ -74,10 +81,10 @@ struct Bend {
             const Mat3<S> bt{{weight * b.r0.x, weight * b.r1.x, weight * b.r2.x},
                              {weight * b.r0.y, weight * b.r1.y, weight * b.r2.y},
                              {weight * b.r0.z, weight * b.r1.z, weight * b.r2.z}};
-            a.upper1[i - 1] -= to_mat3(bb);   // -B^T (B - I)
+            a.upper1[i - 1] -= to_mat3(bb);  // -B^T (B - I)
             a.upper1[i - 1] += bt;
-            a.upper2[i - 1] -= bt;            // -B^T
-            a.upper1[i] += bt;                // (B - I)^T
+            a.upper2[i - 1] -= bt;  // -B^T
+            a.upper1[i] += bt;      // (B - I)^T
             a.upper1[i] -= to_mat3(identity_times(weight));
         }
     }

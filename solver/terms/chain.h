@@ -10,33 +10,34 @@ namespace wetcurl {
 // One block of strands of n particles (SI units). Pointers are null where no present term needs them.
 template <class S>
 struct ChainView {
-    int n;                       // particles a strand; edge i joins particles i and i+1
-    const Vec3<S>* x;            // (n) positions at which forces are taken
-    const Vec3<S>* v;            // (n) velocities at which forces are taken
-    const S* mass;               // (n) [kg]
-    const S* rest_length;        // (n-1) [m]
-    const Vec3<S>* target;       // (n-1) tbar_i in the frame of edge i-1; entry 0 unused
-    const Quat<S>* frame;        // (n-1) F_i
-    const S* rest_core;          // (n-1) |bbar_i|
-    const S* saturation;         // (n) sigma_i
-    const Vec3<S>* push;         // (n-1) edges of the helix of Eq 9 as printed, its root-to-tip along x
-    const S* phi;                // (n) distance to the nearest solid [m]
-    const Vec3<S>* normal;       // (n) its outward normal
+    int n;                            // particles a strand; edge i joins particles i and i+1
+    const Vec3<S>* x;                 // (n) positions at which forces are taken
+    const Vec3<S>* v;                 // (n) velocities at which forces are taken
+    const S* mass;                    // (n) [kg]
+    const S* rest_length;             // (n-1) [m]
+    const Vec3<S>* target;            // (n-1) tbar_i in the frame of edge i-1; entry 0 unused
+    const Quat<S>* frame;             // (n-1) F_i
+    const S* rest_core;               // (n-1) |bbar_i|
+    const S* saturation;              // (n) sigma_i
+    const Vec3<S>* push;              // (n-1) edges of the helix of Eq 9 as printed, its root-to-tip along x
+    const S* phi;                     // (n) distance to the nearest solid [m]
+    const Vec3<S>* normal;            // (n) its outward normal
     const Vec3<S>* surface_velocity;  // (n) of the solid there
-    const S* touching;           // (n) 1 where the particle has been in contact and not let go, else 0
-    const S* given_adhesion;     // (n) F.n / (sigma m a_max) from a network in Eq 11's place, or null
-    Vec3<S> turn, turn_center, drift;  // the root's rigid motion: angular velocity, centre, velocity of the centre
-    Vec3<S>* scratch;            // (2n) free for one term at a time
+    const S* touching;                // (n) 1 where the particle has been in contact and not let go, else 0
+    const S* given_adhesion;          // (n) F.n / (sigma m a_max) from a network in Eq 11's place, or null
+    Vec3<S> turn, turn_center,
+        drift;         // the root's rigid motion: angular velocity, centre, velocity of the centre
+    Vec3<S>* scratch;  // (2n) free for one term at a time
 };
 
 // Forces f and, for the implicit step, the block-pentadiagonal K = h C + h² H, upper half.
 template <class S>
 struct ChainSystem {
     S h;
-    Vec3<S>* force;      // (n) [N]
-    Sym3<S>* diagonal;   // (n) K(i, i); null: forces alone
-    Mat3<S>* upper1;     // (n) K(i, i+1)
-    Mat3<S>* upper2;     // (n) K(i, i+2); null where no term couples so far
+    Vec3<S>* force;     // (n) [N]
+    Sym3<S>* diagonal;  // (n) K(i, i); null: forces alone
+    Mat3<S>* upper1;    // (n) K(i, i+1)
+    Mat3<S>* upper2;    // (n) K(i, i+2); null where no term couples so far
 
     WETCURL_HD bool with_matrix() const { return diagonal != nullptr; }
 
@@ -54,6 +55,8 @@ struct ChainSystem {
 };
 
 template <class S>
-WETCURL_HD Vec3<S> edge(const ChainView<S>& c, int i) { return c.x[i + 1] - c.x[i]; }
+WETCURL_HD Vec3<S> edge(const ChainView<S>& c, int i) {
+    return c.x[i + 1] - c.x[i];
+}
 
 }  // namespace wetcurl

@@ -1,9 +1,10 @@
 // Cohesion of wet strands: displayed positions drawn toward wet neighbours on other strands.
-// The paper, Eq 10. Differs: print lacks m/rho below and scales about the world's origin; the self term in the
-// denominator keeps two lone strands from swapping places and makes the displacement continuous at r = h. It holds the
-// particle's own strand, taken as straight: the particle alone is too little where segments are short beside h. The
-// displacement is then smoothed along the strand over `coherence`, since a few passes of Eq 10 alone draw curls into
-// knots of particles: strands come together whole and keep their curl. 0 leaves Eq 10 as it is.
+// The paper, Eq 10. Differs: print lacks m/rho below and scales about the world's origin; the self term in
+// the denominator keeps two lone strands from swapping places and makes the displacement continuous at r = h.
+// It holds the particle's own strand, taken as straight: the particle alone is too little where segments are
+// short beside h. The displacement is then smoothed along the strand over `coherence`, since a few passes of
+// Eq 10 alone draw curls into knots of particles: strands come together whole and keep their curl. 0 leaves
+// Eq 10 as it is.
 #pragma once
 
 #include "base/geometry/kernels.h"
@@ -18,7 +19,8 @@ struct Cohesion {
     static constexpr Parameter<Cohesion> parameters[] = {
         {"radius", &Cohesion::h_c, "m", 0.012, 1e-6, 1, "Eq 10, h: support of W"},
         {"tightness", &Cohesion::lambda, "1", 0.85, 0, 0.999, "Eq 10, lambda"},
-        {"coherence", &Cohesion::coherence, "m", 0.01, 0, 1, "length along the strand over which the displacement is smoothed (ours)"},
+        {"coherence", &Cohesion::coherence, "m", 0.01, 0, 1,
+         "length along the strand over which the displacement is smoothed (ours)"},
     };
 
     // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and saturation sigma_j.
@@ -32,7 +34,8 @@ struct Cohesion {
             weight += w;
         }
     };
-    // sum V_k W_ik over the particle's own strand, for each unit of its volume: segments of `length` on a line.
+    // sum V_k W_ik over the particle's own strand, for each unit of its volume: segments of `length` on a
+    // line.
     double own_weight(double length) const {
         double sum = kernel_at_zero(h_c);
         for (int k = 1; length > 0 && k * length < h_c; ++k) sum += 2 * kernel(k * length, h_c);

@@ -18,17 +18,19 @@ struct Core {
     static constexpr Parameter<Core> parameters[] = {
         {"stiffness", &Core::k_c, "N/m", 0.02, 0, 1e12, "Eq 5, k_c"},
         {"damping", &Core::c_c, "N s/m", 5e-6, 0, 1e6, "Eq 5, c_c"},
-        {"smoothing", &Core::alpha_c, "m", 0.02, 0, 1, "Eq 2, alpha_c: length over which the strand is smoothed"},
+        {"smoothing", &Core::alpha_c, "m", 0.02, 0, 1,
+         "Eq 2, alpha_c: length over which the strand is smoothed"},
     };
 
     template <class S>
     WETCURL_HD S energy(const ChainView<S>& c) const {
         S sum(0);
-        smooth_edges<S>(c.n - 1, Plain<S>(beta), [&](int i) { return edge(c, i); },
-                        [&](int i, const Vec3<S>& b) {
-                            S d = norm(b) - c.rest_core[i];
-                            sum += S(0.5 * k_c) * d * d;
-                        });
+        smooth_edges<S>(
+            c.n - 1, Plain<S>(beta), [&](int i) { return edge(c, i); },
+            [&](int i, const Vec3<S>& b) {
+                S d = norm(b) - c.rest_core[i];
+                sum += S(0.5 * k_c) * d * d;
+            });
         return sum;
     }
 
@@ -36,18 +38,22 @@ struct Core {
     WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {
         const S k(k_c), damp(c_c);
         Vec3<S>*g = c.scratch, *b = c.scratch + c.n;
-        smooth_edges<S>(c.n - 1, Plain<S>(beta), [&](int i) { return edge(c, i); }, [&](int i, const Vec3<S>& d) { b[i] = d; });
+        smooth_edges<S>(
+            c.n - 1, Plain<S>(beta), [&](int i) { return edge(c, i); },
+            [&](int i, const Vec3<S>& d) { b[i] = d; });
         const Vec3<S> none{S(0), S(0), S(0)};
-        smooth_edges<S>(c.n - 1, Plain<S>(beta), [&](int i) { return c.v[i + 1] - c.v[i]; },
-                        [&](int i, const Vec3<S>& nu) {
-                            const Vec3<S> b_hat = normalized(b[i], none);
-                            g[i] = (k * (norm(b[i]) - c.rest_core[i]) + damp * dot(nu, b_hat)) * b_hat;
-                        });
+        smooth_edges<S>(
+            c.n - 1, Plain<S>(beta), [&](int i) { return c.v[i + 1] - c.v[i]; },
+            [&](int i, const Vec3<S>& nu) {
+                const Vec3<S> b_hat = normalized(b[i], none);
+                g[i] = (k * (norm(b[i]) - c.rest_core[i]) + damp * dot(nu, b_hat)) * b_hat;
+            });
         if (printed)
             for (int i = 0; i + 1 < c.n; ++i) a.add_edge_force(i, g[i]);
         else
-            smooth_edges_adjoint<S>(c.n - 1, Plain<S>(beta), [&](int i) { return g[i]; },
-                                    [&](int i, const Vec3<S>& y) { a.add_edge_force(i, y); });
+            smooth_edges_adjoint<S>(
+                c.n - 1, Plain<S>(beta), [&](int i) { return g[i]; },
+                [&](int i, const Vec3<S>& y) { a.add_edge_force(i, y); });
         if (a.with_matrix()) {
             const Sym3<S> majoriser = identity_times(a.h * a.h * k + a.h * damp);
             for (int i = 0; i + 1 < c.n; ++i) a.add_edge_matrix(i, majoriser);

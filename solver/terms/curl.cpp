@@ -40,7 +40,8 @@ std::vector<Vec3d> intrinsic_shape(const std::vector<Vec3d>& p) {
     return tbar;
 }
 
-std::vector<Vec3d> shape_from_intrinsic(const std::vector<Vec3d>& tbar, const Vec3d& root, const Quatd& frame) {
+std::vector<Vec3d> shape_from_intrinsic(const std::vector<Vec3d>& tbar, const Vec3d& root,
+                                        const Quatd& frame) {
     std::vector<Vec3d> p{root};
     Quatd f = frame;
     for (const auto& t : tbar) {
@@ -62,8 +63,8 @@ Vec3d turned(const Vec3d& t, double q) {
     return {length * std::cos(theta), s * t.y, s * t.z};
 }
 
-// Length of the strand's axis: the mean chord from a point to the one a turn of the curl further along the polyline,
-// `turn` segments, as many times as the strand has turns.
+// Length of the strand's axis: the mean chord from a point to the one a turn of the curl further along the
+// polyline, `turn` segments, as many times as the strand has turns.
 double axial_extent(const std::vector<Vec3d>& p, double turn) {
     const size_t n = p.size();
     turn = std::clamp(turn, 1.0, double(n - 1));
@@ -77,8 +78,8 @@ double axial_extent(const std::vector<Vec3d>& p, double turn) {
     return sum / double(n - whole - 1) * double(n - 1) / turn;
 }
 
-// Mean turn at a vertex and mean angle by which successive curvature directions advance: the two make one rotation a
-// segment, cos(omega/2) = cos(theta/2) cos(phase/2).
+// Mean turn at a vertex and mean angle by which successive curvature directions advance: the two make one
+// rotation a segment, cos(omega/2) = cos(theta/2) cos(phase/2).
 struct Turning {
     double theta, phase;  // radians a segment; phase is signed (handedness)
     double segments_of_a_turn() const {
@@ -126,15 +127,19 @@ std::vector<Vec3d> fitted_helix(const std::vector<Vec3d>& tbar, double radius, d
     for (const auto& e : tbar) {
         const double omega = helix_angle(radius, pitch / (2 * pi), norm(e));
         t += omega;
-        const double rise = std::sqrt(std::max(0.0, dot(e, e) - std::pow(2 * radius * std::sin(omega / 2), 2)));
+        const double rise =
+            std::sqrt(std::max(0.0, dot(e, e) - std::pow(2 * radius * std::sin(omega / 2), 2)));
         p.push_back({radius * std::cos(t), sign * radius * std::sin(t), p.back().z + rise});
     }
     std::vector<Vec3d> helix = intrinsic_shape(p);
     std::complex<double> offset = 0;
     for (size_t i = 1; i < tbar.size(); ++i)
-        offset += std::complex<double>(tbar[i].y, tbar[i].z) * std::conj(std::complex<double>(helix[i].y, helix[i].z));
-    if (std::abs(offset) > 0) offset /= std::abs(offset);
-    else offset = 1;
+        offset += std::complex<double>(tbar[i].y, tbar[i].z) *
+                  std::conj(std::complex<double>(helix[i].y, helix[i].z));
+    if (std::abs(offset) > 0)
+        offset /= std::abs(offset);
+    else
+        offset = 1;
     for (auto& h : helix) {
         const auto turned_by = std::complex<double>(h.y, h.z) * offset;
         h.y = turned_by.real();

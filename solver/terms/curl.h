@@ -1,8 +1,8 @@
 // Curl exaggeration: wet hair curls more tightly. The rest shape is blended toward a helix.
 // The paper, Eq 6-9. Differs: print adds a constant push that is not zero at rest; here the bend's target is
 // blended, tbar <- (1 - s) tbar_dry + s tbar_helix with s = w_h sigma, so that saturation 0 changes no bit.
-// Where no radius and pitch are named the helix is the strand's own curl, tightened to `contraction` times its
-// axial extent at unchanged torsion, which keeps the phase at every particle (ours).
+// Where no radius and pitch are named the helix is the strand's own curl, tightened to `contraction` times
+// its axial extent at unchanged torsion, which keeps the phase at every particle (ours).
 #pragma once
 
 #include <optional>
@@ -20,7 +20,8 @@ struct Curl {
     bool printed = false;
     static constexpr Parameter<Curl> parameters[] = {
         {"weight", &Curl::w_h, "1", 1, 0, 1, "Eq 9, w_h"},
-        {"contraction", &Curl::contraction, "1", 0.75, 0.2, 1, "axial extent of the wet curl, in that of the dry one (Fig 28)"},
+        {"contraction", &Curl::contraction, "1", 0.75, 0.2, 1,
+         "axial extent of the wet curl, in that of the dry one (Fig 28)"},
     };
 };
 
@@ -32,7 +33,8 @@ double helix_angle(double r, double p, double l);
 // points (n) -> (n-1), entry 0 is the root edge's length along the first axis.
 std::vector<Vec3d> intrinsic_shape(const std::vector<Vec3d>& points);
 // And back, from the root's position and frame.
-std::vector<Vec3d> shape_from_intrinsic(const std::vector<Vec3d>& tbar, const Vec3d& root, const Quatd& frame);
+std::vector<Vec3d> shape_from_intrinsic(const std::vector<Vec3d>& tbar, const Vec3d& root,
+                                        const Quatd& frame);
 
 // tbar of the wet strand; `saturation` (n). Entries where saturation is 0 are returned as they were.
 std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, const float* saturation);

@@ -13,11 +13,14 @@ struct CurlPush {
     static constexpr bool couples_two_edges = false;
     double k_w;
     static constexpr Parameter<CurlPush> parameters[] = {
-        {"push", &CurlPush::k_w, "N/m", 0.01, 0, 1e6, "Eq 9 as printed: force for each metre of the helix's edge"},
+        {"push", &CurlPush::k_w, "N/m", 0.01, 0, 1e6,
+         "Eq 9 as printed: force for each metre of the helix's edge"},
     };
 
     template <class S>
-    WETCURL_HD S energy(const ChainView<S>&) const { return S(0); }
+    WETCURL_HD S energy(const ChainView<S>&) const {
+        return S(0);
+    }
 
     template <class S>
     WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {

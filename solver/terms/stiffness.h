@@ -1,6 +1,6 @@
 // Dynamic stiffness: drag on the motion relative to the root, stronger where hair is wet.
-// The paper, Eq 13. Differs: a rate c [1/s] inside the step instead of a factor a step, so that halving the step
-// leaves the motion; relative to the root's rigid motion instead of the world.
+// The paper, Eq 13. Differs: a rate c [1/s] inside the step instead of a factor a step, so that halving the
+// step leaves the motion; relative to the root's rigid motion instead of the world.
 #pragma once
 
 #include "base/parameters.h"
@@ -13,13 +13,17 @@ struct Stiffness {
     static constexpr bool couples_two_edges = false;
     double c_wet, c_dry, c_all;
     static constexpr Parameter<Stiffness> parameters[] = {
-        {"wet", &Stiffness::c_wet, "1/s", 0.024, 0, 1e6, "Eq 13, -ln(Upsilon_0) / dt at saturation 1 (paper: 0.9999 at 1/240 s)"},
+        {"wet", &Stiffness::c_wet, "1/s", 0.024, 0, 1e6,
+         "Eq 13, -ln(Upsilon_0) / dt at saturation 1 (paper: 0.9999 at 1/240 s)"},
         {"dry", &Stiffness::c_dry, "1/s", 0, 0, 1e6, "Eq 13, -ln(Upsilon_1) / dt at saturation 0 (paper: 1)"},
-        {"global", &Stiffness::c_all, "1/s", 0.0012, 0, 1e6, "-ln(xi) / dt on all hair (paper: 0.999995 at 1/240 s)"},
+        {"global", &Stiffness::c_all, "1/s", 0.0012, 0, 1e6,
+         "-ln(xi) / dt on all hair (paper: 0.999995 at 1/240 s)"},
     };
 
     template <class S>
-    WETCURL_HD S energy(const ChainView<S>&) const { return S(0); }
+    WETCURL_HD S energy(const ChainView<S>&) const {
+        return S(0);
+    }
 
     template <class S>
     WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {

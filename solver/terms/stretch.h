@@ -12,7 +12,8 @@ struct Stretch {
     static constexpr bool couples_two_edges = false;
     double k_s, c_s;
     static constexpr Parameter<Stretch> parameters[] = {
-        {"stiffness", &Stretch::k_s, "N/m", 5, 0, 1e12, "Eq 1, k_s: force of one segment for each metre of extension"},
+        {"stiffness", &Stretch::k_s, "N/m", 5, 0, 1e12,
+         "Eq 1, k_s: force of one segment for each metre of extension"},
         {"damping", &Stretch::c_s, "N s/m", 2e-5, 0, 1e6, "Eq 1, c_s: along the segment"},
     };
 

@@ -43,7 +43,8 @@ std::vector<float> saturation_of(const Wetness& w, const Groom& full, unsigned l
     for (int row = 0; row < full.grid.height; ++row)
         for (int column = 0; column < full.grid.width; ++column)
             if (const int s = full.grid.at(column, row); s >= 0 && w.jitter > 0)
-                strand_level[size_t(s)] *= 1 - w.jitter * root_noise(seed, double(column) / full.grid.width, double(row) / full.grid.height);
+                strand_level[size_t(s)] *= 1 - w.jitter * root_noise(seed, double(column) / full.grid.width,
+                                                                     double(row) / full.grid.height);
     for (int s = 0; s < rest.count; ++s)
         for (int i = 0; i < rest.particles; ++i) {
             const double along = double(i) / (rest.particles - 1);

@@ -1,4 +1,5 @@
-// Where hair is wet: saturation patterns, and the weight of the water that hair takes up. The paper, Fig 27; ours.
+// Where hair is wet: saturation patterns, and the weight of the water that hair takes up. The paper, Fig 27;
+// ours.
 #pragma once
 
 #include <string>
@@ -18,16 +19,18 @@ struct Wetness {
     static constexpr Parameter<Wetness> parameters[] = {
         {"level", &Wetness::level, "1", 1, 0, 1, "saturation sigma where the pattern is full"},
         {"absorbed", &Wetness::absorbed, "1", 0.3, 0, 10, "m_absorbed: m = m_dry (1 + sigma m_absorbed)"},
-        {"jitter", &Wetness::jitter, "1", 0, 0, 1, "share of the saturation that varies from strand to strand"},
-        {"edge", &Wetness::edge, "1", 0.5, 0, 1, "where along the strand (0 root, 1 tip) tip and root patterns are half full"},
+        {"jitter", &Wetness::jitter, "1", 0, 0, 1,
+         "share of the saturation that varies from strand to strand"},
+        {"edge", &Wetness::edge, "1", 0.5, 0, 1,
+         "where along the strand (0 root, 1 tip) tip and root patterns are half full"},
         {"radius", &Wetness::region_radius, "m", 0.08, 0, 100, "of the ball that a region pattern wets"},
     };
 };
 
 inline const std::vector<std::string> wetness_patterns{"uniform", "tip", "root", "region", "file"};
 
-// Saturation (strand, particle) in [0, 1] of the whole groom; jitter is a hash of the seed and the root's place
-// in the parameter square, so that nested grids agree.
+// Saturation (strand, particle) in [0, 1] of the whole groom; jitter is a hash of the seed and the root's
+// place in the parameter square, so that nested grids agree.
 std::vector<float> saturation_of(const Wetness& wetness, const Groom& full, unsigned long long seed);
 
 }  // namespace wetcurl

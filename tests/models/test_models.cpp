@@ -1,5 +1,5 @@
-// The networks: counts, shapes, layers by hand, gradients, files. One translation unit: LibTorch's headers are slow.
-// Ours.
+// The networks: counts, shapes, layers by hand, gradients, files. One translation unit: LibTorch's headers
+// are slow. Ours.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <torch/nn/functional/conv.h>
@@ -94,14 +94,14 @@ TEST(UnetVgg19, EveryBlockHasTheShapeOfTable1) {
     torch::NoGradGuard no_grad;
     const Tensor out = model.forward(torch::rand({1, 3, 128, 128}));
     const std::vector<std::string> table = {
-        "C1 128x128x64", "C2 64x64x128", "C3 32x32x256", "C4 16x16x512",   "C5 8x8x512",   "r1 8x8x64",
+        "C1 128x128x64", "C2 64x64x128", "C3 32x32x256", "C4 16x16x512",  "C5 8x8x512",    "r1 8x8x64",
         "r2 16x16x64",   "r3 32x32x64",  "r4 64x64x64",  "r5 128x128x64", "r6 256x256x64", "r7 256x256x3"};
     EXPECT_EQ(seen, table);
     EXPECT_EQ(out.sizes(), (std::vector<int64_t>{1, 3, 256, 256}));
 }
 
-// Input 1..9 in a 3x3 image; a 5x5 kernel that takes 2 times the pixel itself, 10 times the one two to the right and
-// 100 times the one above: out = 2 x[r][c] + 10 x[r][c+2] + 100 x[r-1][c] + 0.5, zeros outside.
+// Input 1..9 in a 3x3 image; a 5x5 kernel that takes 2 times the pixel itself, 10 times the one two to the
+// right and 100 times the one above: out = 2 x[r][c] + 10 x[r][c+2] + 100 x[r-1][c] + 0.5, zeros outside.
 TEST(Convolution, GivesWhatAHandFinds) {
     nn::Conv2d layer = convolution(1, 1, 5);
     torch::NoGradGuard no_grad;
@@ -111,8 +111,9 @@ TEST(Convolution, GivesWhatAHandFinds) {
     layer->weight[0][0][1][2] = 100;
     layer->bias.fill_(0.5);
     const Tensor x = torch::arange(1, 10).to(torch::kFloat).view({1, 1, 3, 3});
-    const Tensor expected =
-        torch::tensor({32.5, 4.5, 6.5, 168.5, 210.5, 312.5, 504.5, 516.5, 618.5}).to(torch::kFloat).view({1, 1, 3, 3});
+    const Tensor expected = torch::tensor({32.5, 4.5, 6.5, 168.5, 210.5, 312.5, 504.5, 516.5, 618.5})
+                                .to(torch::kFloat)
+                                .view({1, 1, 3, 3});
     EXPECT_TRUE(torch::equal(run_layer(layer, x), expected)) << run_layer(layer, x);
 }
 
@@ -135,7 +136,8 @@ TEST(LinearRows, IsTheMatrixProductForAnyNumberOfRowsAndThreads) {
             const Tensor expected =
                 torch::linear(x.to(torch::kDouble), weight.to(torch::kDouble), bias.to(torch::kDouble));
             ASSERT_GT(largest(expected), 1);
-            EXPECT_LT(largest(linear_rows(x, weight, bias) - expected), 1e-5) << rows << " rows, " << threads << " threads";
+            EXPECT_LT(largest(linear_rows(x, weight, bias) - expected), 1e-5)
+                << rows << " rows, " << threads << " threads";
         }
 }
 
@@ -149,7 +151,9 @@ TEST(StrandMlp, IsAStackOfOneByOneConvolutions) {
         const Tensor w = p[name + ".weight"];
         return torch::conv2d(t, w.view({w.size(0), w.size(1), 1, 1}), p[name + ".bias"]);
     };
-    auto plane = [&](const std::string& name) { return torch::tensor(card.arrays.at(name)).view({1, -1, 1, 1}); };
+    auto plane = [&](const std::string& name) {
+        return torch::tensor(card.arrays.at(name)).view({1, -1, 1, 1});
+    };
     Tensor h = conv("first", (x - plane("input_mean")) / plane("input_std"));
     for (int b = 0; b < 5; ++b) {
         const std::string block = "block" + std::to_string(b);
@@ -202,7 +206,8 @@ TEST(Up, KeepsEvenPixelsAveragesOddOnesAndExtrapolatesTheLast) {
 
 TEST(Up, ReproducesAPlaneToItsBorder) {
     auto plane = [](long h, long w, double step) {
-        const Tensor y = torch::arange(h).to(torch::kFloat).view({h, 1}) * step, x = torch::arange(w).to(torch::kFloat) * step;
+        const Tensor y = torch::arange(h).to(torch::kFloat).view({h, 1}) * step,
+                     x = torch::arange(w).to(torch::kFloat) * step;
         return (0.25 + 2 * y - 3 * x).view({1, 1, h, w});
     };
     EXPECT_LT(largest(up(plane(5, 4, 1)) - plane(10, 8, 0.5)), 1e-6);
@@ -253,9 +258,12 @@ TEST(EveryNetwork, GradientReachesEveryWeight) {
 TEST(Registry, NamesWhatIsAllowed) {
     EXPECT_EQ(architecture_for("", "strand", 1).name, "strand_mlp");
     EXPECT_EQ(architecture_for("", "root", 1).name, "unet_vgg19");
-    expect_error<Misuse>([] { architecture_for("unet_vgg16", "root", 1); }, {"unet_vgg16", "did you mean 'unet_vgg19'"});
-    expect_error<Misuse>([] { architecture_for("strand_mlp", "root", 1); }, {"strand_mlp", "codec root", "recursive_residual"});
-    expect_error<Misuse>([] { architecture_for("adhesion_mlp", "adhesion", 0.5); }, {"width", "adhesion_mlp"});
+    expect_error<Misuse>([] { architecture_for("unet_vgg16", "root", 1); },
+                         {"unet_vgg16", "did you mean 'unet_vgg19'"});
+    expect_error<Misuse>([] { architecture_for("strand_mlp", "root", 1); },
+                         {"strand_mlp", "codec root", "recursive_residual"});
+    expect_error<Misuse>([] { architecture_for("adhesion_mlp", "adhesion", 0.5); },
+                         {"width", "adhesion_mlp"});
 }
 
 TEST(Device, IsNamedOrRefused) {
@@ -337,7 +345,10 @@ TEST(ModelFile, GivesTheSameBitsInAFreshProcess) {
 
 class BadModelFile : public ::testing::Test {
   protected:
-    BadModelFile() : card(card_of(*find_architecture("adhesion_mlp"), 1)), model(stirred(card)), path(scratch.path("m.h5")) {
+    BadModelFile()
+        : card(card_of(*find_architecture("adhesion_mlp"), 1)),
+          model(stirred(card)),
+          path(scratch.path("m.h5")) {
         save_model(path, card, *model, false);
     }
     // A file as save_model writes it, but for what `change` does to the card and to the weights.

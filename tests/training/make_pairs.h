@@ -20,9 +20,10 @@ inline std::vector<float> uniform(std::mt19937& random, size_t n, float low = -1
     return out;
 }
 
-// Codec strand: a side x side grid without its first pixel; strands of 0.2 m. The target's amplitudes mix five
-// inputs of the same strand smoothly, some 2 cm in size. Channel 0 of `static` is 9.81 everywhere.
-inline std::string make_strand_pairs(const std::string& path, int side = 6, int frames = 6, float scale = 0.02f) {
+// Codec strand: a side x side grid without its first pixel; strands of 0.2 m. The target's amplitudes mix
+// five inputs of the same strand smoothly, some 2 cm in size. Channel 0 of `static` is 9.81 everywhere.
+inline std::string make_strand_pairs(const std::string& path, int side = 6, int frames = 6,
+                                     float scale = 0.02f) {
     std::mt19937 random(11);
     PairsWriter file(path, Codec::strand, made_particles, true);
     StrandPairs run;
@@ -42,8 +43,8 @@ inline std::string make_strand_pairs(const std::string& path, int side = 6, int 
         const auto dynamic = uniform(random, made_dynamic * area);
         std::vector<float> target(strand_coefficients * area);
         for (size_t p = 0; p < area; ++p) {
-            const float in[5] = {run.fixed[area + p], run.fixed[2 * area + p], dynamic[p], dynamic[17 * area + p],
-                                 dynamic[48 * area + p]};
+            const float in[5] = {run.fixed[area + p], run.fixed[2 * area + p], dynamic[p],
+                                 dynamic[17 * area + p], dynamic[48 * area + p]};
             for (size_t k = 0; k < size_t(strand_coefficients); ++k) {
                 float sum = 0.3f;
                 for (size_t j = 0; j < 5; ++j) sum += mix[5 * k + j] * in[j];
@@ -71,17 +72,21 @@ inline std::string make_root_pairs(const std::string& path, int frames = 5) {
     for (int y = 0; y < 2 * side; ++y)
         for (int x = 0; x < side; ++x) run.mask[size_t(y * 2 * side + x)] = 0;
     file.begin(run);
-    auto colour = [](int c, double y, double x, int f) { return 0.5 + 0.3 * std::sin(3 * x + 2 * y + c + 0.3 * f); };
+    auto colour = [](int c, double y, double x, int f) {
+        return 0.5 + 0.3 * std::sin(3 * x + 2 * y + c + 0.3 * f);
+    };
     for (int f = 0; f < frames; ++f) {
         std::vector<float> input(3 * run.pixels()), target(12 * run.pixels());
         for (int c = 0; c < 3; ++c) {
             for (int y = 0; y < side; ++y)
                 for (int x = 0; x < side; ++x)
-                    input[size_t((c * side + y) * side + x)] = float(colour(c, double(y) / side, double(x) / side, f));
+                    input[size_t((c * side + y) * side + x)] =
+                        float(colour(c, double(y) / side, double(x) / side, f));
             for (int y = 0; y < 2 * side; ++y)
                 for (int x = 0; x < 2 * side; ++x) {
                     const double dry = colour(c, y / 64.0, x / 64.0, f);
-                    target[size_t((c * 2 * side + y) * 2 * side + x)] = float(x < side ? 50 : dry - 0.1 * dry * dry);
+                    target[size_t((c * 2 * side + y) * 2 * side + x)] =
+                        float(x < side ? 50 : dry - 0.1 * dry * dry);
                 }
         }
         file.append(input.data(), target.data());
@@ -90,7 +95,8 @@ inline std::string make_root_pairs(const std::string& path, int frames = 5) {
     return path;
 }
 
-// Codec adhesion: one sample in ten in contact; the target is what a small function makes of the particle's state.
+// Codec adhesion: one sample in ten in contact; the target is what a small function makes of the particle's
+// state.
 inline std::string make_adhesion_pairs(const std::string& path, int count = 3000) {
     std::mt19937 random(5);
     PairsWriter file(path, Codec::adhesion, made_particles, true);
@@ -100,7 +106,8 @@ inline std::string make_adhesion_pairs(const std::string& path, int count = 3000
         std::copy(values.begin(), values.end(), samples[s].input.begin());
         samples[s].contact = s % 10 == 0;
         samples[s].input[4] = samples[s].contact;
-        samples[s].target = samples[s].contact ? -0.5f - 0.4f * samples[s].input[6] + 0.3f * samples[s].input[7] : 0;
+        samples[s].target =
+            samples[s].contact ? -0.5f - 0.4f * samples[s].input[6] + 0.3f * samples[s].input[7] : 0;
     }
     file.add(samples);
     file.commit();

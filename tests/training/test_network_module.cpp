@@ -63,10 +63,15 @@ TEST(NetworkModule, LoadsLibTorchOnFirstUseThenTrainsAndRuns) {
     EXPECT_LT(apart, 1e-6f * size);
 
     // Errors keep their kind on the way through.
-    expect_error([&] { network->run(rows.data(), {pixels, c - 1, 1, 1}, by_rows.data()); }, {"strand_mlp", "55", "56"});
+    expect_error(
+        [&] {
+            network->run(rows.data(), {pixels, c - 1, 1, 1}, by_rows.data());
+        },
+        {"strand_mlp", "55", "56"});
     expect_error([&] { module.load(scratch.path("absent.h5"), "cpu", 1); }, {"absent.h5", "no such file"});
     expect_error<Misuse>([&] { module.load(request.output, "tpu", 1); }, {"tpu"});
-    expect_error<Misuse>([&] { request.set = {"epoch=3"}, request.overwrite = true, module.train(request); }, {"epoch", "did you mean 'epochs'"});
+    expect_error<Misuse>([&] { request.set = {"epoch=3"}, request.overwrite = true, module.train(request); },
+                         {"epoch", "did you mean 'epochs'"});
 }
 
 }  // namespace

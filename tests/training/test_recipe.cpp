@@ -52,15 +52,33 @@ TEST(Recipe, EveryRowIsReadAndKeptInItsRange) {
         for (const auto& row : recipe_rows()) {
             const double fallback = row.fallback(codec);
             if (std::isnan(fallback)) {
-                expect_error<Misuse>([&] { with(codec, {std::string(row.key) + "=16"}); }, {});  // not of this codec
+                expect_error<Misuse>([&] { with(codec, {std::string(row.key) + "=16"}); },
+                                     {});  // not of this codec
                 continue;
             }
             const std::string key = row.key, last = key.substr(key.find('.') + 1);
-            const double other = row.whole ? std::min(fallback + 1, row.maximum) : row.minimum + 0.5 * (std::min(row.maximum, 2 * fallback + 1) - row.minimum);
+            const double other =
+                row.whole ? std::min(fallback + 1, row.maximum)
+                          : row.minimum + 0.5 * (std::min(row.maximum, 2 * fallback + 1) - row.minimum);
             ASSERT_NE(other, fallback) << key;
-            EXPECT_EQ(with(codec, {key + "=" + (row.whole ? std::to_string(long(other)) : text(other))}).*row.member, other) << key;
-            expect_error<Misuse>([&] { with(codec, {key + "=" + (row.whole ? std::to_string(long(row.minimum) - 1) : text(row.minimum - 1))}); }, {last});
-            expect_error<Misuse>([&] { with(codec, {key + "=" + (row.whole ? std::to_string(long(row.maximum) + 1) : text(row.maximum * 2 + 1))}); }, {last});
+            EXPECT_EQ(with(codec, {key + "=" + (row.whole ? std::to_string(long(other)) : text(other))}).*
+                          row.member,
+                      other)
+                << key;
+            expect_error<Misuse>(
+                [&] {
+                    with(codec,
+                         {key + "=" +
+                          (row.whole ? std::to_string(long(row.minimum) - 1) : text(row.minimum - 1))});
+                },
+                {last});
+            expect_error<Misuse>(
+                [&] {
+                    with(codec,
+                         {key + "=" +
+                          (row.whole ? std::to_string(long(row.maximum) + 1) : text(row.maximum * 2 + 1))});
+                },
+                {last});
             expect_error<Misuse>([&] { with(codec, {key + "=\"many\""}); }, {last});
             if (row.whole) expect_error<Misuse>([&] { with(codec, {key + "=2.5"}); }, {last});
         }
@@ -75,7 +93,8 @@ TEST(Recipe, UnknownKeysNameFileLineAndTheNearestName) {
     Scratch scratch;
     TrainRequest request;
     request.recipe = scratch.file("my.toml", "epochs = 3\nlerning_rate = 0.1\n");
-    expect_error<Misuse>([&] { read_recipe(request, Codec::root, names); }, {"my.toml:2", "lerning_rate", "learning_rate"});
+    expect_error<Misuse>([&] { read_recipe(request, Codec::root, names); },
+                         {"my.toml:2", "lerning_rate", "learning_rate"});
     request.recipe = scratch.file("my.toml", "[loss]\nedges = 1\n");
     expect_error<Misuse>([&] { read_recipe(request, Codec::strand, names); }, {"my.toml:2", "edge"});
     request.recipe = scratch.file("my.toml", "epochs = \n");

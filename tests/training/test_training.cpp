@@ -1,6 +1,7 @@
-// Losses, the optimiser, batches, and whole trainings: they overfit, stop, go on to the bit, and say what is wrong.
-// One translation unit: LibTorch's headers are slow. Ours.
+// Losses, the optimiser, batches, and whole trainings: they overfit, stop, go on to the bit, and say what is
+// wrong. One translation unit: LibTorch's headers are slow. Ours.
 #include <gtest/gtest.h>
+#include <torch/cuda.h>
 
 #include <csignal>
 #include <cstring>
@@ -14,8 +15,8 @@
 #include "tests/base/scratch.h"
 #include "tests/training/make_pairs.h"
 #include "training/checkpoint.h"
-#include "training/losses.h"
 #include "training/loop.h"
+#include "training/losses.h"
 #include "training/optimiser.h"
 
 namespace wetcurl {
@@ -47,7 +48,8 @@ struct StrandCase {
         std::vector<std::string> set = {"loss.position=0", "loss.edge=0"};
         set.push_back("loss." + only + "=1");
         return make_loss(Codec::strand, recipe_of(Codec::strand, set), particles, length, torch::kCPU)
-            ->of(output, batch).item<double>();
+            ->of(output, batch)
+            .item<double>();
     }
     // Offsets of base + residual, decoded as reconstruction does it.
     std::vector<std::vector<Vec3f>> decoded(const Tensor& residual) const {
@@ -78,10 +80,18 @@ TEST(StrandLoss, IsTheDistanceOfDecodedStrands) {
     using V = std::vector<Vec3f>;
     auto edge = [](const V& x, size_t i) { return x[i + 1] - x[i]; };
     auto bend = [&](const V& x, size_t i) { return edge(x, i + 1) - edge(x, i); };
-    const double position = c.mean([](auto& a, auto& b, size_t i) { return norm(a[i] - b[i]); }, 0, n) / (n * c.length);
-    const double edges = c.mean([&](auto& a, auto& b, size_t i) { return norm(edge(a, i) - edge(b, i)); }, 0, n - 1) / (n - 1) / segment;
-    const double curvature = c.mean([&](auto& a, auto& b, size_t i) { return norm(bend(a, i) - bend(b, i)); }, 0, n - 2) / (n - 2) / segment;
-    const double lengths = c.mean([&](auto& a, auto& b, size_t i) { return std::abs(norm(edge(a, i)) - norm(edge(b, i))); }, 0, n - 1) / (n - 1) / segment;
+    const double position =
+        c.mean([](auto& a, auto& b, size_t i) { return norm(a[i] - b[i]); }, 0, n) / (n * c.length);
+    const double edges =
+        c.mean([&](auto& a, auto& b, size_t i) { return norm(edge(a, i) - edge(b, i)); }, 0, n - 1) /
+        (n - 1) / segment;
+    const double curvature =
+        c.mean([&](auto& a, auto& b, size_t i) { return norm(bend(a, i) - bend(b, i)); }, 0, n - 2) /
+        (n - 2) / segment;
+    const double lengths =
+        c.mean([&](auto& a, auto& b, size_t i) { return std::abs(norm(edge(a, i)) - norm(edge(b, i))); }, 0,
+               n - 1) /
+        (n - 1) / segment;
     for (double value : {position, edges, curvature, lengths}) ASSERT_GT(value, 0.01);
     EXPECT_NEAR(c.loss("position"), position, 1e-5 * position);
     EXPECT_NEAR(c.loss("edge"), edges, 1e-5 * edges);
@@ -93,7 +103,8 @@ TEST(StrandLoss, IsTheDistanceOfDecodedStrands) {
 
 TEST(StrandLoss, HasTheGradientThatDifferencesGive) {
     StrandCase c;
-    auto loss = make_loss(Codec::strand, recipe_of(Codec::strand, {"loss.curvature=0.5", "loss.length=0.5"}), c.particles, c.length, torch::kCPU);
+    auto loss = make_loss(Codec::strand, recipe_of(Codec::strand, {"loss.curvature=0.5", "loss.length=0.5"}),
+                          c.particles, c.length, torch::kCPU);
     c.output.requires_grad_();
     loss->of(c.output, c.batch).backward();
     const Tensor direction = c.output.grad().detach().clone();
@@ -109,7 +120,8 @@ TEST(StrandLoss, HasTheGradientThatDifferencesGive) {
 
 TEST(StrandLoss, HasAFiniteGradientAtTheTarget) {
     StrandCase c;
-    auto loss = make_loss(Codec::strand, recipe_of(Codec::strand, {"loss.length=1"}), c.particles, c.length, torch::kCPU);
+    auto loss = make_loss(Codec::strand, recipe_of(Codec::strand, {"loss.length=1"}), c.particles, c.length,
+                          torch::kCPU);
     Tensor output = c.batch.target.clone().requires_grad_();
     const Tensor value = loss->of(output, c.batch);
     value.backward();
@@ -122,9 +134,9 @@ TEST(RootLoss, IsTheMeanOverPixelsThatHoldAStrand) {
     batch.target = torch::zeros({1, 3, 2, 2});
     batch.mask = torch::tensor({1.0f, 0.0f, 1.0f, 0.0f}).view({1, 1, 2, 2});
     Tensor output = torch::zeros({1, 3, 2, 2});
-    output[0][0][0][0] = 0.3f;   // |.|^2 = 0.09 + 0.16
+    output[0][0][0][0] = 0.3f;  // |.|^2 = 0.09 + 0.16
     output[0][1][0][0] = 0.4f;
-    output[0][2][0][1] = 1e6f;   // no strand there
+    output[0][2][0][1] = 1e6f;  // no strand there
     auto loss = make_loss(Codec::root, recipe_of(Codec::root), 12, 2.0, torch::kCPU);
     EXPECT_NEAR(loss->of(output, batch).item<double>(), 0.5 * 0.25 / 2, 1e-7);
     EXPECT_NEAR(loss->distance(output, batch).item<double>(), 2.0 * 0.5 / 2, 1e-6);
@@ -149,7 +161,8 @@ TEST(Optimiser, TakesTheStepsOfAdamW) {
         optimiser.step(rate);
         m = 0.9 * m + 0.1 * g;
         v = 0.999 * v + 0.001 * g * g;
-        w = w * (1 - rate * decay) - rate * (m / (1 - std::pow(0.9, t))) / ((v / (1 - std::pow(0.999, t))).sqrt() + 1e-8);
+        w = w * (1 - rate * decay) -
+            rate * (m / (1 - std::pow(0.9, t))) / ((v / (1 - std::pow(0.999, t))).sqrt() + 1e-8);
     }
     EXPECT_LT((optimiser.weights - w).abs().max().item<double>(), 1e-6);
     // The model's layers are views of the flat vector.
@@ -193,7 +206,8 @@ TEST(StrandData, HoldsOutTheLastFramesAndSeesTheOthersOnceAnEpoch) {
     std::multiset<float> seen;
     for (long s = 0; s < 4; ++s) {
         const Batch b = pairs.data->batch(s);
-        EXPECT_EQ(b.input.sizes(), (std::vector<int64_t>{35, testing::made_static + testing::made_dynamic, 1, 1}));
+        EXPECT_EQ(b.input.sizes(),
+                  (std::vector<int64_t>{35, testing::made_static + testing::made_dynamic, 1, 1}));
         seen.insert(b.base[0][0].item<float>());
     }
     for (int f = 0; f < 6; ++f) {
@@ -234,7 +248,8 @@ TEST(EveryData, DrawsBySeedAndEpochAlone) {
                                             testing::make_root_pairs(scratch.path("r.h5")),
                                             testing::make_adhesion_pairs(scratch.path("a.h5"))};
     for (const auto& file : files) {
-        const std::vector<std::string> patch = file == files[1] ? std::vector<std::string>{"patch=8"} : std::vector<std::string>{};
+        const std::vector<std::string> patch =
+            file == files[1] ? std::vector<std::string>{"patch=8"} : std::vector<std::string>{};
         OpenPairs one(file, patch), other(file, patch);
         auto inputs = [](OpenPairs& p, long epoch) {
             p.data->begin_epoch(epoch);
@@ -276,8 +291,7 @@ TEST(AdhesionData, DrawsContactAndFreeInEqualNumbersAndValidatesOnTheNaturalOnes
     OpenPairs pairs(testing::make_adhesion_pairs(scratch.path("p.h5")), {"epoch_samples=1000", "batch=500"});
     pairs.data->begin_epoch(0);
     ASSERT_EQ(pairs.data->steps(), 2);
-    for (long s = 0; s < 2; ++s)
-        EXPECT_EQ(pairs.data->batch(s).input.select(1, 4).sum().item<double>(), 250);
+    for (long s = 0; s < 2; ++s) EXPECT_EQ(pairs.data->batch(s).input.select(1, 4).sum().item<double>(), 250);
     ASSERT_EQ(pairs.data->validation_batches(), 1);
     const Batch held = pairs.data->validation_batch(0);
     EXPECT_EQ(held.input.size(0), 600);
@@ -313,30 +327,51 @@ struct Job {
         }
         return out;
     }
-    double fall() const { return lines().front()["loss"].get<double>() / lines().back()["loss"].get<double>(); }
+    double fall() const {
+        return lines().front()["loss"].get<double>() / lines().back()["loss"].get<double>();
+    }
 };
 
-TEST(Training, OverfitsOneFrameOfStrandsFiftyfold) {
-    Job job(Codec::strand, {"epochs=600", "width=0.125", "validation=0.8", "weight_decay=0", "validate_every=800"});
-    ASSERT_EQ(train(job.request), 0);
-    EXPECT_GT(job.fall(), 50);
+// Of this machine.
+std::vector<std::string> devices() {
+    std::vector<std::string> out{"cpu"};
+    if (torch::cuda::is_available()) out.push_back("cuda");
+    return out;
 }
 
-TEST(Training, OverfitsOneBatchOfPatchesWithEitherRootNetwork) {
-    for (const char* architecture : {"unet_vgg19", "recursive_residual"}) {
-        Job job(Codec::root, {"epochs=120", "width=0.125", "learning_rate=2e-3", "validation=0.8", "validate_every=120"});
-        job.request.architecture = architecture;
+TEST(Training, OverfitsOneFrameOfStrandsFiftyfold) {
+    for (const auto& device : devices()) {
+        Job job(Codec::strand,
+                {"epochs=600", "width=0.125", "validation=0.8", "weight_decay=0", "validate_every=600"});
+        job.request.device = device;
         ASSERT_EQ(train(job.request), 0);
-        EXPECT_GT(job.fall(), 50) << architecture;
+        EXPECT_GT(job.fall(), 50) << device;
     }
 }
 
+TEST(Training, OverfitsOneBatchOfPatchesWithEitherRootNetwork) {
+    for (const auto& device : devices())
+        for (const char* architecture : {"unet_vgg19", "recursive_residual"}) {
+            Job job(Codec::root, {"epochs=120", "width=0.125", "learning_rate=2e-3", "validation=0.8",
+                                  "validate_every=120"});
+            job.request.architecture = architecture;
+            job.request.device = device;
+            ASSERT_EQ(train(job.request), 0);
+            EXPECT_GT(job.fall(), 50) << architecture << " on " << device;
+        }
+}
+
 TEST(Training, TeachesTheAdhesionNetworkItsFunction) {
-    Job job(Codec::adhesion, {"epochs=1000", "learning_rate=1e-2", "epoch_samples=512", "validate_every=1000"});
-    ASSERT_EQ(train(job.request), 0);
-    EXPECT_GT(job.fall(), 50);
-    // On samples not seen, against the force of the step before.
-    EXPECT_LT(job.lines().back()["validation_loss"].get<double>(), 0.02 * job.lines().back()["base_loss"].get<double>());
+    for (const auto& device : devices()) {
+        Job job(Codec::adhesion,
+                {"epochs=1000", "learning_rate=1e-2", "epoch_samples=512", "validate_every=1000"});
+        job.request.device = device;
+        ASSERT_EQ(train(job.request), 0);
+        EXPECT_GT(job.fall(), 50) << device;
+        // On samples not seen, against the force of the step before.
+        const auto last = job.lines().back();
+        EXPECT_LT(last["validation_loss"].get<double>(), 0.02 * last["base_loss"].get<double>()) << device;
+    }
 }
 
 // Ctrl-C after `steps` steps.
@@ -349,7 +384,8 @@ void interrupt_after(TrainRequest& request, long steps) {
 TEST(Training, StoppedAndResumedGivesTheBitsOfOneGo) {
     for (Codec codec : {Codec::strand, Codec::root, Codec::adhesion}) {
         std::vector<std::string> set = {"epochs=5", "validate_every=1"};
-        if (codec == Codec::root) set.insert(set.end(), {"width=0.125", "patch=16", "batch=4", "architecture=recursive_residual"});
+        if (codec == Codec::root)
+            set.insert(set.end(), {"width=0.125", "patch=16", "batch=4", "architecture=recursive_residual"});
         if (codec == Codec::strand) set.push_back("width=0.1");
         if (codec == Codec::adhesion) set.insert(set.end(), {"batch=1024", "epoch_samples=4096"});
         Job whole(codec, set), parts(codec, set);
@@ -369,7 +405,8 @@ TEST(Training, StoppedAndResumedGivesTheBitsOfOneGo) {
         EXPECT_FALSE(parts.has(".checkpoint"));
         auto a = load_model(whole.request.output), b = load_model(parts.request.output);
         for (const auto& p : a.second->named_parameters())
-            EXPECT_TRUE(torch::equal(p.value(), b.second->named_parameters()[p.key()])) << name_of(codec) << " " << p.key();
+            EXPECT_TRUE(torch::equal(p.value(), b.second->named_parameters()[p.key()]))
+                << name_of(codec) << " " << p.key();
         EXPECT_EQ(a.first.numbers, b.first.numbers);
         EXPECT_EQ(whole.lines(), parts.lines()) << name_of(codec);
         ASSERT_EQ(whole.lines().size(), 5u);
@@ -396,22 +433,29 @@ TEST(Training, KeepsTheBestOnHeldOutFrames) {
 TEST(Training, ModelOfARunAnswersThroughTheInferenceInterface) {
     Job job(Codec::root, {"epochs=2", "width=0.125", "patch=16"});
     ASSERT_EQ(train(job.request), 0);
-    auto network = load_network(job.request.output, "cpu", 1);
-    EXPECT_EQ(network->card().arrays.at("b_max"), (std::vector<float>{0.3f, 0.4f, 1.2f}));
-    torch::manual_seed(1);
-    const Tensor x = torch::rand({2, 3, 20, 24});
-    Tensor y = torch::full({2, 3, 40, 48}, -1.0f);
-    network->run(x.data_ptr<float>(), {2, 3, 20, 24}, y.data_ptr<float>());
-    torch::NoGradGuard no_grad;
-    const Tensor expected = load_model(job.request.output).second->forward(x);
-    EXPECT_TRUE(torch::equal(y, expected));
-    const double moved = (y - up(x)).abs().max().item<double>();
-    EXPECT_GT(moved, 1e-5);
-    EXPECT_LT(moved, 0.5);
+    for (const auto& device : devices()) {
+        auto network = load_network(job.request.output, device, 1);
+        EXPECT_EQ(network->card().arrays.at("b_max"), (std::vector<float>{0.3f, 0.4f, 1.2f}));
+        torch::manual_seed(1);
+        const Tensor x = torch::rand({2, 3, 20, 24});
+        Tensor y = torch::full({2, 3, 40, 48}, -1.0f);
+        network->run(x.data_ptr<float>(), {2, 3, 20, 24}, y.data_ptr<float>());
+        torch::NoGradGuard no_grad;
+        const Tensor expected = load_model(job.request.output).second->forward(x);
+        const double moved = (y - up(x)).abs().max().item<double>();
+        EXPECT_GT(moved, 1e-5);
+        EXPECT_LT(moved, 0.5);
+        if (device == "cpu") {
+            EXPECT_TRUE(torch::equal(y, expected));
+        }
+        // Another device adds in another order.
+        EXPECT_LT((y - expected).abs().max().item<double>(), 1e-3 * moved) << device;
+    }
 }
 
 TEST(Training, InBfloat16LearnsTheSameThing) {
-    Job job(Codec::strand, {"epochs=30", "width=0.25", "precision=bfloat16"}), other(Codec::strand, {"epochs=30", "width=0.25"});
+    Job job(Codec::strand, {"epochs=30", "width=0.25", "precision=bfloat16"}),
+        other(Codec::strand, {"epochs=30", "width=0.25"});
     ASSERT_EQ(train(job.request), 0);
     ASSERT_EQ(train(other.request), 0);
     const double half = job.lines().back()["loss"], full = other.lines().back()["loss"];
