@@ -2,6 +2,7 @@
 #include "base/run_cache.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -99,9 +100,9 @@ RunReader::RunReader(const std::string& path)
     h.device = f.text("device");
     h.fps = f.number("fps");
     const std::string seed = f.text("seed");
-    if (seed.empty() || seed.find_first_not_of("0123456789") != std::string::npos || seed.size() > 19)
-        throw Error(path + ": attribute 'seed': found '" + seed + "', a whole number below 10^19 is needed");
-    h.seed = std::stoull(seed);
+    const auto [end, error] = std::from_chars(seed.data(), seed.data() + seed.size(), h.seed);
+    if (error != std::errc() || end != seed.data() + seed.size())
+        throw Error(path + ": attribute 'seed': found '" + seed + "', a whole number of 64 bits is needed");
     h.stride = int(f.number("stride"));
     h.energy_kinds = split_lines(f.text("energy_kinds"));
     h.stages = split_lines(f.text("stages"));
