@@ -4,6 +4,7 @@
 // strand's length-weighted mean.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "base/geometry/strands.h"

@@ -21,3 +21,6 @@ jobs_that_fit() {
     awk -v cores="$(nproc)" '/^MemAvailable/ { j = int($2 / 2000000) } END { if (j > cores) j = cores; print j < 1 ? 1 : j }' \
         /proc/meminfo
 }
+
+# Threads that wait yield the core: on a loaded machine spinning costs far more than it gains.
+export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}

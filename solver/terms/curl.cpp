@@ -100,7 +100,7 @@ Turning turning_of(const std::vector<Vec3d>& tbar) {
     return {theta / count, std::abs(advance) > 0 ? std::arg(advance) : 0};
 }
 
-std::vector<Vec3d> tightened(const std::vector<Vec3d>& tbar, double contraction) {
+std::vector<Vec3d> tightened(const std::vector<Vec3d>& tbar, double contraction, double most) {
     const Quatd frame = Quatd::identity();
     auto extent_at = [&](double q) {
         std::vector<Vec3d> t = tbar;
@@ -108,8 +108,7 @@ std::vector<Vec3d> tightened(const std::vector<Vec3d>& tbar, double contraction)
         return axial_extent(shape_from_intrinsic(t, {0, 0, 0}, frame), turning_of(t).segments_of_a_turn());
     };
     const double want = contraction * extent_at(1);
-    double low = 1, high = 1;
-    while (high < 16 && extent_at(high) > want) high *= 1.25;
+    double low = 1, high = most;
     for (int k = 0; k < 24; ++k) {
         const double middle = (low + high) / 2;
         (extent_at(middle) > want ? low : high) = middle;
@@ -152,7 +151,7 @@ std::vector<Vec3d> fitted_helix(const std::vector<Vec3d>& tbar, double radius, d
 
 std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, const float* saturation) {
     const std::vector<Vec3d> helix =
-        curl.radius ? fitted_helix(tbar, *curl.radius, *curl.pitch) : tightened(tbar, curl.contraction);
+        curl.radius ? fitted_helix(tbar, *curl.radius, *curl.pitch) : tightened(tbar, curl.contraction, curl.tightening);
     std::vector<Vec3d> out = tbar;
     for (size_t i = 1; i < tbar.size(); ++i) {
         const double s = curl.w_h * saturation[i];

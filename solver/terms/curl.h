@@ -15,13 +15,15 @@ namespace wetcurl {
 
 struct Curl {
     static constexpr const char* name = "curl";
-    double w_h, contraction;
+    double w_h, contraction, tightening;
     std::optional<double> radius, pitch;  // [m], pitch of a full turn; both or none
     bool printed = false;
     static constexpr Parameter<Curl> parameters[] = {
         {"weight", &Curl::w_h, "1", 1, 0, 1, "Eq 9, w_h"},
         {"contraction", &Curl::contraction, "1", 0.75, 0.2, 1,
          "axial extent of the wet curl, in that of the dry one (Fig 28)"},
+        {"tightening", &Curl::tightening, "1", 2, 1, 16,
+         "most that a turn grows for it: hair with little curl of its own contracts less (ours)"},
     };
 };
 

@@ -92,8 +92,8 @@ Points shape_of(const std::vector<Vec3d>& tbar) {
 }
 
 Points dry_helix(int n = 50) { return helix_points(n, 0.25, 0.006, 0.025); }
-Curl to_contraction(double contraction) { return {1, contraction, std::nullopt, std::nullopt}; }
-Curl to_helix(double radius, double pitch) { return {1, 0.7, radius, pitch}; }
+Curl to_contraction(double contraction) { return {1, contraction, 16, std::nullopt, std::nullopt}; }
+Curl to_helix(double radius, double pitch) { return {1, 0.7, 2, radius, pitch}; }
 std::vector<float> wet(size_t n, float sigma = 1) { return std::vector<float>(n, sigma); }
 
 TEST(Intrinsic, shape_and_back_gives_the_points) {
