@@ -30,7 +30,6 @@ void add_common(CLI::App* command, CommonOptions& o, Shared& shared) {
     command->add_option("--threads", shared.threads, "threads; 0: all")->check(CLI::Range(0, 4096));
     command->add_option("--seed", o.seed, "seed in place of the file's");
     command->add_flag("--overwrite", o.overwrite, "replace an output that is there");
-    command->add_option("--json", o.json, "write the results as JSON to this file, - for standard output");
     command->add_flag("--quiet", shared.quiet, "no progress, warnings only");
     command->add_option("--log-level", shared.log_level, "debug | info | warning | error | off")
         ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}));
@@ -61,6 +60,10 @@ int main(int argc, char** argv) {
     auto command = [&](const char* name, const char* help, auto& options, auto* function) {
         CLI::App* sub = app.add_subcommand(name, help);
         add_common(sub, options, shared);
+        // A picture is no number.
+        if constexpr (!std::is_same_v<std::decay_t<decltype(options)>, RenderOptions>)
+            sub->add_option("--json", options.json,
+                            "write the results as JSON to this file, - for standard output");
         sub->callback(
             [&options, &run, function] { run = [&options, function] { return function(options); }; });
         return sub;

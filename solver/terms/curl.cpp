@@ -150,8 +150,8 @@ std::vector<Vec3d> fitted_helix(const std::vector<Vec3d>& tbar, double radius, d
 }  // namespace
 
 std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, const float* saturation) {
-    const std::vector<Vec3d> helix =
-        curl.radius ? fitted_helix(tbar, *curl.radius, *curl.pitch) : tightened(tbar, curl.contraction, curl.tightening);
+    const std::vector<Vec3d> helix = curl.radius ? fitted_helix(tbar, *curl.radius, *curl.pitch)
+                                                 : tightened(tbar, curl.contraction, curl.tightening);
     std::vector<Vec3d> out = tbar;
     for (size_t i = 1; i < tbar.size(); ++i) {
         const double s = curl.w_h * saturation[i];
