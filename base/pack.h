@@ -84,6 +84,12 @@ Pack<T> select(typename Pack<T>::Mask m, Pack<T> a, Pack<T> b) {
     return m ? a.v : b.v;
 }
 template <class T>
+bool any_positive(Pack<T> a) {
+    bool any = false;
+    for (int l = 0; l < Pack<T>::lanes; ++l) any |= a.v[l] > 0;
+    return any;
+}
+template <class T>
 Pack<T> maximum(Pack<T> a, Pack<T> b) {
     return a.v > b.v ? a.v : b.v;
 }
@@ -94,6 +100,8 @@ Pack<T> minimum(Pack<T> a, Pack<T> b) {
 
 WETCURL_HD inline float select(bool m, float a, float b) { return m ? a : b; }
 WETCURL_HD inline double select(bool m, double a, double b) { return m ? a : b; }
+WETCURL_HD inline bool any_positive(float a) { return a > 0; }
+WETCURL_HD inline bool any_positive(double a) { return a > 0; }
 WETCURL_HD inline float maximum(float a, float b) { return a > b ? a : b; }
 WETCURL_HD inline double maximum(double a, double b) { return a > b ? a : b; }
 WETCURL_HD inline float minimum(float a, float b) { return a < b ? a : b; }

@@ -39,22 +39,25 @@ template <class S>
 void resolve_contact(const PosedSolid<Plain<S>>& solid, int n, const S* rest_depth, Plain<S> dt, Vec3<S>* x,
                      Vec3<S>* x_before, Vec3<S>* v, Vec3<S>* v_before) {
     const Vec3<S> zero{S(0), S(0), S(0)};
-    for (int i = 2; i < n; ++i) {
-        const DistanceSample<S> d = distance_in_world(solid, x[i]);
-        const S depth = (solid.attached ? rest_depth[i] : S(0)) - d.phi;
-        const auto hit = depth > S(0);
-        const Vec3<S> relative = v[i] - velocity_at(solid, x[i]);
-        const S inward = minimum(dot(relative, d.normal), S(0));
-        const Vec3<S> slide = relative - dot(relative, d.normal) * d.normal;
-        const S speed = maximum(norm(slide), S(tiny_length<S>));
-        const S lost = minimum(S(1), S(solid.friction) * (depth * S(1 / dt) - inward) / speed);
-        const Vec3<S> dx = select(hit, depth * d.normal, zero);
-        const Vec3<S> dv = select(hit, -inward * d.normal - lost * slide, zero);
-        x[i] += dx;
-        x_before[i] += dx;
-        v[i] += dv;
-        v_before[i] += dv;
-    }
+    constexpr int rounds = 4;  // in a crease one push along the gradient does not reach the surface
+    for (int i = 2; i < n; ++i)
+        for (int round = 0; round < rounds; ++round) {
+            const DistanceSample<S> d = distance_in_world(solid, x[i]);
+            const S depth = (solid.attached ? rest_depth[i] : S(0)) - d.phi;
+            if (!any_positive(depth - S(round > 0 ? Plain<S>(1e-5) : 0))) break;
+            const auto hit = depth > S(0);
+            const Vec3<S> relative = v[i] - velocity_at(solid, x[i]);
+            const S inward = minimum(dot(relative, d.normal), S(0));
+            const Vec3<S> slide = relative - dot(relative, d.normal) * d.normal;
+            const S speed = maximum(norm(slide), S(tiny_length<S>));
+            const S lost = minimum(S(1), S(solid.friction) * (depth * S(1 / dt) - inward) / speed);
+            const Vec3<S> dx = select(hit, depth * d.normal, zero);
+            const Vec3<S> dv = select(hit, -inward * d.normal - lost * slide, zero);
+            x[i] += dx;
+            x_before[i] += dx;
+            v[i] += dv;
+            v_before[i] += dv;
+        }
 }
 
 // The nearest solid at each particle, as adhesion sees it.
