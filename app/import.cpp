@@ -84,6 +84,8 @@ void print(const ImportOptions& options, const ImportedStrands& in, const Extent
 
 int import_command(const ImportOptions& options) {
     const FileUnits meant{options.units, options.up};
+    if (options.resample == 1)
+        throw Misuse("--resample: found 1, allowed 0 (as it is) or 2 particles and more");
     const bool writes = !options.output.empty();
     if (writes) require_writable(options.output, options.overwrite);
     ImportedStrands in = import_strands(options.input, meant);

@@ -199,13 +199,8 @@ int infer_command(const InferOptions& given) {
         dry.output = o.output + ".dry.h5";
         dry.dry = true;
         dry.overwrite = true;
-        const Scene full = load_scene(o.input, {.set = o.set,
-                                                .frames = {},
-                                                .strands = {},
-                                                .seed = o.seed,
-                                                .groom = "",
-                                                .stride = 2,
-                                                .solids = false});
+        const Scene full = load_scene(
+            o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
         dry.strands = full.groom.rest.count;
         if (const int status = simulate_command(dry); status != 0) return status;
         o.input = dry.output;

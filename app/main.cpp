@@ -104,7 +104,8 @@ int main(int argc, char** argv) {
     c->add_option("--recipe", train.recipe, "recipe file (TOML)");
     c->add_option("--arch", train.architecture,
                   "strand_mlp | unet_vgg19 | recursive_residual | adhesion_mlp");
-    c->add_option("--width", train.width, "multiplier of the network's width")->check(CLI::PositiveNumber);
+    c->add_option("--width", train.width, "multiplier of the network's width")
+        ->check(CLI::Range(0.001, 16.0));
     c->add_flag("--resume", train.resume, "go on from OUTPUT.checkpoint");
 
     InferOptions infer;
@@ -131,7 +132,8 @@ int main(int argc, char** argv) {
     c = command("render", "draw runs, side by side, without a window", render, render_command);
     c->add_option("runs", render.runs, "RUN.h5")->required();
     c->add_option("-o,--output", render.output, "out.png, out.mp4 or out.webm")->required();
-    c->add_option("--frame", render.frame, "one frame (default: all for a video, the last for a picture)");
+    c->add_option("--frame", render.frame, "one frame (default: all for a video, the last for a picture)")
+        ->check(CLI::NonNegativeNumber);
     c->add_option("--width", render.width, "of one panel [pixels]")
         ->check(CLI::Range(64, 8192))
         ->capture_default_str();

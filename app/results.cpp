@@ -21,6 +21,15 @@ void write_json(const Json& json, const std::string& path) {
         std::fputs(text.c_str(), stdout);
         return;
     }
+    if (std::filesystem::is_directory(path))
+        throw Error(path + ": is a folder, a file name is needed for --json");
+    // A device or a pipe is written to, never replaced.
+    if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)) {
+        std::ofstream out(path);
+        out << text << std::flush;
+        if (!out) throw Error(path + ": cannot be written");
+        return;
+    }
     const std::string partial = path + ".partial";
     {
         std::ofstream out(partial);

@@ -1,6 +1,7 @@
 // Scene and recipe files, on toml++ (the only place that includes it).
 #include "base/config.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -127,6 +128,15 @@ void Config::set(const std::string& assignment) {
     std::string path = assignment.substr(0, equals);
     const std::string value = assignment.substr(equals + 1);
     std::erase_if(path, [](unsigned char c) { return std::isspace(c); });
+    const bool plain = std::all_of(path.begin(), path.end(), [](unsigned char c) {
+        return std::isalnum(c) || c == '_' || c == '-' || c == '.';
+    });
+    if (!plain || path.empty() || path.front() == '.' || path.back() == '.' ||
+        path.find("..") != std::string::npos)
+        throw Misuse("--set " + assignment + ": found key '" + path +
+                     "', allowed are names joined by dots (tables [[…]] cannot be set)");
+    if (value.find('\n') != std::string::npos)
+        throw Misuse("--set " + path + ": found a value of several lines, allowed is one");
     toml::table one;
     try {
         one = toml::parse("v = " + value);

@@ -26,7 +26,8 @@ struct Handle {
 };
 
 // The library prints its own stack on standard error unless told not to: our message says it once.
-const bool quiet = [] { return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
+// Nor does it clean up behind us at exit: after a full disk that crashes, and our owners close all they open.
+const bool quiet = [] { return H5dont_atexit() >= 0 && H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
 
 template <class T>
 hid_t type_of() {
@@ -63,7 +64,11 @@ std::string shape_text(const std::vector<size_t>& shape) {
 
 H5Writer::H5Writer(const std::string& path, const std::string& format, int version, bool overwrite)
     : path_(path), partial_(path + ".partial") {
-    if (fs::exists(path) && !overwrite) throw Error(path + ": is there already; --overwrite replaces it");
+    if (path.empty()) throw Misuse("output: found an empty file name");
+    std::error_code unreadable;
+    if (fs::is_directory(path, unreadable)) throw Error(path + ": is a folder, a file name is needed");
+    if (fs::exists(path, unreadable) && !overwrite)
+        throw Error(path + ": is there already; --overwrite replaces it");
     const fs::path folder = fs::path(path).parent_path();
     if (!folder.empty()) {
         std::error_code error;

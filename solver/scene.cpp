@@ -100,12 +100,11 @@ Solid read_solid(Table t, size_t index) {
     return solid;
 }
 
-void read_solids(Scene& scene, Table root, bool wanted) {
+void read_solids(Scene& scene, Table root) {
     if (scene.term<Adhesion>() && !root.has("solid"))
         root.fail("adhesion", "[adhesion] needs a [[solid]] to stick to");
     const auto tables = root.tables("solid");
-    if (wanted)
-        for (size_t i = 0; i < tables.size(); ++i) scene.solids.push_back(read_solid(tables[i], i));
+    for (size_t i = 0; i < tables.size(); ++i) scene.solids.push_back(read_solid(tables[i], i));
 }
 
 Scene read_scene(Config config, const SceneOptions& options) {
@@ -141,7 +140,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     // Of the full groom, so that a thinned run is smoothed as its twin.
     if (auto& core = scene.term<Core>()) core->beta = filter_beta(mean_segment(full), core->alpha_c);
     read_wet(scene, root);
-    read_solids(scene, root, options.solids);
+    read_solids(scene, root);
     if (scene.rest == "sag_free" && !scene.term<Bend>())
         g.fail("rest", "'sag_free' needs [bend] to carry the weight");
     config.require_all_used();

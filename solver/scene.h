@@ -75,9 +75,8 @@ struct SceneOptions {
     std::vector<std::string> set;        // key.path=value
     std::optional<int> frames, strands;  // --frames, --strands
     std::optional<unsigned long long> seed;
-    std::string groom;   // a hair file in place of the scene's groom
-    int stride = 0;      // exactly this stride of the full grid, where above 0
-    bool solids = true;  // false: leave their files alone
+    std::string groom;  // a hair file in place of the scene's groom
+    int stride = 0;     // exactly this stride of the full grid, where above 0
 };
 
 // Reads and checks a scene; builds its groom, wetness and level sets. Throws Misuse (a wrong key or value,

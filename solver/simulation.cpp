@@ -395,7 +395,15 @@ void CpuSimulation<T>::advance() {
 template <class T>
 void CpuSimulation<T>::display() {
     if (!display_) return;
-    display_->apply(unpacked(x_), head_, time_, displayed_);
+    const Strands p = unpacked(x_);
+    // A run that blew up has no neighbours to find; the caller asks `divergence` next.
+    const bool finite = std::all_of(p.points.begin(), p.points.end(),
+                                    [](const Vec3f& x) { return std::abs(x.x + x.y + x.z) < 1e6f; });
+    if (!finite) {
+        displayed_ = p;
+        return;
+    }
+    display_->apply(p, head_, time_, displayed_);
     stage_[1] = display_->list_seconds();
     stage_[2] = display_->seconds() - stage_[1];
 }
