@@ -238,7 +238,10 @@ int infer_command(const InferOptions& given) {
         const double begin = omp_get_wtime();
         method->apply(frame, window.heads(), out.positions);
         const double reconstructed = omp_get_wtime();
-        if (display) display->apply(out.positions, frame.head, done / low.fps, out.displayed);
+        if (display) {
+            out.displayed = out.positions;
+            display->apply(out.displayed, frame.head, done / low.fps);
+        }
         const double end = omp_get_wtime();
         if (const Strands* plain = method->without_network()) {
             double sum = 0;

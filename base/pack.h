@@ -3,7 +3,12 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+#include <immintrin.h>
+#endif
 
 #include "base/host_device.h"
 
@@ -36,6 +41,12 @@ struct Pack {
     template <class U>
     requires std::is_arithmetic_v<U> Pack(U u) : v(Register{} + T(u)) {}
 
+    // From memory of any alignment.
+    static Pack load(const T* from) {
+        Pack p;
+        std::memcpy(&p.v, from, sizeof p.v);
+        return p;
+    }
     T operator[](int lane) const { return v[lane]; }
     void set(int lane, T t) { v[lane] = t; }
 
@@ -83,11 +94,40 @@ template <class T>
 Pack<T> select(typename Pack<T>::Mask m, Pack<T> a, Pack<T> b) {
     return m ? a.v : b.v;
 }
+// A bit for each lane of a mask, and back.
+template <class M>
+inline uint32_t bits_of(M m) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+    if constexpr (sizeof(m[0]) == 4)
+        return _mm512_movepi32_mask(__m512i(m));
+    else
+        return _mm512_movepi64_mask(__m512i(m));
+#else
+    uint32_t bits = 0;
+    for (int l = 0; l < int(sizeof m / sizeof m[0]); ++l) bits |= uint32_t(m[l] & 1) << l;
+    return bits;
+#endif
+}
+inline Pack<float>::Mask mask_of(uint32_t bits) {
+    constexpr Pack<float>::Mask lane{1 << 0, 1 << 1, 1 << 2,  1 << 3,  1 << 4,  1 << 5,  1 << 6,  1 << 7,
+                                     1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
+    return ((Pack<float>::Mask{} + int(bits)) & lane) != 0;
+}
 template <class T>
 bool any_positive(Pack<T> a) {
-    bool any = false;
-    for (int l = 0; l < Pack<T>::lanes; ++l) any |= a.v[l] > 0;
-    return any;
+    return bits_of(a > Pack<T>(0)) != 0;
+}
+// Over the lanes, in halves.
+inline float sum(Pack<float> a) {
+    typedef float Half __attribute__((vector_size(32)));
+    typedef float Quarter __attribute__((vector_size(16)));
+    Half h[2];
+    Quarter q[2];
+    std::memcpy(h, &a.v, sizeof h);
+    h[0] += h[1];
+    std::memcpy(q, h, sizeof q);
+    q[0] += q[1];
+    return (q[0][0] + q[0][2]) + (q[0][1] + q[0][3]);
 }
 template <class T>
 Pack<T> maximum(Pack<T> a, Pack<T> b) {

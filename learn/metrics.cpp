@@ -55,7 +55,7 @@ std::array<double, 3> share_found(const Strands& from, const Strands& in) {
         bool hit[3] = {false, false, false};
         grid.around(x, [&](uint32_t j) {
             if (hit[0]) return;  // the narrowest threshold holds the others
-            const Vec3f d = grid.sorted()[j] - x;
+            const Vec3f d = grid.sorted(j) - x;
             const float r2 = dot(d, d);
             if (r2 > reach[2] * reach[2]) return;
             const float c = dot(along_from[k], along_in[grid.order()[j]]);
@@ -103,7 +103,7 @@ std::vector<Nearest> nearest_others(const std::vector<Vec3f>& points, int k) {
 #pragma omp parallel for schedule(dynamic, 64)
     for (size_t i = 0; i < n; ++i) {
         grid.around(points[i], [&](uint32_t j) {
-            const float r = norm(grid.sorted()[j] - points[i]);
+            const float r = norm(grid.sorted(j) - points[i]);
             if (grid.order()[j] != i && r <= radius) out[i].offer(r);
         });
         if (out[i].full()) continue;
@@ -376,7 +376,7 @@ int clump_count(const Strands& strands, float link) {
     int groups = int(tips.size());
     for (size_t i = 0; i < tips.size(); ++i)
         grid.around(tips[i], [&](uint32_t j) {
-            if (norm(grid.sorted()[j] - tips[i]) >= link) return;
+            if (norm(grid.sorted(j) - tips[i]) >= link) return;
             const int a = top(int(i)), b = top(int(grid.order()[j]));
             if (a == b) return;
             parent[size_t(a)] = b;

@@ -58,7 +58,7 @@ std::vector<Vec3f> shifted_roots(const Strands& strands, const std::vector<float
         grid.around(p, [&](uint32_t k) {
             const int j = int(grid.order()[k]) / n;
             if (j == s) return;
-            const Vec3f r = p - grid.sorted()[k];
+            const Vec3f r = p - grid.sorted(k);
             shift += sigma[size_t(j)] * kernel_gradient(r, h);
             sum += kernel(norm(r), h);
         });

@@ -15,9 +15,9 @@ Display::Display(const Scene& scene)
       cohesion_(*scene.cohesion, scene.groom.rest.count, scene.groom.rest.particles, volume_,
                 scene.saturation) {}
 
-void Display::apply(const Strands& p, const Pose& head, double time, Strands& displayed) {
+void Display::apply(Strands& p, const Pose& head, double time) {
     const double begin = omp_get_wtime();
-    cohesion_.apply(p, displayed);
+    cohesion_.apply(p);
     std::vector<PosedSolid<float>> solids;
     for (const auto& solid : scene_.solids) {
         const Pose pose = solid.at(time, head);
@@ -29,11 +29,11 @@ void Display::apply(const Strands& p, const Pose& head, double time, Strands& di
                           0.f,
                           solid.attached});
     }
-    const long count = solids.empty() ? 0 : long(displayed.points.size());
+    const long count = solids.empty() ? 0 : long(p.points.size());
 #pragma omp parallel for schedule(static)
     for (long k = 0; k < count; ++k) {
         if (k % p.particles == 0) continue;
-        Vec3f& x = displayed.points[size_t(k)];
+        Vec3f& x = p.points[size_t(k)];
         for (const auto& solid : solids) {
             const auto d = distance_in_world(solid, x);
             const float allowed = solid.attached ? rest_depth_[size_t(k)] : 0.f;

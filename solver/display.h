@@ -14,8 +14,8 @@ class Display {
   public:
     // For a scene with [cohesion]; the scene must outlive it.
     explicit Display(const Scene& scene);
-    // p (all strands of the scene's groom), the head's pose, and the time [s] -> p^w.
-    void apply(const Strands& p, const Pose& head, double time, Strands& displayed);
+    // Positions p of all strands of the scene's groom become p^w, at a pose of the head and a time [s].
+    void apply(Strands& p, const Pose& head, double time);
 
     double neighbours_mean() const { return cohesion_.neighbours_mean(); }
     double list_seconds() const { return cohesion_.list_seconds(); }

@@ -74,16 +74,23 @@ class CpuSimulation final : public Simulation {
     void record_adhesion(std::vector<AdhesionRecord>* records) override { records_ = records; }
 
   private:
+    // A block's strands now and one step ago.
+    struct BlockState {
+        Vec3<S>*x, *x_before, *v, *v_before;
+    };
     size_t at(int block, int i) const { return size_t(block) * size_t(n_) + size_t(i); }
     void place_strands();
-    void substep(double time);
-    void step_block(int block, const Placement<T>& p, ChainScratch<S>& scratch);
+    // Only BDF2 looks at the step before.
+    bool always_first() const { return scene_.integrator.kind == "explicit"; }
+    void run(const std::vector<Placement<T>>& path);
+    void step_block(int block, const BlockState& now, const Placement<T>& p, const Pose& head_before,
+                    bool first, ChainScratch<S>& scratch);
     void set_root(int block, const Pose& head, Vec3<S>* root) const;
     ChainView<S> view_of(int block, const Pose& head, const Pose& head_before) const;
     Placement<T> placement_at(double time, double dt) const;
     void evaluate_adhesion();
     void display();
-    Strands unpacked(const Buffer<Vec3<S>>& x) const;
+    void unpack(const Buffer<Vec3<S>>& x, Strands& out) const;
     // Energy of each kind in each lane of a block.
     std::vector<S> energy_of(int block) const;
 
@@ -133,7 +140,7 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
     if (scene.integrator.settle > 0) {
         settling_ = true;
         const long steps = std::lround(scene.integrator.settle / dt_);
-        for (long k = 0; k < steps; ++k) substep(0);
+        run(std::vector<Placement<T>>(size_t(steps), placement_at(0, dt_)));
         settling_ = false;
     }
     display();
@@ -252,8 +259,10 @@ ChainView<Pack<T>> CpuSimulation<T>::view_of(int block, const Pose& head, const 
     return view;
 }
 
+// One substep. The new state is written over the one before.
 template <class T>
-void CpuSimulation<T>::step_block(int block, const Placement<T>& p, ChainScratch<S>& scratch) {
+void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placement<T>& p,
+                                  const Pose& head_before, bool first, ChainScratch<S>& scratch) {
     const size_t k = at(block, 0);
     Vec3<S> root[2];
     set_root(block, p.head, root);
@@ -261,16 +270,16 @@ void CpuSimulation<T>::step_block(int block, const Placement<T>& p, ChainScratch
     const auto& adhesion = std::get<std::optional<Adhesion>>(terms_);
     BlockStep<S> step{n_,
                       T(dt_),
-                      first_,
-                      &x_[k],
-                      &x_before_[k],
-                      &v_[k],
-                      &v_before_[k],
+                      first,
+                      now.x,
+                      now.x_before,
+                      now.v,
+                      now.v_before,
                       root,
                       cast<T>(scene_.integrator.gravity),
-                      cast<T>(p.head.rotation * conjugate(head_.rotation)),
+                      cast<T>(p.head.rotation * conjugate(head_before.rotation)),
                       bend ? &frame_[k] : nullptr};
-    ChainView<S> view = view_of(block, p.head, head_);
+    ChainView<S> view = view_of(block, p.head, head_before);
     auto sample = [&](const Vec3<S>* x) {
         if (adhesion && given_.empty())
             sample_nearest(p.solids, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
@@ -280,8 +289,7 @@ void CpuSimulation<T>::step_block(int block, const Placement<T>& p, ChainScratch
     else
         explicit_step(terms_, step, view, scratch, sample);
 
-    // What the step wrote over the older state is now the newer one.
-    Vec3<S>*x = step.x_before, *x_old = step.x, *v = step.v_before, *v_old = step.v;
+    Vec3<S>*x = now.x_before, *x_old = now.x, *v = now.v_before, *v_old = now.v;
     if (scene_.integrator.limiter > 0) {
         auto* unlimited = scratch.predicted_x.data();
         std::copy_n(x, n_, unlimited);
@@ -304,18 +312,30 @@ void CpuSimulation<T>::step_block(int block, const Placement<T>& p, ChainScratch
     }
 }
 
+// Substeps along a path of poses: each block all of them before the next, so that its strands stay in cache.
 template <class T>
-void CpuSimulation<T>::substep(double time) {
-    const Placement<T> p = placement_at(time, dt_);
-    if (model_ || records_) evaluate_adhesion();
-#pragma omp parallel for schedule(static)
-    for (int block = 0; block < blocks_; ++block)
-        step_block(block, p, scratch_[size_t(omp_get_thread_num())]);
-    std::swap(x_, x_before_);
-    std::swap(v_, v_before_);
-    head_before_ = head_;
-    head_ = p.head;
-    first_ = scene_.integrator.kind == "explicit";
+void CpuSimulation<T>::run(const std::vector<Placement<T>>& path) {
+#pragma omp parallel for schedule(dynamic)
+    for (int block = 0; block < blocks_; ++block) {
+        const size_t k = at(block, 0);
+        BlockState now{&x_[k], &x_before_[k], &v_[k], &v_before_[k]};
+        const Pose* head_before = &head_;
+        bool first = first_;
+        for (const auto& p : path) {
+            step_block(block, now, p, *head_before, first, scratch_[size_t(omp_get_thread_num())]);
+            std::swap(now.x, now.x_before);
+            std::swap(now.v, now.v_before);
+            head_before = &p.head;
+            first = always_first();
+        }
+    }
+    if (path.size() % 2) {
+        std::swap(x_, x_before_);
+        std::swap(v_, v_before_);
+    }
+    head_before_ = path.size() > 1 ? path[path.size() - 2].head : head_;
+    head_ = path.back().head;
+    first_ = always_first();
 }
 
 // The twelve inputs of every particle near a solid, from the state as it is; the network's answers hold for
@@ -382,10 +402,15 @@ template <class T>
 void CpuSimulation<T>::advance() {
     const double begin = omp_get_wtime();
     stage_ = {};
-    const int substeps = scene_.integrator.substeps;
-    for (int k = 0; k < substeps; ++k) {
-        substep(time_ + dt_);
+    std::vector<Placement<T>> path;
+    for (int k = 0; k < scene_.integrator.substeps; ++k) {
+        // A network answers for all strands at once.
+        if (model_ || records_) evaluate_adhesion();
         time_ += dt_;
+        path.push_back(placement_at(time_, dt_));
+        if (!model_ && !records_ && k + 1 < scene_.integrator.substeps) continue;
+        run(path);
+        path.clear();
     }
     stage_[0] = omp_get_wtime() - begin;
     display();
@@ -395,22 +420,19 @@ void CpuSimulation<T>::advance() {
 template <class T>
 void CpuSimulation<T>::display() {
     if (!display_) return;
-    const Strands p = unpacked(x_);
+    unpack(x_, displayed_);
     // A run that blew up has no neighbours to find; the caller asks `divergence` next.
-    const bool finite = std::all_of(p.points.begin(), p.points.end(),
+    const bool finite = std::all_of(displayed_.points.begin(), displayed_.points.end(),
                                     [](const Vec3f& x) { return std::abs(x.x + x.y + x.z) < 1e6f; });
-    if (!finite) {
-        displayed_ = p;
-        return;
-    }
-    display_->apply(p, head_, time_, displayed_);
+    if (!finite) return;
+    display_->apply(displayed_, head_, time_);
     stage_[1] = display_->list_seconds();
     stage_[2] = display_->seconds() - stage_[1];
 }
 
 template <class T>
-Strands CpuSimulation<T>::unpacked(const Buffer<Vec3<S>>& x) const {
-    Strands out(strands_, n_);
+void CpuSimulation<T>::unpack(const Buffer<Vec3<S>>& x, Strands& out) const {
+    if (out.points.empty()) out = Strands(strands_, n_);
 #pragma omp parallel for schedule(static)
     for (int s = 0; s < strands_; ++s)
         for (int i = 0; i < n_; ++i) {
@@ -418,7 +440,6 @@ Strands CpuSimulation<T>::unpacked(const Buffer<Vec3<S>>& x) const {
             const int lane = s % lanes;
             out.at(s, i) = {float(p.x[lane]), float(p.y[lane]), float(p.z[lane])};
         }
-    return out;
 }
 
 template <class T>
@@ -437,7 +458,7 @@ std::vector<Pack<T>> CpuSimulation<T>::energy_of(int block) const {
 template <class T>
 void CpuSimulation<T>::snapshot(RunFrame& frame) const {
     frame.head = head_;
-    frame.positions = unpacked(x_);
+    unpack(x_, frame.positions);
     frame.displayed = display_ ? displayed_ : Strands();
     frame.seconds = frame_seconds_;
     frame.stage_seconds.assign(stage_.begin(), stage_.begin() + long(stages.size()));

@@ -12,11 +12,19 @@ WETCURL_HD S kernel_at_zero(const S& h) {
     return S(2.5464790894703255) / (h * h * h);  // 8 / pi
 }
 
+// W(r) / W(0): the spline as a difference of truncated cubes, 2 (1 - q)^3 - (1 - 2 q)^3, q = r / h.
+template <class S>
+WETCURL_HD S kernel_shape(const S& r, const S& h) {
+    const S root2(1.2599210498948732), inverse = S(1) / h;  // cube root of 2
+    const S outer = maximum(root2 - (root2 * inverse) * r, S(0));
+    const S inner = maximum(S(1) - (S(2) * inverse) * r, S(0));
+    return outer * outer * outer - inner * inner * inner;
+}
+
 // W(r) [1/m^3], 0 beyond h.
 template <class S>
 WETCURL_HD S kernel(const S& r, const S& h) {
-    const S q = minimum(r / h, S(1)), u = S(1) - q;
-    return kernel_at_zero(h) * select(q < S(0.5), S(1) - S(6) * q * q * u, S(2) * u * u * u);
+    return kernel_at_zero(h) * kernel_shape(r, h);
 }
 
 // dW/dr [1/m^4], never positive.

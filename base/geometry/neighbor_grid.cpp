@@ -1,4 +1,4 @@
-// Counting sort of points into the cells of a uniform grid.
+// Counting sort of points into the cells of a regular grid.
 #include "base/geometry/neighbor_grid.h"
 
 #include <algorithm>
@@ -15,38 +15,31 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
     origin_ = low;
     // Scattered points must not cost more cells than memory: cells grow until they are a few a point.
     float side = radius;
-    const double most = std::max<double>(4096, 8.0 * double(count));
+    const double most = std::max<double>(4096, 1.5 * double(count));
     auto cells_along = [&](float extent) { return double(std::floor(extent / side)) + 1; };
     while (cells_along(high.x - low.x) * cells_along(high.y - low.y) * cells_along(high.z - low.z) > most)
         side *= 1.25f;
     inverse_ = 1 / side;
-    nx_ = cell(high.x, low.x) + 1;
+    nx_ = column(high.x) + 1;
     ny_ = cell(high.y, low.y) + 1;
     nz_ = cell(high.z, low.z) + 1;
-    start_.assign(size_t(nx_) * ny_ * nz_ + 1, 0);
+    start_.assign(size_t(nx_) * size_t(ny_) * size_t(nz_) + 1, 0);
     order_.resize(count);
-    sorted_.resize(count);
-    cell_of_.resize(count);
-    for (size_t i = 0; i < count; ++i) {
-        const size_t c = (size_t(cell(p[i].z, low.z)) * ny_ + size_t(cell(p[i].y, low.y))) * nx_ +
-                         size_t(cell(p[i].x, low.x));
-        cell_of_[i] = uint32_t(c);
-        ++start_[c + 1];
-    }
+    points_.resize(count);
+    for (size_t i = 0; i < count; ++i) ++start_[cell_of(p[i]) + 1];
     for (size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
     // Filling moves each start to its end, which is the next one's start: shift back afterwards.
     for (size_t i = 0; i < count; ++i) {
-        const uint32_t k = start_[cell_of_[i]]++;
+        const uint32_t k = start_[cell_of(p[i])]++;
         order_[k] = uint32_t(i);
-        sorted_[k] = p[i];
+        points_.set(k, p[i]);
     }
     for (size_t c = start_.size() - 1; c > 0; --c) start_[c] = start_[c - 1];
     start_[0] = 0;
 }
 
 size_t NeighborGrid::bytes() const {
-    return (start_.capacity() + order_.capacity() + cell_of_.capacity()) * sizeof(uint32_t) +
-           sorted_.capacity() * sizeof(Vec3f);
+    return (start_.capacity() + order_.capacity()) * sizeof(uint32_t) + points_.bytes();
 }
 
 }  // namespace wetcurl

@@ -3,142 +3,126 @@
 
 #include <omp.h>
 
+#include <algorithm>
+
 #include "base/geometry/filter.h"
 
 namespace wetcurl {
 
-static constexpr uint32_t lanes = Pack<float>::lanes;
+using S = Pack<float>;
 
 CohesionPass::CohesionPass(const Cohesion& term, int strands, int particles, const std::vector<float>& volume,
                            const std::vector<float>& saturation)
-    : term_(term), particles_(particles), volume_(volume), saturation_(saturation) {
-    const size_t count = size_t(strands) * size_t(particles);
-    now_.resize(count + 1), next_.resize(count + 1);
-    sorted_volume_.assign(count + 1, 0.f), sorted_saturation_.assign(count + 1, 0.f);
-    start_.resize(count + 1), rank_.resize(count);
+    : term_(term), strands_(strands), particles_(particles), volume_(volume), saturation_(saturation) {
+    const size_t count = size_t(strands) * size_t(particles), padded = count + size_t(S::lanes);
+    next_.resize(count);
+    sorted_volume_.resize(padded), sorted_wet_volume_.resize(padded), strand_.resize(padded);
+    rank_.resize(count);
     segment_.resize(size_t(strands)), own_weight_.resize(size_t(strands));
 }
 
 void CohesionPass::build_lists(const Strands& p) {
     const double begin = omp_get_wtime();
-    const float h = float(term_.h_c);
-    grid_.build(p.points.data(), p.points.size(), h);
-    const auto& order = grid_.order();
-    const auto& points = grid_.sorted();
-    const long count = long(points.size());
-    auto neighbours = [&](long k, auto visit) {
-        const uint32_t strand = order[size_t(k)] / uint32_t(particles_);
-        const Vec3f x = points[size_t(k)];
-        grid_.around(x, [&](uint32_t j) {
-            const Vec3f d = points[j] - x;
-            if (dot(d, d) < h * h && order[j] / uint32_t(particles_) != strand) visit(j);
-        });
-    };
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < p.count; ++s) {
-        segment_[size_t(s)] = float(arc_length(p.strand(s), p.particles) / (p.particles - 1));
-        own_weight_[size_t(s)] = float(term_.own_weight(segment_[size_t(s)]));
+    grid_.build(p.points.data(), p.points.size(), float(term_.h_c));
+    const long count = long(grid_.size());
+#pragma omp parallel
+    {
+#pragma omp for schedule(static) nowait
+        for (int s = 0; s < strands_; ++s) {
+            segment_[size_t(s)] = float(arc_length(p.strand(s), particles_) / (particles_ - 1));
+            own_weight_[size_t(s)] = float(term_.own_weight(segment_[size_t(s)]));
+        }
+#pragma omp for schedule(static)
+        for (long k = 0; k < count; ++k) {
+            const size_t at = size_t(k), id = grid_.order()[at];
+            sorted_volume_[at] = volume_[id];
+            sorted_wet_volume_[at] = saturation_[id] * volume_[id];
+            strand_[at] = uint32_t(id) / uint32_t(particles_);
+            rank_[id] = uint32_t(k);
+        }
     }
-    start_[0] = 0;
-#pragma omp parallel for schedule(dynamic, 512)
-    for (long k = 0; k < count; ++k) {
-        uint32_t found = 0;
-        neighbours(k, [&](uint32_t) { ++found; });
-        start_[size_t(k) + 1] = found;
-    }
-    for (long k = 0; k < count; ++k) start_[size_t(k) + 1] += start_[size_t(k)];
-    const size_t needed = start_.back() + lanes;  // the last vector may read beyond its list
-    if (needed > list_.capacity()) {
-        // A tenth of slack: growing by doubling would double the largest buffer of all.
-        list_ = {};
-        list_.reserve(needed + needed / 10);
-    }
-    list_.resize(needed);
-#pragma omp parallel for schedule(dynamic, 512)
-    for (long k = 0; k < count; ++k) {
-        const size_t at = size_t(k), id = order[at];
-        uint32_t* out = list_.data() + start_[at];
-        neighbours(k, [&](uint32_t j) { *out++ = j; });
-        now_.set(at, points[at]);
-        next_.set(at, points[at]);
-        sorted_volume_[at] = volume_[id];
-        sorted_saturation_[at] = saturation_[id];
-        rank_[id] = uint32_t(k);
-    }
+    list_.build(grid_, strand_, sorted_wet_volume_, float(term_.h_c));
     list_seconds_ = omp_get_wtime() - begin;
 }
 
-static Pack<float> gathered(const std::vector<float>& from, const uint32_t* index) {
-    Pack<float> out;
-    for (uint32_t l = 0; l < lanes; ++l) out.v[l] = from[index[l]];
-    return out;
-}
-
-static float sum(const Pack<float>& a) {
-    float s = 0;
-    for (uint32_t l = 0; l < lanes; ++l) s += a.v[l];
-    return s;
-}
-
 Vec3f CohesionPass::displacement(size_t k) const {
-    using S = Pack<float>;
-    const Vec3<S> own = cast<S>(now_.at(k));
-    const S h(float(term_.h_c));
-    const uint32_t nobody = uint32_t(rank_.size()), end = start_[k + 1];
-    Cohesion::Sums<S> sums{{S(0), S(0), S(0)}, S(0)};
-    for (uint32_t at = start_[k]; at < end; at += lanes) {
-        alignas(64) uint32_t index[lanes];
-        for (uint32_t l = 0; l < lanes; ++l) index[l] = at + l < end ? list_[at + l] : nobody;
-        const Vec3<S> other{gathered(now_.x, index), gathered(now_.y, index), gathered(now_.z, index)};
-        sums.add(other - own, h, gathered(sorted_volume_, index), gathered(sorted_saturation_, index));
-    }
+    const Vec3<S> own = cast<S>(grid_.sorted(k));
+    const S h(float(term_.h_c)), zero(0);
+    Cohesion::Sums<S> sums{{zero, zero, zero}, zero};
+    list_.visit_runs(k, [&](uint32_t first, uint32_t bits) {
+        const S::Mask neighbour = mask_of(bits);
+        sums.add(grid_.points().load(first) - own, h,
+                 select(neighbour, S::load(&sorted_volume_[first]), zero),
+                 select(neighbour, S::load(&sorted_wet_volume_[first]), zero));
+    });
     const Cohesion::Sums<float> total{{sum(sums.pull.x), sum(sums.pull.y), sum(sums.pull.z)},
                                       sum(sums.weight)};
-    const size_t strand = grid_.order()[k] / size_t(particles_);
-    return term_.displacement(total, sorted_volume_[k] * own_weight_[strand]);
+    return term_.displacement(total, sorted_volume_[k] * own_weight_[strand_[k]]);
 }
 
-void CohesionPass::apply(const Strands& p, Strands& displayed) {
+void CohesionPass::apply(Strands& p) {
     build_lists(p);
-    const auto& order = grid_.order();
-    const long count = long(order.size());
+    PointArrays& now = grid_.points();
+    const long count = long(grid_.size());
     for (int pass = 0; pass < term_.passes; ++pass) {
 #pragma omp parallel for schedule(dynamic, 1024)
-        for (long k = 0; k < count; ++k)
-            if (order[size_t(k)] % uint32_t(particles_) != 0)
-                next_.set(size_t(k), now_.at(size_t(k)) + displacement(size_t(k)));
-        if (term_.coherence > 0) smooth_displacements(p);
-        std::swap(now_, next_);
+        for (long k = 0; k < count; ++k) {
+            const size_t at = size_t(k);
+            next_.set(at, list_.empty(at) ? now.at(at) : now.at(at) + displacement(at));
+        }
+        if (term_.coherence > 0)
+            smooth_displacements();
+        else
+            hold_roots();
+        std::swap(now, next_);
     }
-    displayed = Strands(p.count, p.particles);
-    for (long k = 0; k < count; ++k) displayed.points[order[size_t(k)]] = now_.at(size_t(k));
+#pragma omp parallel for schedule(static)
+    for (long id = 0; id < count; ++id) p.points[size_t(id)] = now.at(rank_[size_t(id)]);
+}
+
+void CohesionPass::hold_roots() {
+    for (size_t root = 0; root < rank_.size(); root += size_t(particles_))
+        next_.set(rank_[root], grid_.sorted(rank_[root]));
 }
 
 // Of the pass at hand: exponential smoothing along each strand, tip and back, twice; a root does not move.
-void CohesionPass::smooth_displacements(const Strands& p) {
-    const int n = p.particles;
+void CohesionPass::smooth_displacements() {
+    const size_t n = size_t(particles_);
+    const PointArrays& now = grid_.points();
 #pragma omp parallel
     {
-        std::vector<Vec3f> u(static_cast<size_t>(n));
+        std::vector<Vec3<S>> u(n);  // a lane is a strand
 #pragma omp for schedule(static)
-        for (int s = 0; s < p.count; ++s) {
-            const uint32_t* rank = rank_.data() + size_t(s) * size_t(n);
-            const float beta = float(filter_beta(segment_[size_t(s)], term_.coherence));
-            for (size_t i = 0; i < u.size(); ++i) u[i] = next_.at(rank[i]) - now_.at(rank[i]);
-            for (int round = 0; round < 2; ++round) {
-                for (size_t i = 1; i < u.size(); ++i) u[i] = u[i - 1] + beta * (u[i] - u[i - 1]);
-                for (size_t i = u.size() - 2; i > 0; --i) u[i] = u[i + 1] + beta * (u[i] - u[i + 1]);
+        for (int block = 0; block < strands_; block += S::lanes) {
+            const int lanes = std::min(S::lanes, strands_ - block);
+            S beta(0);
+            for (int lane = 0; lane < lanes; ++lane) {
+                beta.set(lane, float(filter_beta(segment_[size_t(block + lane)], term_.coherence)));
+                const uint32_t* rank = &rank_[size_t(block + lane) * n];
+                for (size_t i = 0; i < n; ++i) {
+                    const Vec3f d = next_.at(rank[i]) - now.at(rank[i]);
+                    u[i].x.set(lane, d.x), u[i].y.set(lane, d.y), u[i].z.set(lane, d.z);
+                }
             }
-            for (size_t i = 1; i < u.size(); ++i) next_.set(rank[i], now_.at(rank[i]) + u[i]);
+            u[0] = cast<S>(Vec3f{0, 0, 0});
+            for (int round = 0; round < 2; ++round) {
+                for (size_t i = 1; i < n; ++i) u[i] = u[i - 1] + beta * (u[i] - u[i - 1]);
+                for (size_t i = n - 2; i > 0; --i) u[i] = u[i + 1] + beta * (u[i] - u[i + 1]);
+            }
+            for (int lane = 0; lane < lanes; ++lane) {
+                const uint32_t* rank = &rank_[size_t(block + lane) * n];
+                for (size_t i = 0; i < n; ++i)
+                    next_.set(rank[i], now.at(rank[i]) + Vec3f{u[i].x[lane], u[i].y[lane], u[i].z[lane]});
+            }
         }
     }
 }
 
 size_t CohesionPass::bytes() const {
-    const size_t floats = 3 * (now_.x.capacity() + next_.x.capacity()) + sorted_volume_.capacity() +
-                          sorted_saturation_.capacity() + segment_.capacity() + own_weight_.capacity();
-    const size_t indices = start_.capacity() + list_.capacity() + rank_.capacity();
-    return floats * sizeof(float) + indices * sizeof(uint32_t) + grid_.bytes();
+    const size_t floats = sorted_volume_.capacity() + sorted_wet_volume_.capacity() + segment_.capacity() +
+                          own_weight_.capacity();
+    return floats * sizeof(float) + (strand_.capacity() + rank_.capacity()) * sizeof(uint32_t) +
+           next_.bytes() + grid_.bytes() + list_.bytes();
 }
 
 }  // namespace wetcurl

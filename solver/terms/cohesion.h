@@ -23,22 +23,23 @@ struct Cohesion {
          "length along the strand over which the displacement is smoothed (ours)"},
     };
 
-    // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and saturation sigma_j.
+    // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and sigma_j V_j. All weights
+    // are in units of W(0), which Eq 10 cancels.
     template <class S>
     struct Sums {
-        Vec3<S> pull;  // sum sigma_j V_j W_ij (p_j - p_i)
-        S weight;      // sum V_j W_ij
-        WETCURL_HD void add(const Vec3<S>& p_ij, const S& h, const S& volume, const S& saturation) {
-            const S w = volume * kernel(norm(p_ij), h);
-            pull += saturation * w * p_ij;
-            weight += w;
+        Vec3<S> pull;  // sum sigma_j V_j W_ij / W(0) (p_j - p_i)
+        S weight;      // sum V_j W_ij / W(0)
+        WETCURL_HD void add(const Vec3<S>& p_ij, const S& h, const S& volume, const S& wet_volume) {
+            const S w = kernel_shape(norm(p_ij), h);
+            pull += wet_volume * w * p_ij;
+            weight += volume * w;
         }
     };
-    // sum V_k W_ik over the particle's own strand, for each unit of its volume: segments of `length` on a
-    // line.
+    // sum V_k W_ik / W(0) over the particle's own strand, for each unit of its volume: segments of `length`
+    // on a line.
     double own_weight(double length) const {
-        double sum = kernel_at_zero(h_c);
-        for (int k = 1; length > 0 && k * length < h_c; ++k) sum += 2 * kernel(k * length, h_c);
+        double sum = 1;
+        for (int k = 1; length > 0 && k * length < h_c; ++k) sum += 2 * kernel_shape(k * length, h_c);
         return sum;
     }
     // p_i^w - p_i, `own` the particle's volume times its strand's own_weight.

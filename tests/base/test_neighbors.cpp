@@ -1,7 +1,7 @@
-// The neighbour grid against comparing all pairs. Ours.
+// The neighbour grid and its lists against comparing all pairs. Ours.
 #include <algorithm>
 
-#include "base/geometry/neighbor_grid.h"
+#include "base/geometry/neighbor_list.h"
 #include "scratch.h"
 
 namespace wetcurl {
@@ -19,7 +19,7 @@ std::vector<Vec3f> cloud(int n, double size, unsigned seed) {
 std::vector<uint32_t> within(const NeighborGrid& grid, const Vec3f& x, float radius) {
     std::vector<uint32_t> found;
     grid.around(x, [&](uint32_t k) {
-        if (norm(grid.sorted()[k] - x) < radius) found.push_back(grid.order()[k]);
+        if (norm(grid.sorted(k) - x) < radius) found.push_back(grid.order()[k]);
     });
     std::sort(found.begin(), found.end());
     return found;
@@ -48,7 +48,7 @@ TEST(NeighborGrid, order_is_a_permutation) {
     NeighborGrid grid;
     grid.build(p.data(), p.size(), 0.02f);
     auto order = grid.order();
-    for (size_t k = 0; k < p.size(); ++k) EXPECT_EQ(norm(grid.sorted()[k] - p[order[k]]), 0);
+    for (size_t k = 0; k < p.size(); ++k) EXPECT_EQ(norm(grid.sorted(k) - p[order[k]]), 0);
     std::sort(order.begin(), order.end());
     for (uint32_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], i);
 }
@@ -62,6 +62,85 @@ TEST(NeighborGrid, survives_a_point_far_away_and_an_empty_cloud) {
     EXPECT_EQ(within(grid, {-1e30f, 1e30f, 0}, 0.02f).size(), 0u);
     grid.build(p.data(), 0, 0.02f);
     EXPECT_EQ(within(grid, {0, 0, 0}, 0.02f).size(), 0u);
+}
+
+// Lists of a cloud in three groups; points beyond x = `source_above` are sources.
+struct Listed {
+    NeighborGrid grid;
+    std::vector<uint32_t> group;
+    std::vector<float> source;
+    NeighborList list;
+    Listed(const std::vector<Vec3f>& p, float radius, float source_above) {
+        grid.build(p.data(), p.size(), radius);
+        group.resize(p.size() + NeighborList::lanes), source.resize(p.size() + NeighborList::lanes);
+        for (size_t k = 0; k < p.size(); ++k) {
+            group[k] = grid.order()[k] % 3;
+            source[k] = grid.sorted(k).x > source_above ? 1.f : 0.f;
+        }
+        list.build(grid, group, source, radius);
+    }
+    std::vector<uint32_t> neighbours(size_t k) const {
+        std::vector<uint32_t> found;
+        list.visit_runs(k, [&](uint32_t first, uint32_t bits) {
+            for (uint32_t l = 0; l < NeighborList::lanes; ++l)
+                if (bits >> l & 1) found.push_back(first + l);
+        });
+        return found;
+    }
+};
+
+TEST(NeighborList, holds_each_neighbour_of_another_group_once_and_no_other) {
+    const auto p = cloud(1500, 0.1, 5);
+    const float radius = 0.03f;
+    const Listed all(p, radius, -1);
+    size_t pairs = 0;
+    for (size_t k = 0; k < p.size(); ++k) {
+        std::vector<uint32_t> wanted;
+        for (uint32_t j = 0; j < p.size(); ++j) {
+            const Vec3f d = all.grid.sorted(j) - all.grid.sorted(k);
+            if (dot(d, d) < radius * radius && all.group[j] != all.group[k]) wanted.push_back(j);
+        }
+        EXPECT_EQ(all.neighbours(k), wanted);
+        EXPECT_EQ(all.list.empty(k), wanted.empty());
+        pairs += wanted.size();
+    }
+    EXPECT_GT(pairs, 10000u);
+    EXPECT_DOUBLE_EQ(all.list.neighbours_mean(), double(pairs) / double(p.size()));
+}
+
+TEST(NeighborList, is_empty_where_no_neighbour_is_a_source) {
+    const auto p = cloud(1500, 0.1, 6);
+    const float radius = 0.03f;
+    const Listed all(p, radius, -1), some(p, radius, 0.02f);
+    size_t emptied = 0;
+    for (size_t k = 0; k < p.size(); ++k) {
+        const auto wanted = all.neighbours(k);
+        const bool any =
+            std::any_of(wanted.begin(), wanted.end(), [&](uint32_t j) { return some.source[j] > 0; });
+        EXPECT_EQ(some.neighbours(k), any ? wanted : std::vector<uint32_t>{});
+        emptied += !any && !wanted.empty();
+    }
+    EXPECT_GT(emptied, 100u);
+}
+
+TEST(NeighborList, can_be_built_again_for_a_denser_cloud_and_for_none) {
+    NeighborGrid grid;
+    NeighborList list;
+    const std::vector<uint32_t> group(3000, 0);
+    const std::vector<float> source(3000, 1.f);
+    std::vector<uint32_t> own(3000);
+    for (uint32_t k = 0; k < own.size(); ++k) own[k] = k;
+    for (double size : {0.2, 0.05}) {
+        const auto p = cloud(2500, size, 7);
+        grid.build(p.data(), p.size(), 0.02f);
+        list.build(grid, own, source, 0.02f);
+        EXPECT_GT(list.neighbours_mean(), size < 0.1 ? 50 : 0.5);
+        list.build(grid, group, source, 0.02f);
+        EXPECT_EQ(list.neighbours_mean(), 0);
+    }
+    grid.build(nullptr, 0, 0.02f);
+    list.build(grid, own, source, 0.02f);
+    EXPECT_EQ(list.neighbours_mean(), 0);
 }
 
 }  // namespace

@@ -27,8 +27,8 @@ struct Hair {
         : p(count, particles), volume(p.points.size(), 1e-10f), saturation(p.points.size(), 1.f) {}
     Strands displayed(const Cohesion& term) const {
         CohesionPass pass(term, p.count, p.particles, volume, saturation);
-        Strands out;
-        pass.apply(p, out);
+        Strands out = p;
+        pass.apply(out);
         return out;
     }
 };

@@ -1,0 +1,99 @@
+// The search, a vector of candidates at a time.
+#include "base/geometry/neighbor_list.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+
+#include "base/error.h"
+
+namespace wetcurl {
+
+namespace {
+
+// What one thread has found of one chunk.
+struct Found {
+    std::vector<uint32_t> first;
+    std::vector<uint16_t> bits;
+    size_t count = 0;
+    void make_room(size_t more) {
+        if (count + more <= first.size()) return;
+        first.resize(2 * (count + more)), bits.resize(2 * (count + more));
+    }
+};
+
+// Runs of one point. Returns its neighbours.
+uint32_t search(const NeighborGrid& grid, const std::vector<uint32_t>& group, const std::vector<float>& source,
+                float radius, size_t k, Found& found) {
+    using S = Pack<float>;
+    const PointArrays& points = grid.points();
+    const Vec3f x = points.at(k);
+    const Vec3<S> own = cast<S>(x);
+    const S reach(radius * radius);
+    const S::Mask mine = S::Mask{} + int(group[k]);
+    const size_t before = found.count;
+    uint32_t neighbours = 0, with_source = 0;
+    grid.rows(x, [&](uint32_t begin, uint32_t end) {
+        found.make_room((end - begin) / NeighborList::lanes + 1);
+        for (uint32_t at = begin; at < end; at += NeighborList::lanes) {
+            const Vec3<S> d = points.load(at) - own;
+            S::Mask groups;
+            std::memcpy(&groups, &group[at], sizeof groups);
+            uint32_t bits = bits_of((dot(d, d) < reach) & (groups != mine));
+            if (end - at < NeighborList::lanes) bits &= (1u << (end - at)) - 1;
+            // Written in any case, kept where there is one: half of the branches would be mispredicted.
+            found.first[found.count] = at;
+            found.bits[found.count] = uint16_t(bits);
+            found.count += bits != 0;
+            neighbours += uint32_t(std::popcount(bits));
+            with_source |= bits & bits_of(S::load(&source[at]) > S(0));
+        }
+    });
+    if (with_source) return neighbours;
+    found.count = before;
+    return 0;
+}
+
+}  // namespace
+
+void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& group,
+                         const std::vector<float>& source, float radius) {
+    const size_t count = grid.size(), chunks = (count + chunk - 1) / chunk;
+    begin_.resize(count + chunks);
+    std::atomic<size_t> used;
+    std::atomic<uint64_t> neighbours;
+    for (;;) {
+        used = 0, neighbours = 0;
+#pragma omp parallel
+        {
+            Found found;
+#pragma omp for schedule(dynamic)
+            for (size_t c = 0; c < chunks; ++c) {
+                const size_t low = c * chunk, high = std::min(low + chunk, count);
+                uint32_t* begin = &begin_[low + c];
+                uint64_t sum = 0;
+                found.count = 0;
+                for (size_t k = low; k < high; ++k) {
+                    begin[k - low] = uint32_t(found.count);
+                    sum += search(grid, group, source, radius, k, found);
+                }
+                begin[high - low] = uint32_t(found.count);
+                neighbours += sum;
+                const size_t place = used.fetch_add(found.count);
+                if (place + found.count > first_.size()) continue;
+                for (size_t k = 0; k <= high - low; ++k) begin[k] += uint32_t(place);
+                std::copy_n(found.first.begin(), found.count, first_.begin() + long(place));
+                std::copy_n(found.bits.begin(), found.count, bits_.begin() + long(place));
+            }
+        }
+        if (used <= first_.size()) break;
+        // A tenth of slack: growing by doubling would double the largest buffer of all.
+        const size_t room = used + used / 10;
+        if (room > UINT32_MAX) throw Error("neighbour lists: more than 2^32 runs; make the radius smaller");
+        first_ = {}, bits_ = {};
+        first_.resize(room), bits_.resize(room);
+    }
+    mean_ = count ? double(neighbours) / double(count) : 0;
+}
+
+}  // namespace wetcurl
