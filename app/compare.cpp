@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -110,8 +111,9 @@ int compare_command(const CompareOptions& options) {
         json["others"].push_back(json_of(others.back()));
     }
     if (options.json != "-") {
-        fmt::print("against {} ({}), {} frames\n{}", options.reference, reference.header().method,
-                   others.at(0).frames, table_of(others));
+        const std::string heading =
+            fmt::format("against {} ({})\n", options.reference, reference.header().method);
+        std::fputs((heading + table_of(others)).c_str(), stdout);
     }
     write_json(json, options.json);
     return 0;

@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/results.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
 #include "learn/network_module.h"
@@ -202,7 +203,7 @@ int infer_command(const InferOptions& given) {
         const Scene full = load_scene(
             o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
         dry.strands = full.groom.rest.count;
-        if (const int status = simulate_command(dry); status != 0) return status;
+        simulate_command(dry);
         o.input = dry.output;
     }
     const RunReader run(o.input);
@@ -224,16 +225,16 @@ int infer_command(const InferOptions& given) {
     header.stages = {"low-resolution run", "reconstruction", "cohesion"};
     header.inputs = {o.input};
     if (!o.model.empty()) header.inputs.push_back(o.model);
+    InterruptGuard guard;
     RunWriter writer(o.output, header, o.overwrite);
 
-    InterruptGuard guard;
     Progress progress("infer", run.frames(), "frame");
     FrameWindow window(run);
     RunFrame out;
     std::vector<double> seconds, own_seconds;
     double moved = 0;
     int done = 0;
-    while (!guard.interrupted() && window.advance()) {
+    while (!guard.asked() && window.advance()) {
         const RunFrame& frame = window.now();
         const double begin = omp_get_wtime();
         method->apply(frame, window.heads(), out.positions);
@@ -254,10 +255,8 @@ int infer_command(const InferOptions& given) {
         if (done > 0) seconds.push_back(out.seconds), own_seconds.push_back(end - begin);
         progress.update(++done);
     }
-    if (guard.interrupted()) {
-        log_warning(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
-        return 130;
-    }
+    if (done < run.frames())
+        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
     writer.commit();
     Json json{{"frames", done},
               {"strands", scene.groom.rest.count},

@@ -22,23 +22,25 @@ namespace {
 // Results go to one place: JSON where it is asked for, a table otherwise.
 void show(const InspectOptions& o, const Json& json) {
     if (!o.json.empty()) return write_json(json, o.json);
+    std::string text;
     for (const auto& [key, value] : json.items()) {
         if (value.is_array() && !value.empty() && value[0].is_object()) {
-            fmt::print("{}:\n", key);
+            text += key + ":\n";
             for (const auto& row : value) {
                 std::string line;
                 for (const auto& [k, v] : row.items())
                     line += fmt::format("  {} {}", k, v.is_string() ? v.get<std::string>() : v.dump());
-                fmt::print("  {}\n", line);
+                text += "  " + line + "\n";
             }
         } else if (value.is_array()) {
             std::vector<std::string> words;
             for (const auto& v : value) words.push_back(v.is_string() ? v.get<std::string>() : v.dump());
-            fmt::print("{}: {}\n", key, fmt::join(words, ", "));
+            text += fmt::format("{}: {}\n", key, fmt::join(words, ", "));
         } else {
-            fmt::print("{}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+            text += fmt::format("{}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
         }
     }
+    std::fputs(text.c_str(), stdout);
 }
 
 Json scene_json(const InspectOptions& o) {

@@ -3,10 +3,12 @@
 #include <omp.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 
 #include "app/commands.h"
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
 
@@ -47,9 +49,18 @@ void apply(const Shared& shared, CommonOptions& o) {
         throw Misuse("--device: found '" + o.device + "', allowed: cpu, cuda, cuda:n");
 }
 
+// `status`, or 1 where not all of standard output has arrived.
+int flushed(int status) {
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
+    std::fprintf(stderr, "wetcurl: standard output: cannot be written (disk full, or a closed pipe)\n");
+    return 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+    end_when_interrupted();
+    std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a failed write, and said
     CLI::App app{
         "wetcurl simulates wet curly hair, trains networks on what it simulates, and runs them in its "
         "place."};
@@ -173,10 +184,13 @@ int main(int argc, char** argv) {
         for (CommonOptions* o : std::initializer_list<CommonOptions*>{&simulate, &encode, &train, &infer,
                                                                       &compare, &render, &import, &inspect})
             apply(shared, *o);
-        return run();
+        return flushed(run());
     } catch (const CLI::ParseError& e) {
         const int status = app.exit(e);
-        return status == 0 ? 0 : 2;
+        return status == 0 ? flushed(0) : 2;
+    } catch (const Interrupted& e) {
+        std::fprintf(stderr, "wetcurl: %s\n", e.what());
+        return 130;
     } catch (const Misuse& e) {
         std::fprintf(stderr, "wetcurl: %s\n", e.what());
         return 2;

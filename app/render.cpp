@@ -8,6 +8,7 @@
 #include "app/image_file.h"
 #include "app/picture.h"
 #include "app/run_solids.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
 #include "base/run_cache.h"
@@ -111,9 +112,14 @@ int render_command(const RenderOptions& options) {
         write_png(options.output, reel.draw(f));
     } else {
         reel.fit_camera(0, last, 9);
+        InterruptGuard guard;
         VideoFile video(options.output, reel.width(), options.height, reel.fps(), options.overwrite);
         Progress progress("render", last + 1, "frame");
         for (int f = 0; f <= last; ++f) {
+            // One frame is always in it, so that what is left can be played.
+            if (f > 0 && guard.asked())
+                throw Interrupted("interrupted: " + std::to_string(f) + " frames are kept in " +
+                                  video.leave());
             video.append(reel.draw(f));
             progress.update(f + 1);
         }

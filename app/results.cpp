@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -52,20 +51,5 @@ Json time_statistics(std::vector<double> t) {
             {"max", t.back()},
             {"std", std::sqrt(square / double(n))}};
 }
-
-static volatile std::sig_atomic_t interrupt_count = 0;
-static void (*handler_before)(int) = SIG_DFL;
-static void on_interrupt(int) {
-    // A second ctrl-C is meant.
-    interrupt_count = interrupt_count + 1;
-    if (interrupt_count > 1) std::_Exit(130);
-}
-
-InterruptGuard::InterruptGuard() {
-    interrupt_count = 0;
-    handler_before = std::signal(SIGINT, on_interrupt);
-}
-InterruptGuard::~InterruptGuard() { std::signal(SIGINT, handler_before); }
-bool InterruptGuard::interrupted() const { return interrupt_count > 0; }
 
 }  // namespace wetcurl

@@ -15,12 +15,4 @@ void write_json(const Json& json, const std::string& path);
 // {mean, median, min, max, std} of run times [s].
 Json time_statistics(std::vector<double> seconds);
 
-// While alive, ctrl-C asks instead of killing: the frame at hand is finished and what is there is kept.
-class InterruptGuard {
-  public:
-    InterruptGuard();
-    ~InterruptGuard();
-    bool interrupted() const;
-};
-
 }  // namespace wetcurl

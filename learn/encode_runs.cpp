@@ -2,6 +2,7 @@
 // Ours.
 #include "learn/encode_runs.h"
 
+#include "base/interrupt.h"
 #include "base/progress.h"
 #include "learn/root_codec.h"
 #include "learn/strand_codec.h"
@@ -36,6 +37,7 @@ RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
 template <class Visit>
 static void for_each_frame(const RunPair& pair, const std::string& what, Visit visit) {
     const int frames = pair.dry->frames();
+    InterruptGuard guard;
     Progress progress(what, frames, "frame");
     for (FrameWindow window(*pair.dry); window.advance();) {
         const RunFrame wet = pair.wet->frame(window.index());
@@ -45,6 +47,9 @@ static void for_each_frame(const RunPair& pair, const std::string& what, Visit v
         if (norm(apart) > 1e-6 || norm(Vec3d{turn.x, turn.y, turn.z}) > 1e-6)
             throw Error(pair.dry->path() + ": frame " + std::to_string(window.index()) +
                         ": the head is elsewhere than in " + pair.wet->path() + ", allowed the same motion");
+        if (guard.asked())
+            throw Interrupted("interrupted at frame " + std::to_string(window.index()) + " of " +
+                              pair.dry->path());
         visit(window, wet);
         progress.update(window.index() + 1);
     }

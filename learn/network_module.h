@@ -39,9 +39,8 @@ struct NetworkModule {
                                           int threads) = 0;
     // The card alone, without a network being made.
     virtual ModelCard card(const std::string& path) = 0;
-    // Exit status: 0 done, 130 interrupted with a checkpoint left. Throws Error (bad pairs, diverged loss) or
-    // Misuse (recipe).
-    virtual int train(const TrainRequest& request) = 0;
+    // Throws Interrupted with a checkpoint left, Error (bad pairs, diverged loss) or Misuse (recipe).
+    virtual void train(const TrainRequest& request) = 0;
 };
 
 // Opens libwetcurl_networks on first use: beside the executable, else in ../lib. Throws Error where it is not
