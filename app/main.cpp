@@ -115,8 +115,7 @@ int main(int argc, char** argv) {
     c->add_option("--recipe", train.recipe, "recipe file (TOML)");
     c->add_option("--arch", train.architecture,
                   "strand_mlp | unet_vgg19 | recursive_residual | adhesion_mlp");
-    c->add_option("--width", train.width, "multiplier of the network's width")
-        ->check(CLI::Range(0.001, 16.0));
+    c->add_option("--width", train.width, "multiplier of the network's width");
     c->add_flag("--resume", train.resume, "go on from OUTPUT.checkpoint");
 
     InferOptions infer;
@@ -145,13 +144,10 @@ int main(int argc, char** argv) {
     c->add_option("-o,--output", render.output, "out.png, out.mp4 or out.webm")->required();
     c->add_option("--frame", render.frame, "one frame (default: all for a video, the last for a picture)")
         ->check(CLI::NonNegativeNumber);
-    c->add_option("--width", render.width, "of one panel [pixels]")
-        ->check(CLI::Range(64, 8192))
+    c->add_option("--width", render.width, "of one panel, 16 to 8192 [pixels]")->capture_default_str();
+    c->add_option("--height", render.height, "of one panel, 16 to 8192 [pixels]")->capture_default_str();
+    c->add_option("--yaw", render.yaw, "of the camera around the head, -360 to 360 [degrees]")
         ->capture_default_str();
-    c->add_option("--height", render.height, "of one panel [pixels]")
-        ->check(CLI::Range(64, 8192))
-        ->capture_default_str();
-    c->add_option("--yaw", render.yaw, "of the camera around the head [degrees]")->capture_default_str();
     c->add_flag("--saturation", render.saturation, "colour by saturation (red wet, blue dry)");
     c->add_flag("!--no-labels", render.labels, "no text under the panels");
 

@@ -20,9 +20,9 @@ struct TrainRequest {
     std::vector<std::string> set;  // key.path=value over the recipe
     // These go before the recipe where they are given.
     std::string architecture;  // "" : the recipe's
-    double width = 0;          // 0: the recipe's
-    std::string device;        // "": the recipe's; cpu | cuda | cuda:n
-    std::optional<unsigned long long> seed;
+    std::optional<double> width;
+    std::string device;  // "": the recipe's; cpu | cuda | cuda:n
+    std::optional<long> seed;
     int threads = 0;  // 0: all
     bool overwrite = false;
     bool resume = false;
