@@ -102,6 +102,9 @@ std::string table_of(const std::vector<Comparison>& others) {
 }  // namespace
 
 int compare_command(const CompareOptions& options) {
+    std::vector<std::string> inputs = options.others;
+    inputs.push_back(options.reference);
+    check_files(options, "", inputs);
     const RunReader reference(options.reference);
     const auto solid = solid_distance_of(reference.header());
     std::vector<Comparison> others;

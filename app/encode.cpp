@@ -151,6 +151,7 @@ std::string kept_of(const EncodeOptions& o) {
 }  // namespace
 
 int encode_command(const EncodeOptions& o) {
+    check_files(o, o.output, o.inputs);
     const Codec codec = codec_named(o.codec);
     try {
         write_json(codec == Codec::adhesion ? encode_adhesion(o) : encode_pairs(o, codec), o.json);

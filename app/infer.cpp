@@ -199,7 +199,6 @@ int infer_command(const InferOptions& given) {
         dry.scene = o.input;
         dry.output = o.output + ".dry.h5";
         dry.dry = true;
-        dry.overwrite = true;
         const Scene full = load_scene(
             o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
         dry.strands = full.groom.rest.count;

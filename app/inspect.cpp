@@ -200,6 +200,7 @@ int inspect_command(const InspectOptions& o) {
     if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
     if (!o.output.empty() && o.what != "pairs")
         throw Misuse("inspect -o writes the images of pairs; it has no meaning for " + o.what);
+    check_files(o, "", {o.file});
     if (o.what == "scene") show(o, scene_json(o));
     if (o.what == "run") show(o, run_json(o));
     if (o.what == "pairs") show(o, pairs_json(o));

@@ -1,12 +1,14 @@
 // `wetcurl render`: runs side by side as a picture of one frame or a video of all.
 // Ours.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
 #include "app/commands.h"
 #include "app/image_file.h"
 #include "app/picture.h"
+#include "app/results.h"
 #include "app/run_solids.h"
 #include "base/interrupt.h"
 #include "base/log.h"
@@ -91,8 +93,9 @@ void check(const RenderOptions& o, const std::string& extension) {
                          " pixels; allowed are 16 to 8192 each way");
     if (extension != ".png" && o.frame >= 0)
         throw Misuse("render: --frame picks one frame for a .png; " + o.output + " takes all of them");
-    if (!o.overwrite && std::filesystem::exists(o.output))
-        throw Error(o.output + " exists; --overwrite replaces it");
+    if (!(std::abs(o.yaw) <= 360))
+        throw Misuse("render: --yaw " + std::to_string(o.yaw) + ": allowed are -360 to 360 degrees");
+    check_files(o, o.output, o.runs);
 }
 
 }  // namespace

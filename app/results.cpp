@@ -1,4 +1,4 @@
-// Results as JSON, interrupts.
+// Results as JSON, the files of a command.
 #include "app/results.h"
 
 #include <algorithm>
@@ -13,6 +13,32 @@
 
 namespace wetcurl {
 
+namespace fs = std::filesystem;
+
+// Also by another name, and where neither is there yet.
+static bool same_file(const std::string& a, const std::string& b) {
+    std::error_code absent;
+    return fs::equivalent(a, b, absent) ||
+           (!fs::exists(a, absent) && fs::weakly_canonical(a, absent) == fs::weakly_canonical(b, absent));
+}
+
+void check_files(const CommonOptions& o, const std::string& output, const std::vector<std::string>& inputs) {
+    const std::string json = o.json == "-" ? "" : o.json;
+    if (!output.empty() && !json.empty() && same_file(output, json))
+        throw Misuse("--json " + json + ": is the output as well; another name is needed");
+    for (const std::string* written : {&output, &json}) {
+        if (written->empty()) continue;
+        for (const auto& input : inputs)
+            for (const auto& touched : {*written, *written + ".partial"})
+                if (!input.empty() && same_file(touched, input))
+                    throw Misuse(*written + ": writing it would destroy the input " + input +
+                                 "; another name is needed");
+        // A device or a pipe is written to, never replaced; what is resumed is there already.
+        if (!o.overwrite && !(o.resume && written == &output) && fs::is_regular_file(*written))
+            throw Error(*written + ": is there already; --overwrite replaces it");
+    }
+}
+
 void write_json(const Json& json, const std::string& path) {
     if (path.empty()) return;
     const std::string text = json.dump(2) + "\n";
@@ -20,10 +46,9 @@ void write_json(const Json& json, const std::string& path) {
         std::fputs(text.c_str(), stdout);
         return;
     }
-    if (std::filesystem::is_directory(path))
-        throw Error(path + ": is a folder, a file name is needed for --json");
+    if (fs::is_directory(path)) throw Error(path + ": is a folder, a file name is needed for --json");
     // A device or a pipe is written to, never replaced.
-    if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)) {
+    if (fs::exists(path) && !fs::is_regular_file(path)) {
         std::ofstream out(path);
         out << text << std::flush;
         if (!out) throw Error(path + ": cannot be written");
@@ -32,10 +57,10 @@ void write_json(const Json& json, const std::string& path) {
     const std::string partial = path + ".partial";
     {
         std::ofstream out(partial);
-        out << text;
+        out << text << std::flush;
         if (!out) throw Error(path + ": cannot be written");
     }
-    std::filesystem::rename(partial, path);
+    fs::rename(partial, path);
 }
 
 Json time_statistics(std::vector<double> t) {

@@ -14,6 +14,9 @@
 namespace wetcurl {
 
 int train_command(const TrainOptions& o) {
+    std::vector<std::string> inputs = o.pairs;
+    inputs.push_back(o.recipe);
+    check_files(o, o.output, inputs);
     TrainRequest request;
     request.kind = o.kind;
     request.pairs = o.pairs;
