@@ -39,6 +39,7 @@ struct TrainOptions : CommonOptions {
 };
 struct InferOptions : CommonOptions {
     std::string input, model, interpolate, reconstruct, wetness, output;
+    int roots = 4;  // around a new strand: the grid's four, or the three nearest
 };
 struct CompareOptions : CommonOptions {
     std::string reference;

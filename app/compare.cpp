@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/results.h"
 #include "app/run_solids.h"
+#include "base/log.h"
 #include "learn/metrics.h"
 
 namespace wetcurl {
@@ -58,6 +59,7 @@ struct Column {
 
 const Column columns[] = {
     {"method", "", [](const Comparison& c) { return c.method; }},
+    {"frames", "", [](const Comparison& c) { return fmt::format("{}", c.frames); }},
     {"time", "ms/frame",
      [](const Comparison& c) { return fmt::format("{:.1f}", 1e3 * c.seconds_per_frame); }},
     {"error", "mean mm", [](const Comparison& c) { return fmt::format("{:.3f}", c.position_mm.mean); }},
@@ -110,7 +112,12 @@ int compare_command(const CompareOptions& options) {
     std::vector<Comparison> others;
     Json json{{"reference", options.reference}, {"others", Json::array()}};
     for (const auto& path : options.others) {
-        others.push_back(compare(reference, RunReader(path), options.first_frame, solid));
+        const RunReader other(path);
+        others.push_back(compare(reference, other, options.first_frame, solid));
+        if (other.frames() != reference.frames())
+            log_warning(fmt::format("{} has {} frames, {} has {}: frames {} to {} are compared", path,
+                                    other.frames(), options.reference, reference.frames(),
+                                    options.first_frame, options.first_frame + others.back().frames - 1));
         json["others"].push_back(json_of(others.back()));
     }
     if (options.json != "-") {

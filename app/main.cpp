@@ -128,6 +128,12 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"nearest", "quad", "core"}));
     c->add_option("--reconstruct", infer.reconstruct, "for a model of the root codec: paper | core")
         ->check(CLI::IsMember({"paper", "core"}));
+    c->add_option(
+         "--roots", infer.roots,
+         "that a new strand is made from, for quad, core and models of the root codec: the grid's 4 or "
+         "the nearest 3")
+        ->check(CLI::IsMember({3, 4}))
+        ->capture_default_str();
     c->add_option("--wetness", infer.wetness, "scene whose wetness and cohesion to predict for");
     c->add_option("-o,--output", infer.output, "run cache (HDF5)")->required();
 
