@@ -107,6 +107,8 @@ int compare_command(const CompareOptions& options) {
     std::vector<std::string> inputs = options.others;
     inputs.push_back(options.reference);
     check_files(options, "", inputs);
+    refuse_scene_options(options, "compare");
+    refuse_device(options, "compare");
     const RunReader reference(options.reference);
     const auto solid = solid_distance_of(reference.header());
     std::vector<Comparison> others;

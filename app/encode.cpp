@@ -65,6 +65,7 @@ float support_radius_of(const RunHeader& header) {
 }
 
 Json encode_pairs(const EncodeOptions& o, Codec codec) {
+    refuse_scene_options(o, "encode of runs");
     const auto pairs = open_pairs(o.inputs);
     PairsWriter out(o.output, codec, pairs[0].wet->header().groom.rest.particles, o.overwrite);
     Json json{{"codec", o.codec}, {"runs", pairs.size()}};
@@ -155,6 +156,7 @@ std::string kept_of(const EncodeOptions& o) {
 
 int encode_command(const EncodeOptions& o) {
     check_files(o, o.output, o.inputs);
+    refuse_device(o, "encode");
     const Codec codec = codec_named(o.codec);
     try {
         write_json(codec == Codec::adhesion ? encode_adhesion(o) : encode_pairs(o, codec), o.json);

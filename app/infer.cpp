@@ -163,6 +163,7 @@ Scene target_scene(const InferOptions& o, const RunHeader& low) {
     options.stride = low.stride / 2;
     if (o.wetness.empty()) return parse_scene(low.scene, o.input, low.scene_folder, options);
     options.set = o.set;
+    options.seed = o.seed;
     return load_scene(o.wetness, options);
 }
 
@@ -202,6 +203,7 @@ int infer_command(const InferOptions& given) {
         throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core");
     if (!o.interpolate.empty() && !o.reconstruct.empty())
         throw Misuse("--reconstruct is for models; --interpolate says itself how strands are made");
+    if (!o.interpolate.empty()) refuse_device(o, "interpolation");
     if (o.interpolate == "nearest" && o.roots == 3)
         throw Misuse("--roots 3 is for quad and core; nearest copies the strand of one root");
     check_files(o, o.output, {o.input, o.model, o.wetness});
@@ -209,6 +211,7 @@ int infer_command(const InferOptions& given) {
         SimulateOptions dry;
         static_cast<CommonOptions&>(dry) = o;
         dry.json.clear();
+        dry.device = "cpu";  // the network's alone
         dry.scene = o.input;
         dry.output = o.output + ".dry.h5";
         dry.dry = true;
@@ -217,6 +220,8 @@ int infer_command(const InferOptions& given) {
         dry.strands = full.groom.rest.count;
         simulate_command(dry);
         o.input = dry.output;
+    } else if (o.wetness.empty()) {
+        refuse_scene_options(o, "infer from a run without --wetness");
     }
     const RunReader run(o.input);
     const RunHeader& low = run.header();

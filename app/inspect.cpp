@@ -134,6 +134,8 @@ Json pairs_json(const InspectOptions& o) {
             const std::filesystem::path stem(o.output);
             const std::string path =
                 (stem.parent_path() / (stem.stem().string() + "_" + run + "_" + name + ".png")).string();
+            if (!o.overwrite && std::filesystem::exists(path))
+                throw Error(path + ": is there already; --overwrite replaces it");
             write_geometry_image(file, dataset, path);
             json["images"].push_back(path);
         }
@@ -200,6 +202,10 @@ int inspect_command(const InspectOptions& o) {
     if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
     if (!o.output.empty() && o.what != "pairs")
         throw Misuse("inspect -o writes the images of pairs; it has no meaning for " + o.what);
+    if (!needs_file && !o.file.empty())
+        throw Misuse("inspect " + o.what + ": found the file " + o.file + ", none is needed");
+    if (o.what != "scene") refuse_scene_options(o, "inspect " + o.what);
+    refuse_device(o, "inspect");
     check_files(o, "", {o.file});
     if (o.what == "scene") show(o, scene_json(o));
     if (o.what == "run") show(o, run_json(o));

@@ -2,6 +2,7 @@
 // into a message and an exit status: 0 done, 1 failed, 2 misuse, 130 interrupted.
 #include <omp.h>
 
+#include <algorithm>
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
@@ -155,7 +156,8 @@ int main(int argc, char** argv) {
     c->add_option("--yaw", render.yaw, "of the camera around the head, -360 to 360 [degrees]")
         ->capture_default_str();
     c->add_flag("--saturation", render.saturation, "colour by saturation (red wet, blue dry)");
-    c->add_flag("!--no-labels", render.labels, "no text under the panels");
+    c->add_flag_callback(
+        "--no-labels", [&] { render.labels = false; }, "no text under the panels");
 
     ImportOptions import;
     c = command("import", "read a hair file, report on it, write it in another format", import,
@@ -182,6 +184,12 @@ int main(int argc, char** argv) {
                   "pairs: write the geometry images of the last frame as PNG, by this name's stem");
 
     try {
+        std::vector<std::string> known;
+        for (const CLI::App* sub : app.get_subcommands({})) known.push_back(sub->get_name());
+        const std::string name = argc > 1 ? argv[1] : "-";
+        if (name[0] != '-' && std::find(known.begin(), known.end(), name) == known.end())
+            throw Misuse("found command '" + name + "', allowed: " + CLI::detail::join(known, ", ") +
+                         did_you_mean(name, known));
         app.parse(argc, argv);
         for (CommonOptions* o : std::initializer_list<CommonOptions*>{&simulate, &encode, &train, &infer,
                                                                       &compare, &render, &import, &inspect})

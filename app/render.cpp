@@ -95,6 +95,8 @@ void check(const RenderOptions& o, const std::string& extension) {
         throw Misuse("render: --frame picks one frame for a .png; " + o.output + " takes all of them");
     if (!(std::abs(o.yaw) <= 360))
         throw Misuse("render: --yaw " + std::to_string(o.yaw) + ": allowed are -360 to 360 degrees");
+    refuse_scene_options(o, "render");
+    refuse_device(o, "render");
     check_files(o, o.output, o.runs);
 }
 

@@ -37,6 +37,20 @@ void check_files(const CommonOptions& o, const std::string& output, const std::v
         if (!o.overwrite && !(o.resume && written == &output) && fs::is_regular_file(*written))
             throw Error(*written + ": is there already; --overwrite replaces it");
     }
+    if (fs::is_directory(json)) throw Error(json + ": is a folder, a file name is needed for --json");
+    std::error_code error;
+    if (const fs::path folder = fs::path(json).parent_path(); !folder.empty())
+        fs::create_directories(folder, error);
+    if (error) throw Error(json + ": its folder cannot be made: " + error.message());
+}
+
+void refuse_scene_options(const CommonOptions& o, const std::string& who) {
+    const std::string given = !o.set.empty() ? "--set " + o.set[0] : o.seed ? "--seed" : "";
+    if (!given.empty()) throw Misuse(given + ": " + who + " reads no scene and no recipe");
+}
+
+void refuse_device(const CommonOptions& o, const std::string& who) {
+    if (o.device != "cpu") throw Misuse("--device " + o.device + ": " + who + " runs on the CPU alone");
 }
 
 void write_json(const Json& json, const std::string& path) {
@@ -46,7 +60,6 @@ void write_json(const Json& json, const std::string& path) {
         std::fputs(text.c_str(), stdout);
         return;
     }
-    if (fs::is_directory(path)) throw Error(path + ": is a folder, a file name is needed for --json");
     // A device or a pipe is written to, never replaced.
     if (fs::exists(path) && !fs::is_regular_file(path)) {
         std::ofstream out(path);

@@ -15,8 +15,14 @@ using Json = nlohmann::ordered_json;
 void write_json(const Json& json, const std::string& path);
 
 // Before anything is written: throws Misuse where `output` or --json (or the .partial beside it) is one of
-// `inputs` or the two are one file, and Error where one of them is there without --overwrite. "": none.
+// `inputs` or the two are one file, and Error where one of them is there without --overwrite, or --json has
+// no place. "": none.
 void check_files(const CommonOptions& o, const std::string& output, const std::vector<std::string>& inputs);
+
+// Throw Misuse, naming `who`, where `o` gives what is read by none: --set and --seed are for a scene or a
+// recipe, --device for a network.
+void refuse_scene_options(const CommonOptions& o, const std::string& who);
+void refuse_device(const CommonOptions& o, const std::string& who);
 
 // {mean, median, min, max, std} of run times [s].
 Json time_statistics(std::vector<double> seconds);

@@ -26,7 +26,7 @@ static double distance_mm(const RunFrame& a, const RunFrame& b) {
 
 int simulate_command(const SimulateOptions& o) {
     check_files(o, o.output, {o.scene, o.groom});
-    if (o.device != "cpu") throw Misuse("--device " + o.device + ": this build simulates on the CPU alone");
+    refuse_device(o, "simulate");
     SceneOptions options;
     options.set = o.set;
     options.frames = o.frames;

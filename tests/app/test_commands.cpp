@@ -73,6 +73,37 @@ TEST_F(Commands, json_is_not_overwritten_unasked) {
     }
 }
 
+TEST_F(Commands, json_gets_its_folder_before_the_work_begins) {
+    CommonOptions o;
+    o.json = scratch.path("new/folder/out.json");
+    check_files(o, "", {});
+    EXPECT_TRUE(fs::is_directory(scratch.path("new/folder")));
+    o.json = scratch.path("new");
+    expect_error([&] { check_files(o, "", {}); }, {"new: is a folder"});
+    o.json = scratch.file("file", "") + "/out.json";
+    expect_error([&] { check_files(o, "", {}); }, {"file/out.json", "folder cannot be made"});
+}
+
+TEST_F(Commands, options_that_nothing_reads_are_refused) {
+    simulate_command(simulation("low.h5", 16));
+    CompareOptions compare;
+    compare.reference = scratch.path("low.h5");
+    compare.others = {compare.reference};
+    compare.seed = 3;
+    expect_error<Misuse>([&] { compare_command(compare); }, {"--seed", "compare"});
+    InferOptions infer = inference("quad", 4);
+    infer.set = {"frames=2"};
+    expect_error<Misuse>([&] { infer_command(infer); }, {"--set frames=2", "--wetness"});
+    infer.set.clear();
+    infer.device = "cuda";
+    expect_error<Misuse>([&] { infer_command(infer); }, {"--device cuda", "interpolation"});
+    InspectOptions inspect;
+    inspect.what = "terms";
+    inspect.file = "a.h5";
+    expect_error<Misuse>([&] { inspect_command(inspect); }, {"a.h5", "none is needed"});
+    EXPECT_FALSE(fs::exists(infer.output));
+}
+
 TEST_F(Commands, encode_and_simulate_keep_their_inputs) {
     SimulateOptions o = simulation("scene.toml", 16);
     o.overwrite = true;
