@@ -13,7 +13,7 @@ struct CommonOptions {
     std::vector<std::string> set;  // key.path=value
     std::string device = "cpu";
     int threads = 0;  // 0: all
-    std::optional<unsigned long long> seed;
+    std::optional<long> seed;
     bool overwrite = false;
     bool resume = false;
     std::string json;  // file for the results as JSON, "-" for standard output, "" for none
@@ -35,10 +35,11 @@ struct TrainOptions : CommonOptions {
     std::string kind;  // sr | adhesion
     std::vector<std::string> pairs;
     std::string output, recipe, architecture;
-    double width = 0;  // 0: the recipe's
+    std::optional<double> width;
 };
 struct InferOptions : CommonOptions {
     std::string input, model, interpolate, reconstruct, wetness, output;
+    int roots = 4;  // around a new strand: the grid's four, or the three nearest
 };
 struct CompareOptions : CommonOptions {
     std::string reference;

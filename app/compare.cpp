@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
 #include "app/results.h"
 #include "app/run_solids.h"
+#include "base/log.h"
 #include "learn/metrics.h"
 
 namespace wetcurl {
@@ -57,6 +59,7 @@ struct Column {
 
 const Column columns[] = {
     {"method", "", [](const Comparison& c) { return c.method; }},
+    {"frames", "", [](const Comparison& c) { return fmt::format("{}", c.frames); }},
     {"time", "ms/frame",
      [](const Comparison& c) { return fmt::format("{:.1f}", 1e3 * c.seconds_per_frame); }},
     {"error", "mean mm", [](const Comparison& c) { return fmt::format("{:.3f}", c.position_mm.mean); }},
@@ -101,17 +104,28 @@ std::string table_of(const std::vector<Comparison>& others) {
 }  // namespace
 
 int compare_command(const CompareOptions& options) {
+    std::vector<std::string> inputs = options.others;
+    inputs.push_back(options.reference);
+    check_files(options, "", inputs);
+    refuse_scene_options(options, "compare");
+    refuse_device(options, "compare");
     const RunReader reference(options.reference);
     const auto solid = solid_distance_of(reference.header());
     std::vector<Comparison> others;
     Json json{{"reference", options.reference}, {"others", Json::array()}};
     for (const auto& path : options.others) {
-        others.push_back(compare(reference, RunReader(path), options.first_frame, solid));
+        const RunReader other(path);
+        others.push_back(compare(reference, other, options.first_frame, solid));
+        if (other.frames() != reference.frames())
+            log_warning(fmt::format("{} has {} frames, {} has {}: frames {} to {} are compared", path,
+                                    other.frames(), options.reference, reference.frames(),
+                                    options.first_frame, options.first_frame + others.back().frames - 1));
         json["others"].push_back(json_of(others.back()));
     }
     if (options.json != "-") {
-        fmt::print("against {} ({}), {} frames\n{}", options.reference, reference.header().method,
-                   others.at(0).frames, table_of(others));
+        const std::string heading =
+            fmt::format("against {} ({})\n", options.reference, reference.header().method);
+        std::fputs((heading + table_of(others)).c_str(), stdout);
     }
     write_json(json, options.json);
     return 0;

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
 #include "app/results.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
 #include "learn/encode_runs.h"
@@ -41,6 +43,9 @@ std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
     std::vector<RunPair> out;
     for (size_t k = 0; k < inputs.size(); k += 2) out.emplace_back(inputs[k], inputs[k + 1]);
     for (const auto& pair : out) {
+        if (pair.dry->header().method == "simulated wet")
+            log_warning(pair.dry->path() +
+                        ": was simulated wet; a model of these pairs is for wet runs only");
         const int found = pair.wet->header().groom.rest.particles,
                   allowed = out[0].wet->header().groom.rest.particles;
         if (found != allowed)
@@ -60,6 +65,7 @@ float support_radius_of(const RunHeader& header) {
 }
 
 Json encode_pairs(const EncodeOptions& o, Codec codec) {
+    refuse_scene_options(o, "encode of runs");
     const auto pairs = open_pairs(o.inputs);
     PairsWriter out(o.output, codec, pairs[0].wet->header().groom.rest.particles, o.overwrite);
     Json json{{"codec", o.codec}, {"runs", pairs.size()}};
@@ -101,12 +107,15 @@ Json encode_adhesion(const EncodeOptions& o) {
     }
     PairsWriter out(o.output, Codec::adhesion, scenes.at(0).groom.rest.particles, o.overwrite);
     size_t samples = 0, contacts = 0;
+    InterruptGuard guard;
     for (size_t k = 0; k < scenes.size(); ++k) {
         const auto simulation = make_simulation(scenes[k], "float");
         std::vector<AdhesionRecord> records;
         simulation->record_adhesion(&records);
         Progress progress("encode", scenes[k].frames, "frame");
         for (int f = 1; f < scenes[k].frames; ++f) {
+            if (guard.asked())
+                throw Interrupted(fmt::format("interrupted at frame {} of {}", f, o.inputs[k]));
             simulation->advance();
             if (const auto diverged = simulation->divergence())
                 throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", o.inputs[k], f,
@@ -133,11 +142,27 @@ Json encode_adhesion(const EncodeOptions& o) {
     return {{"codec", o.codec}, {"scenes", scenes.size()}, {"samples", samples}, {"in_contact", contacts}};
 }
 
+// What is kept of an interrupted encoding: NAME.partial where it holds something (codec root sees all frames
+// before it writes one).
+std::string kept_of(const EncodeOptions& o) {
+    const std::string partial = o.output + ".partial";
+    if (!H5Reader(partial, pairs_format, pairs_version).list("runs").empty())
+        return "; what was encoded is kept in " + partial;
+    std::filesystem::remove(partial);
+    return "; nothing was encoded yet";
+}
+
 }  // namespace
 
 int encode_command(const EncodeOptions& o) {
+    check_files(o, o.output, o.inputs);
+    refuse_device(o, "encode");
     const Codec codec = codec_named(o.codec);
-    write_json(codec == Codec::adhesion ? encode_adhesion(o) : encode_pairs(o, codec), o.json);
+    try {
+        write_json(codec == Codec::adhesion ? encode_adhesion(o) : encode_pairs(o, codec), o.json);
+    } catch (const Interrupted& e) {
+        throw Interrupted(e.what() + kept_of(o));
+    }
     return 0;
 }
 

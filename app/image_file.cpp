@@ -178,6 +178,11 @@ void VideoFile::append(const Image& image) {
     ++b.written;
 }
 
+std::string VideoFile::leave() {
+    body_->writer.release();
+    return body_->folder.empty() ? body_->partial : body_->folder;
+}
+
 std::string VideoFile::commit() {
     Body& b = *body_;
     if (!b.folder.empty()) return b.folder;
@@ -202,6 +207,7 @@ struct VideoFile::Body {};
 VideoFile::VideoFile(const std::string&, int, int, double, bool) { no_opencv(); }
 VideoFile::~VideoFile() = default;
 void VideoFile::append(const Image&) { no_opencv(); }
+std::string VideoFile::leave() { no_opencv(); }
 std::string VideoFile::commit() { no_opencv(); }
 void write_png(const std::string&, const Image&) { no_opencv(); }
 void draw_label(Image&, const std::string&) { no_opencv(); }

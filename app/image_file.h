@@ -31,6 +31,8 @@ class VideoFile {
     void append(const Image& image);
     // Closes the file, gives it its name and returns that name.
     std::string commit();
+    // Closes a file that is not whole under the name that it has meanwhile, NAME.partial.mp4; returns that.
+    std::string leave();
 
   private:
     struct Body;

@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/results.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
 #include "learn/network_module.h"
@@ -30,11 +31,17 @@ class Method {
     virtual const Strands* without_network() { return nullptr; }
 };
 
+Stencil stencil_of(int roots, const Groom& high, const Groom& low) {
+    return roots == 3 ? triangle_stencil(high, low) : quad_stencil(high, low);
+}
+std::string suffix_of(int roots) { return roots == 3 ? ", 3 roots" : ""; }
+
 class InterpolationMethod final : public Method {
   public:
-    InterpolationMethod(const std::string& name, const Groom& high, const Groom& low)
-        : name_(name), interpolator_(interpolation_named(name), quad_stencil(high, low), high, low) {}
-    std::string name() const override { return name_ + " interpolation"; }
+    InterpolationMethod(const std::string& name, int roots, const Groom& high, const Groom& low)
+        : name_(name + " interpolation" + suffix_of(roots)),
+          interpolator_(interpolation_named(name), stencil_of(roots, high, low), high, low) {}
+    std::string name() const override { return name_; }
     void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
         interpolator_.apply(low.seen(), low.head, p);
     }
@@ -82,15 +89,16 @@ class StrandMethod final : public Method {
 
 class RootMethod final : public Method {
   public:
-    RootMethod(std::unique_ptr<Network> network, Reconstruction form, const Groom& high, const Groom& low,
-               std::vector<float> low_saturation, float radius)
+    RootMethod(std::unique_ptr<Network> network, Reconstruction form, int roots, const Groom& high,
+               const Groom& low, std::vector<float> low_saturation, float radius)
         : network_(std::move(network)),
-          form_(form),
+          name_(network_->card().architecture +
+                (form == Reconstruction::paper ? ", paper" : ", core and detail") + suffix_of(roots)),
           high_image_(high.grid, 2),
           low_image_(low.grid),
-          transform_(form, quad_stencil(high, low), high, low, std::move(low_saturation), radius),
+          transform_(form, stencil_of(roots, high, low), high, low, std::move(low_saturation), radius),
           plain_(form == Reconstruction::paper ? Interpolation::quad : Interpolation::core,
-                 quad_stencil(high, low), high, low),
+                 stencil_of(roots, high, low), high, low),
           radius_(radius),
           input_(3 * low_image_.pixels()),
           output_(3 * high_image_.pixels()) {
@@ -103,10 +111,7 @@ class RootMethod final : public Method {
         };
         box_ = {corner("b_min"), corner("b_max")};
     }
-    std::string name() const override {
-        return network_->card().architecture +
-               (form_ == Reconstruction::paper ? ", paper" : ", core and detail");
-    }
+    std::string name() const override { return name_; }
     void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
         std::vector<Vec3f> colours = shifted_roots(low.positions, {}, radius_);
         for (auto& c : colours) c = colour_of(c, box_);
@@ -122,7 +127,7 @@ class RootMethod final : public Method {
 
   private:
     std::unique_ptr<Network> network_;
-    Reconstruction form_;
+    std::string name_;
     RootImage high_image_, low_image_;
     QuadTransform transform_;
     Interpolator plain_;
@@ -158,19 +163,24 @@ Scene target_scene(const InferOptions& o, const RunHeader& low) {
     options.stride = low.stride / 2;
     if (o.wetness.empty()) return parse_scene(low.scene, o.input, low.scene_folder, options);
     options.set = o.set;
+    options.seed = o.seed;
     return load_scene(o.wetness, options);
 }
 
 std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const RunHeader& low) {
     if (!o.interpolate.empty())
-        return std::make_unique<InterpolationMethod>(o.interpolate, scene.groom, low.groom);
+        return std::make_unique<InterpolationMethod>(o.interpolate, o.roots, scene.groom, low.groom);
     auto network = network_module().load(o.model, o.device, o.threads);
     const ModelCard& card = network->card();
     if (card.codec == "adhesion")
         throw Misuse(o.model + ": an adhesion model; name it in a scene's [adhesion] model and simulate");
+    if (low.method == "simulated wet")
+        log_warning(o.input + ": was simulated wet; a model learns from dry runs and adds the water itself");
     if (card.codec == "strand") {
         if (!o.reconstruct.empty())
             throw Misuse("--reconstruct is for models of the root codec; this one predicts whole strands");
+        if (o.roots == 3)
+            throw Misuse("--roots 3 is for models of the root codec; this one predicts whole strands");
         if (card.particles != scene.groom.rest.particles)
             throw Error(fmt::format("{}: made for {} particles a strand, the run has {}", o.model,
                                     card.particles, scene.groom.rest.particles));
@@ -182,7 +192,7 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     const double radius = scene.cohesion ? scene.cohesion->h_c : 0.012;
     return std::make_unique<RootMethod>(std::move(network),
                                         reconstruction_named(o.reconstruct.empty() ? "core" : o.reconstruct),
-                                        scene.groom, low.groom, low.saturation, float(radius));
+                                        o.roots, scene.groom, low.groom, low.saturation, float(radius));
 }
 
 }  // namespace
@@ -191,19 +201,27 @@ int infer_command(const InferOptions& given) {
     InferOptions o = given;
     if (o.model.empty() == o.interpolate.empty())
         throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core");
+    if (!o.interpolate.empty() && !o.reconstruct.empty())
+        throw Misuse("--reconstruct is for models; --interpolate says itself how strands are made");
+    if (!o.interpolate.empty()) refuse_device(o, "interpolation");
+    if (o.interpolate == "nearest" && o.roots == 3)
+        throw Misuse("--roots 3 is for quad and core; nearest copies the strand of one root");
+    check_files(o, o.output, {o.input, o.model, o.wetness});
     if (o.input.size() > 5 && o.input.substr(o.input.size() - 5) == ".toml") {
         SimulateOptions dry;
         static_cast<CommonOptions&>(dry) = o;
         dry.json.clear();
+        dry.device = "cpu";  // the network's alone
         dry.scene = o.input;
         dry.output = o.output + ".dry.h5";
         dry.dry = true;
-        dry.overwrite = true;
         const Scene full = load_scene(
             o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
         dry.strands = full.groom.rest.count;
-        if (const int status = simulate_command(dry); status != 0) return status;
+        simulate_command(dry);
         o.input = dry.output;
+    } else if (o.wetness.empty()) {
+        refuse_scene_options(o, "infer from a run without --wetness");
     }
     const RunReader run(o.input);
     const RunHeader& low = run.header();
@@ -224,16 +242,16 @@ int infer_command(const InferOptions& given) {
     header.stages = {"low-resolution run", "reconstruction", "cohesion"};
     header.inputs = {o.input};
     if (!o.model.empty()) header.inputs.push_back(o.model);
+    InterruptGuard guard;
     RunWriter writer(o.output, header, o.overwrite);
 
-    InterruptGuard guard;
     Progress progress("infer", run.frames(), "frame");
     FrameWindow window(run);
     RunFrame out;
     std::vector<double> seconds, own_seconds;
     double moved = 0;
     int done = 0;
-    while (!guard.interrupted() && window.advance()) {
+    while (!guard.asked() && window.advance()) {
         const RunFrame& frame = window.now();
         const double begin = omp_get_wtime();
         method->apply(frame, window.heads(), out.positions);
@@ -257,10 +275,8 @@ int infer_command(const InferOptions& given) {
         if (done > 0) seconds.push_back(out.seconds), own_seconds.push_back(end - begin);
         progress.update(++done);
     }
-    if (guard.interrupted()) {
-        log_warning(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
-        return 130;
-    }
+    if (done < run.frames())
+        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
     writer.commit();
     Json json{{"frames", done},
               {"strands", scene.groom.rest.count},

@@ -22,23 +22,25 @@ namespace {
 // Results go to one place: JSON where it is asked for, a table otherwise.
 void show(const InspectOptions& o, const Json& json) {
     if (!o.json.empty()) return write_json(json, o.json);
+    std::string text;
     for (const auto& [key, value] : json.items()) {
         if (value.is_array() && !value.empty() && value[0].is_object()) {
-            fmt::print("{}:\n", key);
+            text += key + ":\n";
             for (const auto& row : value) {
                 std::string line;
                 for (const auto& [k, v] : row.items())
                     line += fmt::format("  {} {}", k, v.is_string() ? v.get<std::string>() : v.dump());
-                fmt::print("  {}\n", line);
+                text += "  " + line + "\n";
             }
         } else if (value.is_array()) {
             std::vector<std::string> words;
             for (const auto& v : value) words.push_back(v.is_string() ? v.get<std::string>() : v.dump());
-            fmt::print("{}: {}\n", key, fmt::join(words, ", "));
+            text += fmt::format("{}: {}\n", key, fmt::join(words, ", "));
         } else {
-            fmt::print("{}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+            text += fmt::format("{}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
         }
     }
+    std::fputs(text.c_str(), stdout);
 }
 
 Json scene_json(const InspectOptions& o) {
@@ -132,6 +134,8 @@ Json pairs_json(const InspectOptions& o) {
             const std::filesystem::path stem(o.output);
             const std::string path =
                 (stem.parent_path() / (stem.stem().string() + "_" + run + "_" + name + ".png")).string();
+            if (!o.overwrite && std::filesystem::exists(path))
+                throw Error(path + ": is there already; --overwrite replaces it");
             write_geometry_image(file, dataset, path);
             json["images"].push_back(path);
         }
@@ -198,6 +202,11 @@ int inspect_command(const InspectOptions& o) {
     if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
     if (!o.output.empty() && o.what != "pairs")
         throw Misuse("inspect -o writes the images of pairs; it has no meaning for " + o.what);
+    if (!needs_file && !o.file.empty())
+        throw Misuse("inspect " + o.what + ": found the file " + o.file + ", none is needed");
+    if (o.what != "scene") refuse_scene_options(o, "inspect " + o.what);
+    refuse_device(o, "inspect");
+    check_files(o, "", {o.file});
     if (o.what == "scene") show(o, scene_json(o));
     if (o.what == "run") show(o, run_json(o));
     if (o.what == "pairs") show(o, pairs_json(o));

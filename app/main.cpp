@@ -2,11 +2,14 @@
 // into a message and an exit status: 0 done, 1 failed, 2 misuse, 130 interrupted.
 #include <omp.h>
 
+#include <algorithm>
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 
 #include "app/commands.h"
 #include "base/error.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
 
@@ -47,9 +50,18 @@ void apply(const Shared& shared, CommonOptions& o) {
         throw Misuse("--device: found '" + o.device + "', allowed: cpu, cuda, cuda:n");
 }
 
+// `status`, or 1 where not all of standard output has arrived.
+int flushed(int status) {
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
+    std::fprintf(stderr, "wetcurl: standard output: cannot be written (disk full, or a closed pipe)\n");
+    return 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+    end_when_interrupted();
+    std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a failed write, and said
     CLI::App app{
         "wetcurl simulates wet curly hair, trains networks on what it simulates, and runs them in its "
         "place."};
@@ -104,8 +116,7 @@ int main(int argc, char** argv) {
     c->add_option("--recipe", train.recipe, "recipe file (TOML)");
     c->add_option("--arch", train.architecture,
                   "strand_mlp | unet_vgg19 | recursive_residual | adhesion_mlp");
-    c->add_option("--width", train.width, "multiplier of the network's width")
-        ->check(CLI::Range(0.001, 16.0));
+    c->add_option("--width", train.width, "multiplier of the network's width");
     c->add_flag("--resume", train.resume, "go on from OUTPUT.checkpoint");
 
     InferOptions infer;
@@ -118,6 +129,12 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"nearest", "quad", "core"}));
     c->add_option("--reconstruct", infer.reconstruct, "for a model of the root codec: paper | core")
         ->check(CLI::IsMember({"paper", "core"}));
+    c->add_option(
+         "--roots", infer.roots,
+         "that a new strand is made from, for quad, core and models of the root codec: the grid's 4 or "
+         "the nearest 3")
+        ->check(CLI::IsMember({3, 4}))
+        ->capture_default_str();
     c->add_option("--wetness", infer.wetness, "scene whose wetness and cohesion to predict for");
     c->add_option("-o,--output", infer.output, "run cache (HDF5)")->required();
 
@@ -134,15 +151,13 @@ int main(int argc, char** argv) {
     c->add_option("-o,--output", render.output, "out.png, out.mp4 or out.webm")->required();
     c->add_option("--frame", render.frame, "one frame (default: all for a video, the last for a picture)")
         ->check(CLI::NonNegativeNumber);
-    c->add_option("--width", render.width, "of one panel [pixels]")
-        ->check(CLI::Range(64, 8192))
+    c->add_option("--width", render.width, "of one panel, 16 to 8192 [pixels]")->capture_default_str();
+    c->add_option("--height", render.height, "of one panel, 16 to 8192 [pixels]")->capture_default_str();
+    c->add_option("--yaw", render.yaw, "of the camera around the head, -360 to 360 [degrees]")
         ->capture_default_str();
-    c->add_option("--height", render.height, "of one panel [pixels]")
-        ->check(CLI::Range(64, 8192))
-        ->capture_default_str();
-    c->add_option("--yaw", render.yaw, "of the camera around the head [degrees]")->capture_default_str();
     c->add_flag("--saturation", render.saturation, "colour by saturation (red wet, blue dry)");
-    c->add_flag("!--no-labels", render.labels, "no text under the panels");
+    c->add_flag_callback(
+        "--no-labels", [&] { render.labels = false; }, "no text under the panels");
 
     ImportOptions import;
     c = command("import", "read a hair file, report on it, write it in another format", import,
@@ -169,14 +184,23 @@ int main(int argc, char** argv) {
                   "pairs: write the geometry images of the last frame as PNG, by this name's stem");
 
     try {
+        std::vector<std::string> known;
+        for (const CLI::App* sub : app.get_subcommands({})) known.push_back(sub->get_name());
+        const std::string name = argc > 1 ? argv[1] : "-";
+        if (name[0] != '-' && std::find(known.begin(), known.end(), name) == known.end())
+            throw Misuse("found command '" + name + "', allowed: " + CLI::detail::join(known, ", ") +
+                         did_you_mean(name, known));
         app.parse(argc, argv);
         for (CommonOptions* o : std::initializer_list<CommonOptions*>{&simulate, &encode, &train, &infer,
                                                                       &compare, &render, &import, &inspect})
             apply(shared, *o);
-        return run();
+        return flushed(run());
     } catch (const CLI::ParseError& e) {
         const int status = app.exit(e);
-        return status == 0 ? 0 : 2;
+        return status == 0 ? flushed(0) : 2;
+    } catch (const Interrupted& e) {
+        std::fprintf(stderr, "wetcurl: %s\n", e.what());
+        return 130;
     } catch (const Misuse& e) {
         std::fprintf(stderr, "wetcurl: %s\n", e.what());
         return 2;

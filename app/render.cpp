@@ -1,13 +1,16 @@
 // `wetcurl render`: runs side by side as a picture of one frame or a video of all.
 // Ours.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
 #include "app/commands.h"
 #include "app/image_file.h"
 #include "app/picture.h"
+#include "app/results.h"
 #include "app/run_solids.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
 #include "base/run_cache.h"
@@ -90,8 +93,11 @@ void check(const RenderOptions& o, const std::string& extension) {
                          " pixels; allowed are 16 to 8192 each way");
     if (extension != ".png" && o.frame >= 0)
         throw Misuse("render: --frame picks one frame for a .png; " + o.output + " takes all of them");
-    if (!o.overwrite && std::filesystem::exists(o.output))
-        throw Error(o.output + " exists; --overwrite replaces it");
+    if (!(std::abs(o.yaw) <= 360))
+        throw Misuse("render: --yaw " + std::to_string(o.yaw) + ": allowed are -360 to 360 degrees");
+    refuse_scene_options(o, "render");
+    refuse_device(o, "render");
+    check_files(o, o.output, o.runs);
 }
 
 }  // namespace
@@ -111,9 +117,14 @@ int render_command(const RenderOptions& options) {
         write_png(options.output, reel.draw(f));
     } else {
         reel.fit_camera(0, last, 9);
+        InterruptGuard guard;
         VideoFile video(options.output, reel.width(), options.height, reel.fps(), options.overwrite);
         Progress progress("render", last + 1, "frame");
         for (int f = 0; f <= last; ++f) {
+            // One frame is always in it, so that what is left can be played.
+            if (f > 0 && guard.asked())
+                throw Interrupted("interrupted: " + std::to_string(f) + " frames are kept in " +
+                                  video.leave());
             video.append(reel.draw(f));
             progress.update(f + 1);
         }

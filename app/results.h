@@ -1,9 +1,11 @@
-// Results as JSON and the interrupt key: what several commands share. Ours.
+// Results as JSON, and the files of a command: what several commands share. Ours.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
+
+#include "app/commands.h"
 
 namespace wetcurl {
 
@@ -12,15 +14,17 @@ using Json = nlohmann::ordered_json;
 // To `path`, "-" for standard output, "" for nowhere.
 void write_json(const Json& json, const std::string& path);
 
+// Before anything is written: throws Misuse where `output` or --json (or the .partial beside it) is one of
+// `inputs` or the two are one file, and Error where one of them is there without --overwrite, or --json has
+// no place. "": none.
+void check_files(const CommonOptions& o, const std::string& output, const std::vector<std::string>& inputs);
+
+// Throw Misuse, naming `who`, where `o` gives what is read by none: --set and --seed are for a scene or a
+// recipe, --device for a network.
+void refuse_scene_options(const CommonOptions& o, const std::string& who);
+void refuse_device(const CommonOptions& o, const std::string& who);
+
 // {mean, median, min, max, std} of run times [s].
 Json time_statistics(std::vector<double> seconds);
-
-// While alive, ctrl-C asks instead of killing: the frame at hand is finished and what is there is kept.
-class InterruptGuard {
-  public:
-    InterruptGuard();
-    ~InterruptGuard();
-    bool interrupted() const;
-};
 
 }  // namespace wetcurl

@@ -10,6 +10,7 @@
 #include "app/commands.h"
 #include "app/results.h"
 #include "app/run_of_scene.h"
+#include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
 
@@ -24,7 +25,8 @@ static double distance_mm(const RunFrame& a, const RunFrame& b) {
 }
 
 int simulate_command(const SimulateOptions& o) {
-    if (o.device != "cpu") throw Misuse("--device " + o.device + ": this build simulates on the CPU alone");
+    check_files(o, o.output, {o.scene, o.groom});
+    refuse_device(o, "simulate");
     SceneOptions options;
     options.set = o.set;
     options.frames = o.frames;
@@ -48,17 +50,17 @@ int simulate_command(const SimulateOptions& o) {
     auto network = adhesion_model_of(scene, o.device, o.threads);
     simulation->use_adhesion_model(network.get());
 
+    InterruptGuard guard;
     RunWriter writer(o.output,
                      header_of(scene, *simulation, acts_wet(scene) ? "simulated wet" : "simulated dry"),
                      o.overwrite);
-    InterruptGuard guard;
     Progress progress("simulate", scene.frames, "frame");
     RunFrame frame, exact;
     std::vector<double> seconds, errors;
     double output_seconds = 0;
     std::optional<Divergence> diverged;
     int done = 0;
-    for (; done < scene.frames && !guard.interrupted(); ++done) {
+    for (; done < scene.frames && !guard.asked(); ++done) {
         // Frame 0 is the state at time 0.
         if (done > 0) simulation->advance();
         if ((diverged = simulation->divergence())) break;
@@ -74,7 +76,7 @@ int simulate_command(const SimulateOptions& o) {
         output_seconds += omp_get_wtime() - begin;
         progress.update(done + 1);
     }
-    if (!diverged && !guard.interrupted()) writer.commit();
+    if (done == scene.frames) writer.commit();
 
     const Presence presence = presence_of(scene);
     size_t bytes = 0;
@@ -108,10 +110,8 @@ int simulate_command(const SimulateOptions& o) {
             "(more [integrator] substeps, or less stiffness, may help)",
             done, diverged->strand, diverged->largest_term, done, o.output));
     }
-    if (guard.interrupted()) {
-        log_warning(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
-        return 130;
-    }
+    if (done < scene.frames)
+        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
     log_info(
         fmt::format("{}: {} strands x {} particles, {} frames, median {:.1f} ms a frame, {:.0f} bytes a "
                     "particle; present: {}",

@@ -1,6 +1,7 @@
 // `wetcurl train`: a network on pairs files, by the library that holds LibTorch.
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +14,9 @@
 namespace wetcurl {
 
 int train_command(const TrainOptions& o) {
+    std::vector<std::string> inputs = o.pairs;
+    inputs.push_back(o.recipe);
+    check_files(o, o.output, inputs);
     TrainRequest request;
     request.kind = o.kind;
     request.pairs = o.pairs;
@@ -32,9 +36,8 @@ int train_command(const TrainOptions& o) {
         if (!bar) bar = std::make_unique<Progress>("train", total, "step");
         bar->update(done, note);
     };
-    const int status = network_module().train(request);
+    network_module().train(request);
     bar.reset();
-    if (status != 0) return status;
 
     const ModelCard card = network_module().card(o.output);
     Json json{{"model", o.output},
@@ -46,7 +49,7 @@ int train_command(const TrainOptions& o) {
     if (o.json != "-") {
         std::string line = fmt::format("{}: {}, {} parameters", o.output, card.architecture, card.parameters);
         for (const auto& [name, value] : card.numbers) line += fmt::format(", {} {:.4g}", name, value);
-        fmt::print("{}\n", line);
+        std::puts(line.c_str());
     }
     return 0;
 }

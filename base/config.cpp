@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -19,8 +20,8 @@ namespace fs = std::filesystem;
 struct Config::Body {
     toml::table root;
     std::string name, folder;
-    std::set<std::string> used;     // full paths that a getter asked for
-    std::set<std::string> written;  // set() by hand: no line to show
+    std::set<std::string> used;                  // full paths that a getter asked for
+    std::map<std::string, std::string> written;  // by set(), and what gave it: no line to show
 };
 
 namespace {
@@ -121,7 +122,7 @@ Config Config::load(const std::string& path) {
     return parse(text, path, folder.empty() ? "." : folder.string());
 }
 
-void Config::set(const std::string& assignment) {
+void Config::set(const std::string& assignment, const std::string& option) {
     const auto equals = assignment.find('=');
     if (equals == std::string::npos || equals == 0)
         throw Misuse("--set " + assignment + ": found no 'key.path=value'");
@@ -154,7 +155,7 @@ void Config::set(const std::string& assignment) {
         if (!at) throw Misuse("--set " + assignment + ": '" + keys[i] + "' is no table");
     }
     at->insert_or_assign(keys.back(), *one.get("v"));
-    body_->written.insert(path);
+    body_->written[path] = option.empty() ? "--set " + path : option;
 }
 
 Table Config::root() {
@@ -211,7 +212,7 @@ bool Table::present() const { return node_ != nullptr; }
 
 std::string Table::where(const std::string& key) const {
     const std::string path = key.empty() ? path_ : joined(path_, key);
-    if (body_->written.count(path)) return "--set " + path;
+    if (const auto given = body_->written.find(path); given != body_->written.end()) return given->second;
     const toml::node* at = node_ ? as_table(node_) : nullptr;
     if (at && !key.empty())
         if (const toml::node* child = as_table(node_)->get(key)) at = child;

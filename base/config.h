@@ -14,6 +14,9 @@ namespace wetcurl {
 
 class Table;
 
+// Of a scene or a recipe: whole numbers of files are exact up to here.
+inline constexpr long largest_seed = 9000000000000000;
+
 class Config {
   public:
     // Reads a TOML file; `include = "other.toml"` at the top level is merged below it (this file wins).
@@ -22,8 +25,9 @@ class Config {
     // The same from text; `name` stands for the file in messages, `folder` is where relative paths start.
     static Config parse(const std::string& text, const std::string& name, const std::string& folder = ".");
 
-    // `key.path=value` as TOML; a bare word is taken as a string.
-    void set(const std::string& assignment);
+    // `key.path=value` as TOML; a bare word is taken as a string. `option` gave it, where that is not --set,
+    // and is what messages name.
+    void set(const std::string& assignment, const std::string& option = "");
     Table root();
     // Throws Misuse for the first key that nobody asked for, with the nearest key that somebody did.
     void require_all_used() const;

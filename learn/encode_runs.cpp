@@ -2,6 +2,9 @@
 // Ours.
 #include "learn/encode_runs.h"
 
+#include <sstream>
+
+#include "base/interrupt.h"
 #include "base/progress.h"
 #include "learn/root_codec.h"
 #include "learn/strand_codec.h"
@@ -11,15 +14,17 @@ namespace wetcurl {
 RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
     : dry(std::make_unique<RunReader>(dry_path)), wet(std::make_unique<RunReader>(wet_path)) {
     const RunHeader &d = dry->header(), &w = wet->header();
-    auto same = [&](const std::string& what, double found, double allowed) {
-        if (found != allowed)
-            throw Error(dry_path + ": " + what + ": found " + std::to_string(found) + ", allowed " +
-                        std::to_string(allowed) + " (as " + wet_path + " has it)");
+    auto same = [&](const std::string& what, auto found, auto allowed) {
+        if (found == allowed) return;
+        std::ostringstream text;
+        text << dry_path << ": " << what << ": found " << found << ", allowed " << allowed << " (as "
+             << wet_path << " has it)";
+        throw Error(text.str());
     };
     if (d.stride != 2 * w.stride)
         throw Error(dry_path + ": stride of its grid: found " + std::to_string(d.stride) + ", allowed " +
                     std::to_string(2 * w.stride) + ", twice that of " + wet_path);
-    same("seed", double(d.seed), double(w.seed));
+    same("seed", d.seed, w.seed);
     same("frames", dry->frames(), wet->frames());
     same("frames a second", d.fps, w.fps);
     if (dry->frames() == 0) throw Error(dry_path + ": there is no frame in it");
@@ -36,6 +41,7 @@ RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
 template <class Visit>
 static void for_each_frame(const RunPair& pair, const std::string& what, Visit visit) {
     const int frames = pair.dry->frames();
+    InterruptGuard guard;
     Progress progress(what, frames, "frame");
     for (FrameWindow window(*pair.dry); window.advance();) {
         const RunFrame wet = pair.wet->frame(window.index());
@@ -45,6 +51,9 @@ static void for_each_frame(const RunPair& pair, const std::string& what, Visit v
         if (norm(apart) > 1e-6 || norm(Vec3d{turn.x, turn.y, turn.z}) > 1e-6)
             throw Error(pair.dry->path() + ": frame " + std::to_string(window.index()) +
                         ": the head is elsewhere than in " + pair.wet->path() + ", allowed the same motion");
+        if (guard.asked())
+            throw Interrupted("interrupted at frame " + std::to_string(window.index()) + " of " +
+                              pair.dry->path());
         visit(window, wet);
         progress.update(window.index() + 1);
     }

@@ -17,6 +17,8 @@ struct RunPair {
     RunPair(const std::string& dry_path, const std::string& wet_path);
 };
 
+// Both throw Interrupted; what was added is in `out`.
+
 // Adds the pair to `out` (codec strand). Returns the mean distance that encoding costs the wet strands [mm].
 double encode_strands(const RunPair& pair, PairsWriter& out);
 

@@ -20,9 +20,9 @@ struct TrainRequest {
     std::vector<std::string> set;  // key.path=value over the recipe
     // These go before the recipe where they are given.
     std::string architecture;  // "" : the recipe's
-    double width = 0;          // 0: the recipe's
-    std::string device;        // "": the recipe's; cpu | cuda | cuda:n
-    std::optional<unsigned long long> seed;
+    std::optional<double> width;
+    std::string device;  // "": the recipe's; cpu | cuda | cuda:n
+    std::optional<long> seed;
     int threads = 0;  // 0: all
     bool overwrite = false;
     bool resume = false;
@@ -39,9 +39,8 @@ struct NetworkModule {
                                           int threads) = 0;
     // The card alone, without a network being made.
     virtual ModelCard card(const std::string& path) = 0;
-    // Exit status: 0 done, 130 interrupted with a checkpoint left. Throws Error (bad pairs, diverged loss) or
-    // Misuse (recipe).
-    virtual int train(const TrainRequest& request) = 0;
+    // Throws Interrupted with a checkpoint left, Error (bad pairs, diverged loss) or Misuse (recipe).
+    virtual void train(const TrainRequest& request) = 0;
 };
 
 // Opens libwetcurl_networks on first use: beside the executable, else in ../lib. Throws Error where it is not

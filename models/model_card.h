@@ -8,6 +8,9 @@
 
 namespace wetcurl {
 
+// Of the channel multiplier: below, every layer has its fewest channels; above, no machine here holds it.
+inline constexpr double smallest_width = 1e-3, largest_width = 16;
+
 struct ModelCard {
     std::string codec;         // root | strand | adhesion
     std::string architecture;  // a name of models/registry.h

@@ -3,6 +3,8 @@
 #include "models/model_file.h"
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 
 #include "models/registry.h"
 
@@ -13,13 +15,17 @@ constexpr const char* weights = "weights/";
 
 std::vector<size_t> shape_of(const Tensor& t) { return {t.sizes().begin(), t.sizes().end()}; }
 
-// A whole number in a range, or Error.
-int count_in(const H5Reader& file, const std::string& name, int minimum, int maximum) {
+double number_in(const H5Reader& file, const std::string& name, double minimum, double maximum) {
     const double v = file.number(name);
-    if (v != std::floor(v) || v < minimum || v > maximum)
-        throw Error(file.path() + ": " + name + ": found " + std::to_string(v) +
-                    ", allowed whole numbers from " + std::to_string(minimum) + " to " +
-                    std::to_string(maximum));
+    if (v >= minimum && v <= maximum) return v;
+    std::ostringstream text;
+    text << file.path() << ": " << name << ": found " << v << ", allowed " << minimum << " to " << maximum;
+    throw Error(text.str());
+}
+int count_in(const H5Reader& file, const std::string& name, int minimum, int maximum) {
+    const double v = number_in(file, name, minimum, maximum);
+    if (v != std::floor(v))
+        throw Error(file.path() + ": " + name + ": found " + std::to_string(v) + ", allowed whole numbers");
     return int(v);
 }
 
@@ -31,10 +37,7 @@ ModelCard card_of(const H5Reader& file) {
     if (!architecture || architecture->codec != card.codec)
         throw Error(file.path() + ": found architecture '" + card.architecture + "' for codec '" +
                     card.codec + "', which is not known here (made by a newer wetcurl?)");
-    card.width = file.number("width");
-    if (!(card.width > 0 && card.width <= 64))
-        throw Error(file.path() + ": width: found " + std::to_string(card.width) +
-                    ", allowed above 0, up to 64");
+    card.width = number_in(file, "width", smallest_width, largest_width);
     card.input_channels = count_in(file, "input_channels", 1, 1 << 16);
     card.output_channels = count_in(file, "output_channels", 1, 1 << 16);
     card.upscale = count_in(file, "upscale", 1, 16);

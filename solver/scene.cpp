@@ -109,16 +109,16 @@ void read_solids(Scene& scene, Table root) {
 
 Scene read_scene(Config config, const SceneOptions& options) {
     for (const auto& s : options.set) config.set(s);
-    if (options.frames) config.set("frames=" + std::to_string(*options.frames));
-    if (options.seed) config.set("seed=" + std::to_string(*options.seed));
+    if (options.frames) config.set("frames=" + std::to_string(*options.frames), "--frames");
+    if (options.seed) config.set("seed=" + std::to_string(*options.seed), "--seed");
     if (!options.groom.empty())
-        config.set("groom.file='" + std::filesystem::absolute(options.groom).string() + "'");
+        config.set("groom.file='" + std::filesystem::absolute(options.groom).string() + "'", "--groom");
     Table root = config.root();
     Scene scene;
     scene.title = root.text("title", "");
     scene.frames = int(root.integer("frames", 100, 1, 1'000'000));
     scene.fps = root.number("fps", 24, 1, 10000);
-    scene.seed = (unsigned long long)root.integer("seed", 1, 0, std::numeric_limits<long>::max());
+    scene.seed = (unsigned long long)root.integer("seed", 1, 0, largest_seed);
     scene.text = config.text();
     scene.folder = config.folder();
 

@@ -74,7 +74,7 @@ struct Scene {
 struct SceneOptions {
     std::vector<std::string> set;        // key.path=value
     std::optional<int> frames, strands;  // --frames, --strands
-    std::optional<unsigned long long> seed;
+    std::optional<long> seed;
     std::string groom;  // a hair file in place of the scene's groom
     int stride = 0;     // exactly this stride of the full grid, where above 0
 };

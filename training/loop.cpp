@@ -10,12 +10,12 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <numbers>
 #include <sstream>
 
 #include "base/geometry/strands.h"
+#include "base/interrupt.h"
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "training/checkpoint.h"
@@ -29,25 +29,6 @@ namespace wetcurl {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int interrupted_status = 130;
-
-// While it lives, the first SIGINT asks for a stop between two steps; the second ends the program as usual.
-class InterruptGuard {
-  public:
-    InterruptGuard() {
-        asked_ = 0;
-        struct sigaction action {};
-        action.sa_handler = [](int) { asked_ = 1; };
-        action.sa_flags = int(SA_RESETHAND);
-        sigaction(SIGINT, &action, &before_);
-    }
-    ~InterruptGuard() { sigaction(SIGINT, &before_, nullptr); }
-    bool asked() const { return asked_; }
-
-  private:
-    static inline volatile std::sig_atomic_t asked_ = 0;
-    struct sigaction before_ {};
-};
 
 class Stopwatch {
   public:
@@ -81,8 +62,8 @@ class Trainer {
   public:
     explicit Trainer(const TrainRequest& request) : request_(request), device_(torch::kCPU) {}
 
-    int run() {
-        if (already_done()) return 0;
+    void run() {
+        if (already_done()) return;
         open_inputs();
         make_network();
         if (!resume()) start_anew();
@@ -92,7 +73,7 @@ class Trainer {
         for (; state_.epoch < epochs_; ++state_.epoch) {
             data_->begin_epoch(state_.epoch);
             for (; state_.step < data_->steps(); ++state_.step) {
-                if (interrupt.asked()) return stop(log);
+                if (interrupt.asked()) stop(log);
                 if (since_checkpoint.seconds() > recipe_.checkpoint_seconds) {
                     checkpoint(log);
                     since_checkpoint.restart();
@@ -102,7 +83,6 @@ class Trainer {
             finish_epoch(log);
         }
         finish();
-        return 0;
     }
 
   private:
@@ -177,7 +157,11 @@ class Trainer {
     }
 
     bool resume() {
-        if (!request_.resume || !fs::exists(checkpoint_path())) return false;
+        if (!request_.resume) return false;
+        if (!fs::exists(checkpoint_path())) {
+            say(checkpoint_path() + ": no checkpoint is there to resume; training begins anew");
+            return false;
+        }
         state_ = load_checkpoint(checkpoint_path(), optimiser_->weights.numel());
         if (state_.recipe != recipe_.text)
             throw Misuse(checkpoint_path() + ": was made with another recipe:\n" + state_.recipe +
@@ -305,11 +289,10 @@ class Trainer {
         save_checkpoint(checkpoint_path(), state_);
     }
 
-    int stop(const MetricsLog& log) {
+    [[noreturn]] void stop(const MetricsLog& log) {
         checkpoint(log);
-        say("interrupted at epoch " + std::to_string(state_.epoch + 1) + "; " + checkpoint_path() +
-            " is left, --resume goes on");
-        return interrupted_status;
+        throw Interrupted("interrupted at epoch " + std::to_string(state_.epoch + 1) + "; " +
+                          checkpoint_path() + " is left, --resume goes on");
     }
 
     // The best weights become the model; its card says how good they are.
@@ -352,6 +335,6 @@ class Trainer {
 
 }  // namespace
 
-int train(const TrainRequest& request) { return Trainer(request).run(); }
+void train(const TrainRequest& request) { Trainer(request).run(); }
 
 }  // namespace wetcurl

@@ -7,6 +7,6 @@
 namespace wetcurl {
 
 // See NetworkModule::train.
-int train(const TrainRequest& request);
+void train(const TrainRequest& request);
 
 }  // namespace wetcurl

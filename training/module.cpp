@@ -13,7 +13,7 @@ struct TorchModule : NetworkModule {
         return load_network(path, device, threads);
     }
     ModelCard card(const std::string& path) override { return read_card(path); }
-    int train(const TrainRequest& request) override { return wetcurl::train(request); }
+    void train(const TrainRequest& request) override { wetcurl::train(request); }
 };
 
 }  // namespace

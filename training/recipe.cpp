@@ -64,8 +64,9 @@ const std::vector<RecipeRow>& recipe_rows() {
          "side of a patch [low-resolution pixels]; smaller images go whole"},
         {"epoch_samples", &R::epoch_samples, none, none, 8192, 2, 1e9, true,
          "samples drawn an epoch, contact and free 1:1"},
-        {"width", &R::width, 1, 1, 1, 1e-3, 16, false, "channel multiplier"},
-        {"seed", &R::seed, 0, 0, 0, 0, 9e15, true, "of the first weights and of the order of the data"},
+        {"width", &R::width, 1, 1, 1, smallest_width, largest_width, false, "channel multiplier"},
+        {"seed", &R::seed, 0, 0, 0, 0, largest_seed, true,
+         "of the first weights and of the order of the data"},
         {"validation", &R::validation, 0.2, 0.2, 0.2, 0, 0.9, false,
          "share of each run's frames, the last ones, held out"},
         {"validate_every", &R::validate_every, 1, 1, 100, 1, 1e7, true, "epochs between two validations"},
@@ -86,6 +87,8 @@ const std::vector<RecipeRow>& recipe_rows() {
 Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<std::string>& architectures) {
     Config config = request.recipe.empty() ? Config::parse("", "recipe") : Config::load(request.recipe);
     for (const auto& assignment : request.set) config.set(assignment);
+    if (request.width) config.set("width=" + as_text(*request.width), "--width");
+    if (request.seed) config.set("seed=" + std::to_string(*request.seed), "--seed");
     const Table root = config.root();
     Recipe recipe{};
     for (const auto& row : recipe_rows())
@@ -99,10 +102,7 @@ Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<s
     config.require_all_used();
 
     if (!request.architecture.empty()) recipe.architecture = request.architecture;
-    if (request.width != 0) recipe.width = request.width;
-    if (request.seed) recipe.seed = double(*request.seed);
     if (!request.device.empty()) recipe.device = request.device;
-    if (!(recipe.width > 0)) throw Misuse("width: found " + as_text(recipe.width) + ", allowed above 0");
     if (codec == Codec::strand && recipe.position + recipe.edge + recipe.curvature + recipe.length == 0)
         throw Misuse("recipe: all weights of [loss] are 0, one above 0 is needed");
     recipe.text = resolved_text(recipe, codec);

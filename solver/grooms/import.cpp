@@ -239,7 +239,7 @@ static const Writer& writer_for(const std::string& path) {
 void require_writable(const std::string& path, bool overwrite) {
     writer_for(path);
     if (!overwrite && std::filesystem::exists(path))
-        throw Misuse(path + ": found a file of this name; say --overwrite to replace it");
+        throw Error(path + ": is there already; --overwrite replaces it");
 }
 
 void write_strands(const std::string& path, const StrandPoints& strands, bool overwrite) {

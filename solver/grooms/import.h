@@ -38,7 +38,7 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant);
 // A head or scalp mesh [m], Y up; units as above.
 Mesh import_mesh(const std::string& path, const FileUnits& meant);
 
-// Throws Misuse where the ending of `path` is none that write_strands knows, or the file exists and
+// Throws Misuse where the ending of `path` is none that write_strands knows, Error where the file exists and
 // `overwrite` is not given: to be found out before the work is done.
 void require_writable(const std::string& path, bool overwrite);
 // Writes metres, Y up, by the ending of `path`: through NAME.partial, renamed when whole.

@@ -219,6 +219,15 @@ TEST(Config, broken_files_are_errors_with_their_name_and_line) {
     EXPECT_NO_THROW(Config::load(scratch.file("empty.toml", "")));  // every default: the built-in groom
 }
 
+TEST(Config, a_value_of_an_option_is_named_by_the_option) {
+    Config config = scene("");
+    config.set("seed=-1", "--seed");
+    config.set("frames=0");
+    expect_error<Misuse>([&] { config.root().integer("seed", 1, 0, 9); },
+                         {"--seed: found -1, allowed 0 to 9"});
+    expect_error<Misuse>([&] { config.root().integer("frames", 1, 1, 9); }, {"--set frames: found 0"});
+}
+
 struct Spring {
     double stiffness, damping;
 };

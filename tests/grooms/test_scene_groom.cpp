@@ -220,7 +220,9 @@ TEST(ImportCommand, reports_and_converts) {
     ASSERT_EQ(back.size(), 300u);
     EXPECT_EQ(back[0].size(), 16u);
     EXPECT_NEAR(norm(back[7][15]), 0.3, 1e-6);
-    expect_error<Misuse>([&] { import_command(o); }, {"out.hair", "--overwrite"});
+    expect_error([&] { import_command(o); }, {"out.hair", "--overwrite"});
+    o.overwrite = true, o.output = o.input;
+    expect_error<Misuse>([&] { import_command(o); }, {"destroy the input"});
 }
 
 TEST(ImportCommand, leaves_no_output_where_the_input_is_bad) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "tests/base/scratch.h"
@@ -101,6 +102,18 @@ TEST(Recipe, UnknownKeysNameFileLineAndTheNearestName) {
     expect_error<Misuse>([&] { read_recipe(request, Codec::strand, names); }, {"my.toml:1"});
     request.recipe = scratch.path("absent.toml");
     expect_error([&] { read_recipe(request, Codec::strand, names); }, {"absent.toml"});
+}
+
+TEST(Recipe, MessagesNameTheOptionThatGaveTheValue) {
+    for (const double width : {0.0, -1.0, 20.0, std::numeric_limits<double>::quiet_NaN()}) {
+        TrainRequest request;
+        request.width = width;
+        expect_error<Misuse>([&] { read_recipe(request, Codec::root, names); },
+                             {"--width: found", "0.001 to 16"});
+    }
+    TrainRequest request;
+    request.seed = -1;
+    expect_error<Misuse>([&] { read_recipe(request, Codec::root, names); }, {"--seed: found -1", "0 to "});
 }
 
 TEST(Recipe, WordsAreChosenFromAList) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "base/interrupt.h"
 #include "learn/inference.h"
 #include "models/adhesion_mlp.h"
 #include "models/model_file.h"
@@ -344,7 +345,7 @@ TEST(Training, OverfitsOneFrameOfStrandsFiftyfold) {
         Job job(Codec::strand,
                 {"epochs=600", "width=0.125", "validation=0.8", "weight_decay=0", "validate_every=600"});
         job.request.device = device;
-        ASSERT_EQ(train(job.request), 0);
+        train(job.request);
         EXPECT_GT(job.fall(), 50) << device;
     }
 }
@@ -356,7 +357,7 @@ TEST(Training, OverfitsOneBatchOfPatchesWithEitherRootNetwork) {
                                   "validation=0.8", "validate_every=250"});
             job.request.architecture = architecture;
             job.request.device = device;
-            ASSERT_EQ(train(job.request), 0);
+            train(job.request);
             EXPECT_GT(job.fall(), 50) << architecture << " on " << device;
         }
 }
@@ -366,7 +367,7 @@ TEST(Training, TeachesTheAdhesionNetworkItsFunction) {
         Job job(Codec::adhesion,
                 {"epochs=1000", "learning_rate=1e-2", "epoch_samples=512", "validate_every=1000"});
         job.request.device = device;
-        ASSERT_EQ(train(job.request), 0);
+        train(job.request);
         EXPECT_GT(job.fall(), 50) << device;
         // On samples not seen, against the force of the step before.
         const auto last = job.lines().back();
@@ -389,9 +390,9 @@ TEST(Training, StoppedAndResumedGivesTheBitsOfOneGo) {
         if (codec == Codec::strand) set.push_back("width=0.1");
         if (codec == Codec::adhesion) set.insert(set.end(), {"batch=1024", "epoch_samples=4096"});
         Job whole(codec, set), parts(codec, set);
-        ASSERT_EQ(train(whole.request), 0);
+        train(whole.request);
         interrupt_after(parts.request, 10);
-        ASSERT_EQ(train(parts.request), 130) << name_of(codec);
+        EXPECT_THROW(train(parts.request), Interrupted) << name_of(codec);
         EXPECT_TRUE(parts.has(".checkpoint"));
         EXPECT_FALSE(parts.has(""));
         EXPECT_FALSE(parts.has(".checkpoint.partial"));
@@ -401,7 +402,7 @@ TEST(Training, StoppedAndResumedGivesTheBitsOfOneGo) {
         std::ofstream(parts.request.output + ".jsonl", std::ios::app) << "{\"epoch\":99}\n";
         parts.request.progress = nullptr;
         parts.request.resume = true;
-        ASSERT_EQ(train(parts.request), 0);
+        train(parts.request);
         EXPECT_FALSE(parts.has(".checkpoint"));
         auto a = load_model(whole.request.output), b = load_model(parts.request.output);
         for (const auto& p : a.second->named_parameters())
@@ -417,7 +418,7 @@ TEST(Training, StoppedAndResumedGivesTheBitsOfOneGo) {
 TEST(Training, KeepsTheBestOnHeldOutFrames) {
     // So large a rate that the loss goes up and down.
     Job job(Codec::strand, {"epochs=12", "width=0.1", "learning_rate=1", "schedule=constant"});
-    ASSERT_EQ(train(job.request), 0);
+    train(job.request);
     double best = 1e300;
     long at = 0;
     for (const auto& line : job.lines())
@@ -432,7 +433,7 @@ TEST(Training, KeepsTheBestOnHeldOutFrames) {
 
 TEST(Training, ModelOfARunAnswersThroughTheInferenceInterface) {
     Job job(Codec::root, {"epochs=2", "width=0.125", "patch=16"});
-    ASSERT_EQ(train(job.request), 0);
+    train(job.request);
     for (const auto& device : devices()) {
         auto network = load_network(job.request.output, device, 1);
         EXPECT_EQ(network->card().arrays.at("b_max"), (std::vector<float>{0.3f, 0.4f, 1.2f}));
@@ -456,8 +457,8 @@ TEST(Training, ModelOfARunAnswersThroughTheInferenceInterface) {
 TEST(Training, InBfloat16LearnsTheSameThing) {
     Job job(Codec::strand, {"epochs=30", "width=0.25", "precision=bfloat16"}),
         other(Codec::strand, {"epochs=30", "width=0.25"});
-    ASSERT_EQ(train(job.request), 0);
-    ASSERT_EQ(train(other.request), 0);
+    train(job.request);
+    train(other.request);
     const double half = job.lines().back()["loss"], full = other.lines().back()["loss"];
     EXPECT_GT(job.fall(), 2);
     EXPECT_NE(half, full);
@@ -475,25 +476,33 @@ TEST(TrainingErrors, DivergenceNamesTheStep) {
 
 TEST(TrainingErrors, NothingIsOverwrittenUnasked) {
     Job job(Codec::strand, {"epochs=2", "width=0.1"});
-    ASSERT_EQ(train(job.request), 0);
+    train(job.request);
     const std::string before = testing::bytes_of(job.request.output);
     expect_error([&] { train(job.request); }, {"model.h5", "--overwrite"});
     EXPECT_TRUE(before == testing::bytes_of(job.request.output));
     job.request.resume = true;
-    EXPECT_EQ(train(job.request), 0);  // complete: nothing to do
+    train(job.request);  // complete: nothing to do
     EXPECT_TRUE(before == testing::bytes_of(job.request.output));
     EXPECT_NE(job.said.find("complete"), std::string::npos);
     job.request.resume = false;
     job.request.overwrite = true;
     job.request.seed = 4;
-    EXPECT_EQ(train(job.request), 0);
+    train(job.request);
     EXPECT_FALSE(before == testing::bytes_of(job.request.output));
+}
+
+TEST(Training, ResumedWithoutACheckpointBeginsAnewAndSaysSo) {
+    Job job(Codec::strand, {"epochs=2", "width=0.1"});
+    job.request.resume = true;
+    train(job.request);
+    EXPECT_TRUE(job.has(""));
+    EXPECT_NE(job.said.find("model.h5.checkpoint: no checkpoint"), std::string::npos) << job.said;
 }
 
 TEST(TrainingErrors, ACheckpointIsGoneOnFromOnlyWithItsOwnRecipeAndPairs) {
     Job job(Codec::strand, {"epochs=4", "width=0.1"});
     interrupt_after(job.request, 3);
-    ASSERT_EQ(train(job.request), 130);
+    EXPECT_THROW(train(job.request), Interrupted);
     job.request.progress = nullptr;
     expect_error([&] { train(job.request); }, {".checkpoint", "--resume", "--overwrite"});
     job.request.resume = true;
@@ -508,7 +517,7 @@ TEST(TrainingErrors, ACheckpointIsGoneOnFromOnlyWithItsOwnRecipeAndPairs) {
     job.scratch.file("model.h5.checkpoint", checkpoint.substr(0, checkpoint.size() / 2));
     expect_error([&] { train(job.request); }, {".checkpoint"});
     job.scratch.file("model.h5.checkpoint", checkpoint);
-    EXPECT_EQ(train(job.request), 0);
+    train(job.request);
 }
 
 TEST(TrainingErrors, PairsThatDoNotFitAreNamed) {

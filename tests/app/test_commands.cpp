@@ -1,0 +1,172 @@
+// What commands do with their files and with one another's results: nothing is lost, nothing is silent.
+// Ours.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <thread>
+
+#include "app/commands.h"
+#include "app/results.h"
+#include "base/interrupt.h"
+#include "base/run_cache.h"
+#include "tests/base/scratch.h"
+
+namespace wetcurl {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::bytes_of;
+using testing::expect_error;
+using testing::Scratch;
+
+constexpr const char* small_scene = "frames = 3\n[groom]\ngrid = [8, 8]\nparticles = 10\n[stretch]\n[bend]\n";
+
+class Commands : public ::testing::Test {
+  protected:
+    SimulateOptions simulation(const std::string& output, int strands) const {
+        SimulateOptions o;
+        o.scene = scratch.file("scene.toml", small_scene);
+        o.output = scratch.path(output);
+        o.strands = strands;
+        o.threads = 1;
+        return o;
+    }
+    InferOptions inference(const std::string& interpolate, int roots) const {
+        InferOptions o;
+        o.input = scratch.path("low.h5");
+        o.interpolate = interpolate;
+        o.roots = roots;
+        o.output = scratch.path(interpolate + std::to_string(roots) + ".h5");
+        return o;
+    }
+    Scratch scratch;
+};
+
+TEST_F(Commands, an_output_that_is_an_input_is_refused_before_anything_is_written) {
+    const std::string input = scratch.file("a.h5", "mine"), linked = scratch.path("linked.h5");
+    fs::create_symlink(input, linked);
+    CommonOptions o;
+    o.overwrite = true;
+    for (const std::string& output : {input, linked, scratch.path("./a.h5")})
+        expect_error<Misuse>([&] { check_files(o, output, {"", input}); }, {output, "destroy", input});
+    // The writers begin with NAME.partial.
+    const std::string left = scratch.file("b.h5.partial", "kept");
+    expect_error<Misuse>([&] { check_files(o, scratch.path("b.h5"), {left}); }, {"b.h5.partial"});
+    o.json = input;
+    expect_error<Misuse>([&] { check_files(o, "", {input}); }, {"destroy"});
+    o.json = scratch.path("c.h5");
+    expect_error<Misuse>([&] { check_files(o, scratch.path("./c.h5"), {}); }, {"--json", "c.h5"});
+    EXPECT_EQ(bytes_of(input), "mine");
+    EXPECT_NO_THROW(check_files(o, scratch.path("d.h5"), {input, left}));
+}
+
+TEST_F(Commands, json_is_not_overwritten_unasked) {
+    CommonOptions o;
+    o.json = scratch.file("out.json", "mine");
+    expect_error([&] { check_files(o, "", {}); }, {"out.json", "--overwrite"});
+    o.overwrite = true;
+    EXPECT_NO_THROW(check_files(o, "", {}));
+    o.overwrite = false;
+    for (const std::string free : {"-", "/dev/null", scratch.path("new.json").c_str()}) {
+        o.json = free;
+        EXPECT_NO_THROW(check_files(o, "", {})) << free;
+    }
+}
+
+TEST_F(Commands, json_gets_its_folder_before_the_work_begins) {
+    CommonOptions o;
+    o.json = scratch.path("new/folder/out.json");
+    check_files(o, "", {});
+    EXPECT_TRUE(fs::is_directory(scratch.path("new/folder")));
+    o.json = scratch.path("new");
+    expect_error([&] { check_files(o, "", {}); }, {"new: is a folder"});
+    o.json = scratch.file("file", "") + "/out.json";
+    expect_error([&] { check_files(o, "", {}); }, {"file/out.json", "folder cannot be made"});
+}
+
+TEST_F(Commands, options_that_nothing_reads_are_refused) {
+    simulate_command(simulation("low.h5", 16));
+    CompareOptions compare;
+    compare.reference = scratch.path("low.h5");
+    compare.others = {compare.reference};
+    compare.seed = 3;
+    expect_error<Misuse>([&] { compare_command(compare); }, {"--seed", "compare"});
+    InferOptions infer = inference("quad", 4);
+    infer.set = {"frames=2"};
+    expect_error<Misuse>([&] { infer_command(infer); }, {"--set frames=2", "--wetness"});
+    infer.set.clear();
+    infer.device = "cuda";
+    expect_error<Misuse>([&] { infer_command(infer); }, {"--device cuda", "interpolation"});
+    InspectOptions inspect;
+    inspect.what = "terms";
+    inspect.file = "a.h5";
+    expect_error<Misuse>([&] { inspect_command(inspect); }, {"a.h5", "none is needed"});
+    EXPECT_FALSE(fs::exists(infer.output));
+}
+
+TEST_F(Commands, encode_and_simulate_keep_their_inputs) {
+    SimulateOptions o = simulation("scene.toml", 16);
+    o.overwrite = true;
+    expect_error<Misuse>([&] { simulate_command(o); }, {"scene.toml", "destroy"});
+    EXPECT_EQ(bytes_of(o.scene), small_scene);
+    EncodeOptions e;
+    e.inputs = {scratch.file("dry.h5", "dry"), scratch.file("wet.h5", "wet")};
+    e.output = e.inputs[0];
+    e.overwrite = true;
+    expect_error<Misuse>([&] { encode_command(e); }, {"dry.h5", "destroy"});
+    EXPECT_EQ(bytes_of(e.inputs[0]), "dry");
+}
+
+TEST_F(Commands, three_roots_give_other_strands_than_four) {
+    simulate_command(simulation("low.h5", 16));
+    for (const std::string kind : {"quad", "core"}) {
+        for (int roots : {3, 4}) infer_command(inference(kind, roots));
+        const RunReader three(scratch.path(kind + "3.h5")), four(scratch.path(kind + "4.h5"));
+        EXPECT_EQ(three.header().method, kind + " interpolation, 3 roots");
+        EXPECT_EQ(four.header().method, kind + " interpolation");
+        const Strands a = three.frame(2).positions, b = four.frame(2).positions;
+        ASSERT_EQ(a.count, 64);
+        float largest = 0;
+        for (int s = 0; s < a.count; ++s) {
+            EXPECT_NEAR(norm(a.at(s, 0) - b.at(s, 0)), 0, 1e-6);  // roots are exact
+            largest = std::max(largest, norm(a.at(s, 9) - b.at(s, 9)));
+        }
+        EXPECT_GT(largest, 1e-4);
+        EXPECT_LT(largest, 0.5);
+    }
+    expect_error<Misuse>([&] { infer_command(inference("nearest", 3)); }, {"--roots 3", "nearest"});
+}
+
+TEST_F(Commands, runs_of_different_length_are_compared_over_the_common_frames_and_say_so) {
+    SimulateOptions o = simulation("long.h5", 16);
+    simulate_command(o);
+    o.output = scratch.path("short.h5");
+    o.frames = 2;
+    simulate_command(o);
+    CompareOptions c;
+    c.reference = scratch.path("long.h5");
+    c.others = {o.output};
+    ::testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStdout();
+    compare_command(c);
+    ::testing::internal::GetCapturedStdout();
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find("short.h5 has 2 frames"), std::string::npos) << said;
+    EXPECT_NE(said.find("long.h5 has 3: frames 0 to 1"), std::string::npos) << said;
+}
+
+TEST_F(Commands, an_interrupted_simulation_keeps_what_it_has) {
+    SimulateOptions o = simulation("run.h5", 64);
+    o.frames = 1000000;
+    std::thread hand([&] {
+        while (!fs::exists(o.output + ".partial")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        kill(getpid(), SIGTERM);
+    });
+    EXPECT_THROW(simulate_command(o), Interrupted);
+    hand.join();
+    EXPECT_FALSE(fs::exists(o.output));
+    EXPECT_LT(RunReader(o.output + ".partial").frames(), 1000000);
+}
+
+}  // namespace
+}  // namespace wetcurl
