@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 
+#include "solver/chain_state.h"
 #include "solver/display.h"
 #include "solver/passes/chain_step.h"
-#include "solver/passes/contact.h"
-#include "solver/rest_state.h"
+#include "solver/placement.h"
 
 namespace wetcurl {
 
@@ -40,21 +40,6 @@ double stiffness_number(const Scene& scene) {
 
 namespace {
 
-// A scene's motion and solids at one time, in the solver's precision.
-template <class T>
-struct Placement {
-    Pose head;
-    std::vector<PosedSolid<T>> solids;
-};
-
-Vec3d angular_velocity(const Quatd& before, const Quatd& after, double dt) {
-    Quatd d = after * conjugate(before);
-    if (d.w < 0) d = {-d.w, -d.x, -d.y, -d.z};
-    const Vec3d v{d.x, d.y, d.z};
-    const double s = norm(v);
-    return s > 0 ? (2 * std::atan2(s, d.w) / (s * dt)) * v : Vec3d{0, 0, 0};
-}
-
 template <class T>
 class CpuSimulation final : public Simulation {
     using S = Pack<T>;
@@ -79,15 +64,13 @@ class CpuSimulation final : public Simulation {
         Vec3<S>*x, *x_before, *v, *v_before;
     };
     size_t at(int block, int i) const { return size_t(block) * size_t(n_) + size_t(i); }
-    void place_strands();
     // Only BDF2 looks at the step before.
     bool always_first() const { return scene_.integrator.kind == "explicit"; }
     void run(const std::vector<Placement<T>>& path);
-    void step_block(int block, const BlockState& now, const Placement<T>& p, const Pose& head_before,
-                    bool first, ChainScratch<S>& scratch);
+    void step_block(int block, const BlockState& now, const Placement<T>& p, bool first,
+                    ChainScratch<S>& scratch);
     void set_root(int block, const Pose& head, Vec3<S>* root) const;
-    ChainView<S> view_of(int block, const Pose& head, const Pose& head_before) const;
-    Placement<T> placement_at(double time, double dt) const;
+    ChainView<S> view_of(int block) const;
     void evaluate_adhesion();
     void display();
     void unpack(const Buffer<Vec3<S>>& x, Strands& out) const;
@@ -99,13 +82,17 @@ class CpuSimulation final : public Simulation {
     const int strands_, n_, blocks_;
     const double dt_;
     double time_ = 0;
-    bool settling_ = false, first_ = true;
-    Pose head_, head_before_;
+    bool first_ = true;
+    Pose head_;
 
-    Buffer<Vec3<S>> x_, x_before_, v_, v_before_, root_, target_, push_;
-    Buffer<S> mass_, rest_length_, rest_core_, saturation_, rest_depth_, touching_, phi_, given_;
+    ChainState<S> state_;
+    Buffer<Vec3<S>>&x_ = state_.x, &x_before_ = state_.x_before, &v_ = state_.v, &v_before_ = state_.v_before,
+    &root_ = state_.root, &target_ = state_.target, &push_ = state_.push;
+    Buffer<S>&mass_ = state_.mass, &rest_length_ = state_.rest_length, &rest_core_ = state_.rest_core,
+    &saturation_ = state_.saturation, &rest_depth_ = state_.rest_depth, &touching_ = state_.touching;
+    Buffer<Quat<S>>& frame_ = state_.frame;
+    Buffer<S> phi_, given_;
     Buffer<Vec3<S>> normal_, surface_velocity_;
-    Buffer<Quat<S>> frame_;
     std::optional<Display> display_;
     Strands displayed_;
     std::vector<ChainScratch<S>> scratch_;
@@ -124,12 +111,15 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
       strands_(scene.groom.rest.count),
       n_(scene.groom.rest.particles),
       blocks_((strands_ + lanes - 1) / lanes),
-      dt_(1 / (scene.fps * scene.integrator.substeps)) {
-    for (auto* b : {&x_, &x_before_, &v_, &v_before_}) b->assign(at(blocks_, 0), {S(0), S(0), S(0)});
-    place_strands();
-
-    energy_kinds = {"kinetic", "gravity"};
-    for_each_present(terms_, [&](const auto& t) { energy_kinds.push_back(t.name); });
+      dt_(1 / (scene.fps * scene.integrator.substeps)),
+      head_(scene.motion.at(0)),
+      state_(scene) {
+    if (!touching_.empty()) {
+        const size_t cells = at(blocks_, 0);
+        phi_.assign(cells, S(1e9));
+        normal_.assign(cells, {S(0), S(1), S(0)}), surface_velocity_.assign(cells, {S(0), S(0), S(0)});
+    }
+    energy_kinds = kinds_of_energy(terms_);
     stages = {"chain"};
     if (scene.cohesion) {
         stages.insert(stages.end(), {"neighbours", "cohesion"});
@@ -138,78 +128,10 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
     scratch_.resize(size_t(omp_get_max_threads()));
     for (auto& s : scratch_) s.resize(n_, terms_, scene.integrator.kind == "implicit");
     if (scene.integrator.settle > 0) {
-        settling_ = true;
         const long steps = std::lround(scene.integrator.settle / dt_);
-        run(std::vector<Placement<T>>(size_t(steps), placement_at(0, dt_)));
-        settling_ = false;
+        run(std::vector<Placement<T>>(size_t(steps), placement_at<T>(scene_, 0, dt_, false)));
     }
     display();
-}
-
-template <class T>
-void CpuSimulation<T>::place_strands() {
-    const bool bend = scene_.term<Bend>().has_value(), core = scene_.term<Core>().has_value();
-    const size_t cells = at(blocks_, 0);
-    const bool adhesion = scene_.term<Adhesion>().has_value();
-    const std::vector<float> depth = rest_depths_of(scene_);
-    mass_.resize(cells), rest_length_.resize(cells), root_.resize(size_t(blocks_) * 2);
-    if (bend) target_.resize(cells), frame_.resize(cells);
-    if (core) rest_core_.resize(cells);
-    if (scene_.wetness && (adhesion || scene_.term<Stiffness>())) saturation_.resize(cells);
-    if (!depth.empty()) rest_depth_.resize(cells);
-    if (adhesion) {
-        touching_.assign(cells, S(0)), phi_.assign(cells, S(1e9));
-        normal_.assign(cells, {S(0), S(1), S(0)}), surface_velocity_.assign(cells, {S(0), S(0), S(0)});
-    }
-    if (scene_.term<CurlPush>()) push_.resize(cells);
-    head_ = head_before_ = scene_.motion.at(0);
-
-    auto put = [](Vec3<S>& to, int lane, const Vec3d& p) {
-        to.x.set(lane, T(p.x)), to.y.set(lane, T(p.y)), to.z.set(lane, T(p.z));
-    };
-#pragma omp parallel for schedule(dynamic)
-    for (int block = 0; block < blocks_; ++block)
-        for (int lane = 0; lane < lanes; ++lane) {
-            // The last block is filled up with copies of the last strand.
-            const int s = std::min(block * lanes + lane, strands_ - 1);
-            const StrandRest rest = rest_state_of(scene_, s);
-            Quatd frame = Quatd::identity();
-            for (int i = 0; i < n_; ++i) {
-                const Vec3d p = rest.start[size_t(i)];
-                const size_t k = at(block, i);
-                const Vec3d world = head_(p);
-                put(x_[k], lane, world);
-                put(x_before_[k], lane, world);
-                if (i < 2) put(root_[size_t(block) * 2 + size_t(i)], lane, p);
-                mass_[k].set(lane, T(rest.mass[size_t(i)]));
-                if (!saturation_.empty())
-                    saturation_[k].set(lane, T(scene_.saturation[size_t(s) * size_t(n_) + size_t(i)]));
-                if (!depth.empty()) rest_depth_[k].set(lane, T(depth[size_t(s) * size_t(n_) + size_t(i)]));
-                if (i + 1 == n_) continue;
-                rest_length_[k].set(lane, T(rest.rest_length[size_t(i)]));
-                if (core) rest_core_[k].set(lane, T(rest.rest_core[size_t(i)]));
-                if (bend) {
-                    put(target_[k], lane, rest.target[size_t(i)]);
-                    const Vec3d e = head_(rest.start[size_t(i) + 1]) - world;
-                    frame = i == 0
-                                ? head_.rotation * root_frame_of(normalized(
-                                                       rotate(conjugate(head_.rotation), e), Vec3d{1, 0, 0}))
-                                : transported(frame, normalized(e, frame_direction(frame)));
-                    frame_[k].w.set(lane, T(frame.w)), frame_[k].x.set(lane, T(frame.x));
-                    frame_[k].y.set(lane, T(frame.y)), frame_[k].z.set(lane, T(frame.z));
-                }
-                if (!push_.empty()) {
-                    const Curl& curl = *scene_.curl;
-                    const double r = *curl.radius, omega = helix_angle(r, *curl.pitch / (2 * M_PI),
-                                                                       rest.rest_length[size_t(i)]);
-                    const double weight = curl.w_h * scene_.saturation[size_t(s) * size_t(n_) + size_t(i)];
-                    put(push_[k], lane,
-                        weight * Vec3d{*curl.pitch / (2 * M_PI) * omega,
-                                       r * (std::cos(omega * (i + 1)) - std::cos(omega * i)),
-                                       r * (std::sin(omega * (i + 1)) - std::sin(omega * i))});
-                }
-            }
-        }
 }
 
 template <class T>
@@ -220,21 +142,7 @@ void CpuSimulation<T>::set_root(int block, const Pose& head, Vec3<S>* root) cons
 }
 
 template <class T>
-Placement<T> CpuSimulation<T>::placement_at(double time, double dt) const {
-    Placement<T> p{scene_.motion.at(time), {}};
-    const Pose head_before = settling_ ? p.head : scene_.motion.at(time - dt);
-    for (const auto& solid : scene_.solids) {
-        const Pose now = solid.at(time, p.head), before = settling_ ? now : solid.at(time - dt, head_before);
-        p.solids.push_back({&solid.shape, cast<T>(now.rotation), cast<T>(now.translation),
-                            cast<T>((1 / dt) * (now.translation - before.translation)),
-                            cast<T>(angular_velocity(before.rotation, now.rotation, dt)), T(solid.friction),
-                            solid.attached});
-    }
-    return p;
-}
-
-template <class T>
-ChainView<Pack<T>> CpuSimulation<T>::view_of(int block, const Pose& head, const Pose& head_before) const {
+ChainView<Pack<T>> CpuSimulation<T>::view_of(int block) const {
     auto from = [&](const auto& buffer) { return buffer.empty() ? nullptr : buffer.data() + at(block, 0); };
     ChainView<S> view{};
     view.n = n_;
@@ -252,17 +160,13 @@ ChainView<Pack<T>> CpuSimulation<T>::view_of(int block, const Pose& head, const 
     view.surface_velocity = from(surface_velocity_);
     view.touching = from(touching_);
     view.given_adhesion = from(given_);
-    const Vec3d turn = angular_velocity(head_before.rotation, head.rotation, dt_);
-    view.turn = cast<S>(cast<T>(turn));
-    view.turn_center = cast<S>(cast<T>(head.translation));
-    view.drift = cast<S>(cast<T>((1 / dt_) * (head.translation - head_before.translation)));
     return view;
 }
 
 // One substep. The new state is written over the one before.
 template <class T>
 void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placement<T>& p,
-                                  const Pose& head_before, bool first, ChainScratch<S>& scratch) {
+                                  bool first, ChainScratch<S>& scratch) {
     const size_t k = at(block, 0);
     Vec3<S> root[2];
     set_root(block, p.head, root);
@@ -277,9 +181,12 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
                       now.v_before,
                       root,
                       cast<T>(scene_.integrator.gravity),
-                      cast<T>(p.head.rotation * conjugate(head_before.rotation)),
+                      p.root_turn,
                       bend ? &frame_[k] : nullptr};
-    ChainView<S> view = view_of(block, p.head, head_before);
+    ChainView<S> view = view_of(block);
+    view.turn = cast<S>(p.turn);
+    view.turn_center = cast<S>(p.turn_center);
+    view.drift = cast<S>(p.drift);
     auto sample = [&](const Vec3<S>* x) {
         if (adhesion && given_.empty())
             sample_nearest(p.solids, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
@@ -319,13 +226,11 @@ void CpuSimulation<T>::run(const std::vector<Placement<T>>& path) {
     for (int block = 0; block < blocks_; ++block) {
         const size_t k = at(block, 0);
         BlockState now{&x_[k], &x_before_[k], &v_[k], &v_before_[k]};
-        const Pose* head_before = &head_;
         bool first = first_;
         for (const auto& p : path) {
-            step_block(block, now, p, *head_before, first, scratch_[size_t(omp_get_thread_num())]);
+            step_block(block, now, p, first, scratch_[size_t(omp_get_thread_num())]);
             std::swap(now.x, now.x_before);
             std::swap(now.v, now.v_before);
-            head_before = &p.head;
             first = always_first();
         }
     }
@@ -333,7 +238,6 @@ void CpuSimulation<T>::run(const std::vector<Placement<T>>& path) {
         std::swap(x_, x_before_);
         std::swap(v_, v_before_);
     }
-    head_before_ = path.size() > 1 ? path[path.size() - 2].head : head_;
     head_ = path.back().head;
     first_ = always_first();
 }
@@ -343,7 +247,7 @@ void CpuSimulation<T>::run(const std::vector<Placement<T>>& path) {
 template <class T>
 void CpuSimulation<T>::evaluate_adhesion() {
     const Adhesion& term = *std::get<std::optional<Adhesion>>(terms_);
-    const Placement<T> p = placement_at(time_, dt_);
+    const Placement<T> p = placement_at<T>(scene_, time_, dt_);
     const size_t cells = at(blocks_, 0);
     if (answers_.empty()) answers_.assign(cells * lanes, 0.f);
     if (model_ && given_.empty()) given_.assign(cells, S(0));
@@ -407,7 +311,7 @@ void CpuSimulation<T>::advance() {
         // A network answers for all strands at once.
         if (model_ || records_) evaluate_adhesion();
         time_ += dt_;
-        path.push_back(placement_at(time_, dt_));
+        path.push_back(placement_at<T>(scene_, time_, dt_));
         if (!model_ && !records_ && k + 1 < scene_.integrator.substeps) continue;
         run(path);
         path.clear();
@@ -444,15 +348,8 @@ void CpuSimulation<T>::unpack(const Buffer<Vec3<S>>& x, Strands& out) const {
 
 template <class T>
 std::vector<Pack<T>> CpuSimulation<T>::energy_of(int block) const {
-    const ChainView<S> view = view_of(block, head_, head_before_);
-    std::vector<S> e(2, S(0));
-    const Vec3<S> gravity = cast<S>(cast<T>(scene_.integrator.gravity));
-    for (int i = 0; i < n_; ++i) {
-        e[0] += S(0.5) * view.mass[i] * dot(view.v[i], view.v[i]);
-        e[1] -= view.mass[i] * dot(gravity, view.x[i]);
-    }
-    for_each_present(terms_, [&](const auto& term) { e.push_back(term.energy(view)); });
-    return e;
+    const ChainView<S> view = view_of(block);
+    return energies(terms_, view, scene_.integrator.gravity);
 }
 
 template <class T>
@@ -490,16 +387,9 @@ std::optional<Divergence> CpuSimulation<T>::divergence() const {
             // Written so that NaN counts as far away.
             if (norm(position(i) - position(0)) <= 10 * length) continue;
             const auto e = energy_of(block);
-            size_t largest = 0;
-            for (size_t kind = 0; kind < e.size(); ++kind) {
-                const double value = std::abs(double(e[kind][lane]));
-                if (!std::isfinite(value)) {
-                    largest = kind;
-                    break;
-                }
-                if (value > std::abs(double(e[largest][lane]))) largest = kind;
-            }
-            return Divergence{s, energy_kinds[largest]};
+            std::vector<double> of_strand;
+            for (const auto& kind : e) of_strand.push_back(double(kind[lane]));
+            return Divergence{s, energy_kinds[largest_energy(of_strand)]};
         }
     }
     return std::nullopt;
@@ -512,12 +402,8 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
         using Value = typename std::decay_t<decltype(b)>::value_type;
         if (!b.empty()) out.push_back({name, b.capacity() * sizeof(Value)});
     };
-    add("positions", x_), add("positions before", x_before_), add("velocities", v_),
-        add("velocities before", v_before_);
-    add("roots", root_), add("mass", mass_), add("rest lengths", rest_length_);
-    add("bend targets", target_), add("bend frames", frame_), add("core lengths", rest_core_);
-    add("saturation", saturation_), add("rest depth", rest_depth_), add("printed curl", push_);
-    add("adhesion contact", touching_), add("adhesion distance", phi_), add("adhesion normal", normal_);
+    ChainState<S>::for_each_buffer(state_, add);
+    add("adhesion distance", phi_), add("adhesion normal", normal_);
     add("adhesion surface velocity", surface_velocity_), add("adhesion given", given_),
         add("adhesion answers", answers_);
     if (display_) {
@@ -526,10 +412,9 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
     }
     size_t scratch = 0;
     for (const auto& s : scratch_)
-        scratch +=
-            (s.predicted_x.size() + s.predicted_v.size() + s.force.size() + s.term.size()) * sizeof(Vec3<S>) +
-            s.diagonal.size() * sizeof(Sym3<S>) + (s.upper1.size() + s.upper2.size()) * sizeof(Mat3<S>) +
-            s.frame.size() * sizeof(Quat<S>);
+        scratch += (s.predicted_x.size() + s.force.size() + s.core_pull.size()) * sizeof(Vec3<S>) +
+                   s.diagonal.size() * sizeof(Sym3<S>) +
+                   (s.upper1.size() + s.upper2.size()) * sizeof(Mat3<S>) + s.frame.size() * sizeof(Quat<S>);
     out.push_back({"scratch of the threads", scratch});
     for (const auto& solid : scene_.solids)
         if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape))

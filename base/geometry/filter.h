@@ -14,34 +14,53 @@ inline double filter_beta(double l, double alpha) {
     return alpha > 0 ? std::min(1.0, 1.0 - std::exp(-l / alpha)) : 1.0;
 }
 
+// Eq 2 edge by edge: d_i from e_i and the two before it.
+template <class S>
+struct EdgeFilter {
+    S a, b, c;
+    Vec3<S> d1, d2;
+    WETCURL_HD EdgeFilter(Plain<S> beta, const Vec3<S>& first)
+        : a(2 * (1 - beta)), b((1 - beta) * (1 - beta)), c(beta * beta), d1(first), d2(first) {}
+    WETCURL_HD Vec3<S> operator()(const Vec3<S>& e) {
+        const Vec3<S> d = a * d1 - b * d2 + c * e;
+        d2 = d1;
+        d1 = d;
+        return d;
+    }
+};
+
 // d = G e over n edges (Eq 2). `edge(i)` gives e_i, `store(i, d_i)` takes the result.
 template <class S, class Edge, class Store>
 WETCURL_HD void smooth_edges(int n, Plain<S> beta, Edge edge, Store store) {
-    const S a(2 * (1 - beta)), b((1 - beta) * (1 - beta)), c(beta * beta);
-    Vec3<S> d1 = edge(0), d2 = d1;
-    for (int i = 0; i < n; ++i) {
-        Vec3<S> d = a * d1 - b * d2 + c * edge(i);
-        store(i, d);
+    EdgeFilter<S> filter(beta, edge(0));
+    for (int i = 0; i < n; ++i) store(i, filter(edge(i)));
+}
+
+// The adjoint edge by edge from the tip: y_i from g_i and what came before, down to edge 1.
+template <class S>
+struct EdgeFilterAdjoint {
+    S a, b, c;
+    Vec3<S> d1{S(0), S(0), S(0)}, d2{S(0), S(0), S(0)};
+    WETCURL_HD explicit EdgeFilterAdjoint(Plain<S> beta)
+        : a(2 * (1 - beta)), b((1 - beta) * (1 - beta)), c(beta * beta) {}
+    WETCURL_HD Vec3<S> operator()(const Vec3<S>& g) {
+        const Vec3<S> d = a * d1 - b * d2 + g;
         d2 = d1;
         d1 = d;
+        return c * d;
     }
-}
+};
 
 // y = G^T g over n edges: the recursion reversed from zero, row 0 from the conservation of sums
 // (G reproduces constants, so sum(G^T g) = sum(g)).
 template <class S, class In, class Store>
 WETCURL_HD void smooth_edges_adjoint(int n, Plain<S> beta, In in, Store store) {
-    const S a(2 * (1 - beta)), b((1 - beta) * (1 - beta)), c(beta * beta);
-    const Vec3<S> zero{S(0), S(0), S(0)};
-    Vec3<S> d1 = zero, d2 = zero, rest = zero;
+    EdgeFilterAdjoint<S> adjoint(beta);
+    Vec3<S> rest{S(0), S(0), S(0)};
     for (int i = n - 1; i >= 1; --i) {
-        Vec3<S> g = in(i);
-        Vec3<S> d = a * d1 - b * d2 + g;
-        Vec3<S> y = c * d;
+        const Vec3<S> g = in(i), y = adjoint(g);
         rest += g - y;
         store(i, y);
-        d2 = d1;
-        d1 = d;
     }
     store(0, rest + in(0));
 }

@@ -23,8 +23,8 @@ struct Found {
 };
 
 // Runs of one point. Returns its neighbours.
-uint32_t search(const NeighborGrid& grid, const std::vector<uint32_t>& group, const std::vector<float>& source,
-                float radius, size_t k, Found& found) {
+uint32_t search(const NeighborGrid& grid, const std::vector<uint32_t>& group,
+                const std::vector<float>& source, float radius, size_t k, Found& found) {
     using S = Pack<float>;
     const PointArrays& points = grid.points();
     const Vec3f x = points.at(k);

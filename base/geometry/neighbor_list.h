@@ -28,7 +28,8 @@ class NeighborList {
     bool empty(size_t k) const { return begin_[k + k / chunk] == begin_[k + k / chunk + 1]; }
     double neighbours_mean() const { return mean_; }
     size_t bytes() const {
-        return (first_.capacity() + begin_.capacity()) * sizeof(uint32_t) + bits_.capacity() * sizeof(uint16_t);
+        return (first_.capacity() + begin_.capacity()) * sizeof(uint32_t) +
+               bits_.capacity() * sizeof(uint16_t);
     }
 
   private:

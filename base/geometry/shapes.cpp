@@ -5,6 +5,18 @@
 
 namespace wetcurl {
 
+ShapeView view_of(const Shape& shape) {
+    ShapeView view;
+    if (const auto* sphere = std::get_if<Sphere>(&shape))
+        view.kind = ShapeView::Kind::round, view.round = {0, sphere->radius};
+    if (const auto* capsule = std::get_if<Capsule>(&shape))
+        view.kind = ShapeView::Kind::round, view.round = *capsule;
+    if (const auto* box = std::get_if<Box>(&shape)) view.kind = ShapeView::Kind::box, view.box = *box;
+    if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&shape))
+        view.kind = ShapeView::Kind::grid, view.grid = (*level_set)->grid();
+    return view;
+}
+
 namespace {
 
 // The surface of a capsule as rings about y, from the lower pole to the upper one; a sphere where half_length

@@ -83,6 +83,29 @@ DistanceSample<S> distance(const Shape& shape, const Vec3<S>& x) {
     return std::visit([&x](const auto& s) { return distance(s, x); }, shape);
 }
 
+// A shape by value, as any device samples it; `grid` lies in that device's memory.
+struct ShapeView {
+    enum class Kind { round, box, plane, grid } kind = Kind::plane;
+    Capsule round;
+    Box box;
+    DistanceGrid grid{};
+};
+ShapeView view_of(const Shape& shape);
+
+template <class S>
+WETCURL_HD DistanceSample<S> distance(const ShapeView& shape, const Vec3<S>& x) {
+    switch (shape.kind) {
+        case ShapeView::Kind::round:
+            return distance(shape.round, x);
+        case ShapeView::Kind::box:
+            return distance(shape.box, x);
+        case ShapeView::Kind::grid:
+            return sample(shape.grid, x);
+        default:
+            return distance(Plane{}, x);
+    }
+}
+
 // For drawing: round shapes with `around` corners a turn, inscribed; a plane as a quad of 1 m; a level set as
 // the mesh that it was made from. Triangles turn anticlockwise seen from outside.
 Mesh triangulated(const Shape& shape, int around = 48);

@@ -50,28 +50,44 @@ WETCURL_HD Mat3<S> transposed_product(const Mat3<S>& u, const Mat3<S>& q) {
             u.r0.z * q.r0 + u.r1.z * q.r1 + u.r2.z * q.r2};
 }
 
+// A row of the system and its couplings to the one and the two rows that are eliminated after it. Taken off
+// them it becomes the row of the substitution: x = r - u1 x_1 - u2 x_2.
+template <class S>
+struct Row {
+    const Sym3<S>& diagonal;
+    Mat3<S>*u1, *u2;  // null: that row is not there, or (u2) no term couples so far
+    Vec3<S>& r;
+};
+// `diagonal1`, `r1`, `u11` (its coupling to row 2), `diagonal2`, `r2` of the rows after it.
+template <class S>
+WETCURL_HD void eliminate(const Row<S>& row, Sym3<S>* diagonal1, Vec3<S>* r1, Mat3<S>* u11,
+                          Sym3<S>* diagonal2, Vec3<S>* r2) {
+    const Factor3<S> f(row.diagonal);
+    const Vec3<S> y = f.solve(row.r);
+    if (row.u1) {
+        const Mat3<S> u1 = *row.u1, p = f.solve(u1);
+        subtract_symmetric(*diagonal1, u1, p);
+        *r1 -= transposed_times(u1, y);
+        *row.u1 = p;
+        if (row.u2) {
+            const Mat3<S> u2 = *row.u2, q = f.solve(u2);
+            *u11 -= transposed_product(u1, q);
+            subtract_symmetric(*diagonal2, u2, q);
+            *r2 -= transposed_times(u2, y);
+            *row.u2 = q;
+        }
+    }
+    row.r = y;
+}
+
 // Solves A x = r for rows first..n-1 in place: r becomes x; diagonal, upper1, upper2 are destroyed.
 template <bool Penta, class S>
 WETCURL_HD void solve_blocks(int first, int n, Sym3<S>* diagonal, Mat3<S>* upper1, Mat3<S>* upper2,
                              Vec3<S>* r) {
     for (int i = first; i < n; ++i) {
-        const Factor3<S> f(diagonal[i]);
-        const Vec3<S> y = f.solve(r[i]);
-        if (i + 1 < n) {
-            const Mat3<S> u1 = upper1[i], p = f.solve(u1);
-            subtract_symmetric(diagonal[i + 1], u1, p);
-            r[i + 1] -= transposed_times(u1, y);
-            upper1[i] = p;
-            if constexpr (Penta)
-                if (i + 2 < n) {
-                    const Mat3<S> u2 = upper2[i], q = f.solve(u2);
-                    upper1[i + 1] -= transposed_product(u1, q);
-                    subtract_symmetric(diagonal[i + 2], u2, q);
-                    r[i + 2] -= transposed_times(u2, y);
-                    upper2[i] = q;
-                }
-        }
-        r[i] = y;
+        const Row<S> row{diagonal[i], i + 1 < n ? &upper1[i] : nullptr,
+                         Penta && i + 2 < n ? &upper2[i] : nullptr, r[i]};
+        eliminate(row, &diagonal[i + 1], &r[i + 1], &upper1[i + 1], &diagonal[i + 2], &r[i + 2]);
     }
     for (int i = n - 2; i >= first; --i) {
         r[i] -= upper1[i] * r[i + 1];

@@ -12,6 +12,26 @@
 
 namespace wetcurl {
 
+// The scheme's numbers of one step.
+template <class S>
+struct Bdf2 {
+    S h, now, before;  // x~ = x + before (x_before - x), v~ = now v + before v_before
+    WETCURL_HD Bdf2(Plain<S> dt, bool first)
+        : h(first ? dt : dt * Plain<S>(2) / 3),
+          now(first ? Plain<S>(1) : Plain<S>(4) / 3),
+          before(first ? Plain<S>(0) : Plain<S>(-1) / 3) {}
+    // x~ + h v^ with v^ = v. Differences to x: positions far from the origin keep their digits.
+    WETCURL_HD Vec3<S> predicted(const Vec3<S>& x, const Vec3<S>& x_before, const Vec3<S>& v) const {
+        return x + before * (x_before - x) + h * v;
+    }
+    // r = M (v~ - v^) + h f, and M on the diagonal.
+    WETCURL_HD Vec3<S> right_side(const S& mass, const Vec3<S>& v, const Vec3<S>& v_before,
+                                  const Vec3<S>& force) const {
+        const Vec3<S> history = now * v + before * v_before;
+        return mass * (history - v) + h * force;
+    }
+};
+
 // What the step of one block needs beside the terms. S: a lane is a strand.
 template <class S>
 struct BlockStep {
@@ -29,63 +49,75 @@ struct BlockStep {
 // Buffers of one thread, for one block.
 template <class S>
 struct ChainScratch {
-    std::vector<Vec3<S>> predicted_x, predicted_v, force, term;
+    std::vector<Vec3<S>> predicted_x, force, core_pull;
     std::vector<Sym3<S>> diagonal;
     std::vector<Mat3<S>> upper1, upper2;
     std::vector<Quat<S>> frame;
 
     void resize(int n, const ChainTerms& terms, bool implicit) {
         const size_t m = size_t(n);
-        predicted_x.resize(m), predicted_v.resize(m), force.resize(m);
-        if (std::get<std::optional<Core>>(terms)) term.resize(2 * m);
+        predicted_x.resize(m), force.resize(m);
+        if (std::get<std::optional<Core>>(terms)) core_pull.resize(2 * m);
         if (implicit) diagonal.resize(m), upper1.resize(m);
         if (implicit && couples_two_edges(terms)) upper2.resize(m);
         if (std::get<std::optional<Bend>>(terms)) frame.resize(m);
     }
 };
 
-// Frames of all edges carried to the positions x: first the root's own rotation, then each edge's.
+// The frame of an edge carried to its new place e: first the root's own rotation, then the edge's.
+template <class S>
+WETCURL_HD Quat<S> carried_frame(const Quat<S>& root_turn, const Quat<S>& frame, const Vec3<S>& e) {
+    const Quat<S> turned = root_turn * frame;
+    return transported(turned, normalized(e, frame_direction(turned)));
+}
+// The frames of all edges carried to the positions x.
 template <class S>
 WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>>& root_turn,
                                  const Vec3<S>* x, Quat<S>* to) {
     const Quat<S> turn = cast<S>(root_turn);
-    for (int i = 0; i + 1 < n; ++i) {
-        const Quat<S> turned = turn * from[i];
-        to[i] = transported(turned, normalized(x[i + 1] - x[i], frame_direction(turned)));
-    }
+    for (int i = 0; i + 1 < n; ++i) to[i] = carried_frame(turn, from[i], x[i + 1] - x[i]);
 }
 
-// The twist of each frame relaxes toward the frame carried along the strand from the root, by the share
-// `relax`, but only where that does not raise the energy of the edge that it is the reference of.
+// The twist of a frame relaxes toward the frame carried along the strand from the root, by the share `relax`,
+// but only where that does not raise the energy of the edge e that it is the reference of.
+// `carried`: at the edge before; on return at this one.
+template <class S>
+WETCURL_HD Quat<S> relaxed_twist(const Bend& bend, const Quat<S>& frame, Quat<S>& carried, Plain<S> relax,
+                                 const Vec3<S>& target, const Vec3<S>& e) {
+    carried = transported(carried, frame_direction(frame));
+    S cosine, sine;
+    half_twist(frame, carried, cosine, sine);
+    const Quat<S> nudged = normalized(frame * normalized(Quat<S>{cosine, S(relax) * sine, S(0), S(0)}));
+    const auto better = bend.edge_energy(nudged, target, e) <= bend.edge_energy(frame, target, e);
+    return {select(better, nudged.w, frame.w), select(better, nudged.x, frame.x),
+            select(better, nudged.y, frame.y), select(better, nudged.z, frame.z)};
+}
+// All frames but the root's, which is where the carried one starts, and the tip's, which no edge refers to.
 template <class S>
 WETCURL_HD void relax_twist(const Bend& bend, int n, const Vec3<S>* x, const Vec3<S>* target, Plain<S> relax,
                             Quat<S>* frame) {
     Quat<S> carried = frame[0];
-    for (int i = 1; i + 2 < n; ++i) {
-        carried = transported(carried, frame_direction(frame[i]));
-        S cosine, sine;
-        half_twist(frame[i], carried, cosine, sine);
-        const Quat<S> nudged =
-            normalized(frame[i] * normalized(Quat<S>{cosine, S(relax) * sine, S(0), S(0)}));
-        const Vec3<S> e = x[i + 2] - x[i + 1];
-        const auto better =
-            bend.edge_energy(nudged, target[i + 1], e) <= bend.edge_energy(frame[i], target[i + 1], e);
-        frame[i] = {select(better, nudged.w, frame[i].w), select(better, nudged.x, frame[i].x),
-                    select(better, nudged.y, frame[i].y), select(better, nudged.z, frame[i].z)};
-    }
+    for (int i = 1; i + 2 < n; ++i)
+        frame[i] = relaxed_twist(bend, frame[i], carried, relax, target[i + 1], x[i + 2] - x[i + 1]);
 }
 
-// Root to tip, an edge longer than (1 + limiter) of its rest length is shortened (Selle 2008).
-// Returns how many edges were.
+// The end of an edge e from x0, which is moved where the edge is longer than (1 + limiter) of its rest length
+// (Selle 2008). `over`: whether it was.
+template <class S, class Mask>
+WETCURL_HD Vec3<S> limited_end(const Vec3<S>& x0, const Vec3<S>& x1, const S& rest_length, Plain<S> limiter,
+                               Mask& over) {
+    const Vec3<S> e = x1 - x0;
+    const S length = norm(e), most = S(1 + limiter) * rest_length;
+    over = length > most;
+    return select(over, x0 + (most / maximum(length, S(tiny_length<S>))) * e, x1);
+}
+// Root to tip. Returns how many edges were shortened.
 template <class S>
 int limit_strain(int n, const S* rest_length, Plain<S> limiter, Vec3<S>* x) {
     int limited = 0;
     for (int i = 1; i + 1 < n; ++i) {
-        const Vec3<S> e = x[i + 1] - x[i];
-        const S length = norm(e), most = S(1 + limiter) * rest_length[i];
-        const auto over = length > most;
-        const Vec3<S> moved = x[i] + (most / maximum(length, S(tiny_length<S>))) * e;
-        x[i + 1] = select(over, moved, x[i + 1]);
+        decltype(S(0) > S(0)) over;
+        x[i + 1] = limited_end(x[i], x[i + 1], rest_length[i], limiter, over);
         if constexpr (std::is_same_v<S, Plain<S>>)
             limited += over;
         else
@@ -100,16 +132,13 @@ template <class S, class BeforeForces>
 void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
                    BeforeForces before_forces) {
     const int n = b.n;
-    const S h(b.first ? b.dt : b.dt * Plain<S>(2) / 3);
-    const S now(b.first ? Plain<S>(1) : Plain<S>(4) / 3), before(b.first ? Plain<S>(0) : Plain<S>(-1) / 3);
-    for (int i = 0; i < n; ++i) {
-        // Differences to x_n: positions far from the origin keep their digits.
-        s.predicted_v[i] = b.v[i];
-        s.predicted_x[i] = b.x[i] + before * (b.x_before[i] - b.x[i]) + h * s.predicted_v[i];
-    }
+    const Bdf2<S> scheme(b.dt, b.first);
+    const S h = scheme.h;
+    for (int i = 0; i < n; ++i) s.predicted_x[i] = scheme.predicted(b.x[i], b.x_before[i], b.v[i]);
     view.x = s.predicted_x.data();
-    view.v = s.predicted_v.data();
-    view.scratch = s.term.data();
+    view.v = b.v;
+    view.chord = view.x[n - 1] - view.x[0];
+    view.core_pull = s.core_pull.data();
     if (b.frame)
         transport_frames(n, b.frame, b.root_turn, view.x, s.frame.data()), view.frame = s.frame.data();
     before_forces(view.x);
@@ -124,13 +153,12 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         if (penta) s.upper2[i] = no_mat;
     }
     const ChainSystem<S> system{h, s.force.data(), s.diagonal.data(), s.upper1.data(), s.upper2.data()};
-    for_each_present(terms, [&](const auto& term) { term.assemble(view, system); });
+    for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
 
-    // r = M (v~ - v^) + h f; the force's place then takes the solution v - v^.
+    // The force's place takes the right side, and then the solution v - v^.
     Vec3<S>* r = s.force.data();
     for (int i = 2; i < n; ++i) {
-        const Vec3<S> history = now * b.v[i] + before * b.v_before[i];
-        r[i] = view.mass[i] * (history - s.predicted_v[i]) + h * r[i];
+        r[i] = scheme.right_side(view.mass[i], b.v[i], b.v_before[i], r[i]);
         s.diagonal[i] += identity_times(view.mass[i]);
     }
     Vec3<S> known[2];
@@ -146,7 +174,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     r[0] = known[0];
     r[1] = known[1];
     for (int i = 0; i < n; ++i) {
-        b.v_before[i] = s.predicted_v[i] + r[i];
+        b.v_before[i] = b.v[i] + r[i];
         b.x_before[i] = i < 2 ? b.root[i] : s.predicted_x[i] + h * r[i];
     }
 }
@@ -158,12 +186,13 @@ void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     view.x = b.x;
     view.v = b.v;
     view.frame = b.frame;
-    view.scratch = s.term.data();
+    view.chord = view.x[b.n - 1] - view.x[0];
+    view.core_pull = s.core_pull.data();
     before_forces(view.x);
     const Vec3<S> gravity = cast<S>(b.gravity);
     for (int i = 0; i < b.n; ++i) s.force[i] = view.mass[i] * gravity;
     const ChainSystem<S> system{S(b.dt), s.force.data(), nullptr, nullptr, nullptr};
-    for_each_present(terms, [&](const auto& term) { term.assemble(view, system); });
+    for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
     for (int i = 0; i < b.n; ++i) {
         const Vec3<S> v =
             i < 2 ? S(1 / b.dt) * (b.root[i] - b.x[i]) : b.v[i] + (S(b.dt) / view.mass[i]) * s.force[i];

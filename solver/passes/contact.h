@@ -8,10 +8,10 @@
 
 namespace wetcurl {
 
-// A solid at the end of a substep, moving rigidly.
-template <class T>
+// A solid at the end of a substep, moving rigidly. Body: a Shape, or what a device holds of it.
+template <class T, class Body = Shape>
 struct PosedSolid {
-    const Shape* shape;
+    const Body* shape;
     Quat<T> rotation;
     Vec3<T> translation, velocity, spin;  // velocity of its origin [m/s], angular velocity [rad/s]
     T friction;
@@ -19,69 +19,82 @@ struct PosedSolid {
 };
 
 // Distance and outward normal in the world at x.
-template <class S>
-DistanceSample<S> distance_in_world(const PosedSolid<Plain<S>>& solid, const Vec3<S>& x) {
+template <class S, class Body>
+WETCURL_HD DistanceSample<S> distance_in_world(const PosedSolid<Plain<S>, Body>& solid, const Vec3<S>& x) {
     const Quat<S> r = cast<S>(solid.rotation);
     DistanceSample<S> d = distance(*solid.shape, rotate(conjugate(r), x - cast<S>(solid.translation)));
     d.normal = rotate(r, d.normal);
     return d;
 }
 
-template <class S>
-Vec3<S> velocity_at(const PosedSolid<Plain<S>>& solid, const Vec3<S>& x) {
+template <class S, class Body>
+WETCURL_HD Vec3<S> velocity_at(const PosedSolid<Plain<S>, Body>& solid, const Vec3<S>& x) {
     return cast<S>(solid.velocity) + cross(cast<S>(solid.spin), x - cast<S>(solid.translation));
 }
 
-// Positions pushed out to `allowed` (≤ 0: how deep the particle may lie), velocities relieved of their inward
-// part and slowed along the surface. Corrections go to the step before alike, so that the history of the
-// integrator stays what it was. n particles; 0 and 1 are prescribed.
+// A position pushed out to `allowed` (≤ 0: how deep the particle may lie), its velocity relieved of its
+// inward part and slowed along the surface. Corrections go to the step before alike, so that the history of
+// the integrator stays what it was. Whether there was a contact.
+template <class S, class Body>
+WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, const S& allowed, Plain<S> dt,
+                                Vec3<S>& x, Vec3<S>& x_before, Vec3<S>& v, Vec3<S>& v_before) {
+    const Vec3<S> zero{S(0), S(0), S(0)};
+    constexpr int rounds = 4;  // in a crease one push along the gradient does not reach the surface
+    for (int round = 0; round < rounds; ++round) {
+        const DistanceSample<S> d = distance_in_world(solid, x);
+        const S depth = allowed - d.phi;
+        if (!any_positive(depth - S(round > 0 ? Plain<S>(1e-5) : 0))) return round > 0;
+        const auto hit = depth > S(0);
+        const Vec3<S> relative = v - velocity_at(solid, x);
+        const S inward = minimum(dot(relative, d.normal), S(0));
+        const Vec3<S> slide = relative - dot(relative, d.normal) * d.normal;
+        const S speed = maximum(norm(slide), S(tiny_length<S>));
+        const S lost = minimum(S(1), S(solid.friction) * (depth * S(1 / dt) - inward) / speed);
+        const Vec3<S> dx = select(hit, depth * d.normal, zero);
+        const Vec3<S> dv = select(hit, -inward * d.normal - lost * slide, zero);
+        x += dx;
+        x_before += dx;
+        v += dv;
+        v_before += dv;
+    }
+    return true;
+}
+// The same for n particles; 0 and 1 are prescribed.
 template <class S>
 void resolve_contact(const PosedSolid<Plain<S>>& solid, int n, const S* rest_depth, Plain<S> dt, Vec3<S>* x,
                      Vec3<S>* x_before, Vec3<S>* v, Vec3<S>* v_before) {
-    const Vec3<S> zero{S(0), S(0), S(0)};
-    constexpr int rounds = 4;  // in a crease one push along the gradient does not reach the surface
     for (int i = 2; i < n; ++i)
-        for (int round = 0; round < rounds; ++round) {
-            const DistanceSample<S> d = distance_in_world(solid, x[i]);
-            const S depth = (solid.attached ? rest_depth[i] : S(0)) - d.phi;
-            if (!any_positive(depth - S(round > 0 ? Plain<S>(1e-5) : 0))) break;
-            const auto hit = depth > S(0);
-            const Vec3<S> relative = v[i] - velocity_at(solid, x[i]);
-            const S inward = minimum(dot(relative, d.normal), S(0));
-            const Vec3<S> slide = relative - dot(relative, d.normal) * d.normal;
-            const S speed = maximum(norm(slide), S(tiny_length<S>));
-            const S lost = minimum(S(1), S(solid.friction) * (depth * S(1 / dt) - inward) / speed);
-            const Vec3<S> dx = select(hit, depth * d.normal, zero);
-            const Vec3<S> dv = select(hit, -inward * d.normal - lost * slide, zero);
-            x[i] += dx;
-            x_before[i] += dx;
-            v[i] += dv;
-            v_before[i] += dv;
-        }
+        resolve_contact(solid, solid.attached ? rest_depth[i] : S(0), dt, x[i], x_before[i], v[i],
+                        v_before[i]);
 }
 
-// The nearest solid at each particle, as adhesion sees it.
+// The nearest solid at a particle, as adhesion sees it; normal and velocity stay where there is none.
+template <class S, class Solids>
+WETCURL_HD void sample_nearest(const Solids& solids, const Vec3<S>& x, S& phi, Vec3<S>& normal,
+                               Vec3<S>& surface_velocity) {
+    phi = S(1e9);
+    for (const auto& solid : solids) {
+        const DistanceSample<S> d = distance_in_world(solid, x);
+        const auto nearer = d.phi < phi;
+        normal = select(nearer, d.normal, normal);
+        surface_velocity = select(nearer, velocity_at(solid, x), surface_velocity);
+        phi = select(nearer, d.phi, phi);
+    }
+}
 template <class S>
 void sample_nearest(const std::vector<PosedSolid<Plain<S>>>& solids, int n, const Vec3<S>* x, S* phi,
                     Vec3<S>* normal, Vec3<S>* surface_velocity) {
-    for (int i = 0; i < n; ++i) {
-        phi[i] = S(1e9);
-        for (const auto& solid : solids) {
-            const DistanceSample<S> d = distance_in_world(solid, x[i]);
-            const auto nearer = d.phi < phi[i];
-            normal[i] = select(nearer, d.normal, normal[i]);
-            surface_velocity[i] = select(nearer, velocity_at(solid, x[i]), surface_velocity[i]);
-            phi[i] = select(nearer, d.phi, phi[i]);
-        }
-    }
+    for (int i = 0; i < n; ++i) sample_nearest(solids, x[i], phi[i], normal[i], surface_velocity[i]);
 }
 
 // The contact flag with hysteresis: on at the surface, off beyond the range h.
 template <class S>
+WETCURL_HD S updated_touching(const S& touching, const S& phi, Plain<S> range) {
+    return select(phi > S(range), S(0), select(phi < S(Plain<S>(0.1) * range), S(1), touching));
+}
+template <class S>
 void update_touching(int n, const S* phi, Plain<S> range, S* touching) {
-    for (int i = 0; i < n; ++i)
-        touching[i] =
-            select(phi[i] > S(range), S(0), select(phi[i] < S(Plain<S>(0.1) * range), S(1), touching[i]));
+    for (int i = 0; i < n; ++i) touching[i] = updated_touching(touching[i], phi[i], range);
 }
 
 }  // namespace wetcurl

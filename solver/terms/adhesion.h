@@ -40,8 +40,8 @@ struct Adhesion {
     }
 
     template <class S>
-    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {
-        for (int i = 1; i < c.n; ++i) {
+    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a, int begin, int end) const {
+        for (int i = maximum(begin, 1); i < end; ++i) {
             const S sm = c.saturation[i] * c.mass[i] * c.touching[i], scale = sm * S(a_max);
             const S q = c.phi[i] * S(1 / h_a);
             S value, slope;

@@ -42,9 +42,9 @@ struct Bend {
     }
 
     template <class S>
-    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {
+    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a, int begin, int end) const {
         const S k(k_b), damp(c_b), weight = a.h * a.h * k + a.h * damp;
-        for (int i = 1; i + 1 < c.n; ++i) {
+        for (int i = maximum(begin - 1, 1); i + 1 < end; ++i) {
             const Vec3<S> t = target(c, i), e = edge(c, i), e1 = edge(c, i - 1);
             const S inverse = S(1) / maximum(dot(e1, e1), S(tiny_length<S>));
             // How t_i turns with the edge before: dt_i = -B de_{i-1}, B = [t]x[e]x / |e|² = (e t^T - t.e I) /

@@ -8,6 +8,9 @@
 namespace wetcurl {
 
 // One block of strands of n particles (SI units). Pointers are null where no present term needs them.
+// A term adds what its elements do, `assemble(view, system, begin, end)`: those whose last particle lies in
+// begin .. end - 1. An element reaches two particles back at most, so that a strand can be assembled and
+// solved in one sweep.
 template <class S>
 struct ChainView {
     int n;                            // particles a strand; edge i joins particles i and i+1
@@ -26,8 +29,9 @@ struct ChainView {
     const S* touching;                // (n) 1 where the particle has been in contact and not let go, else 0
     const S* given_adhesion;          // (n) F.n / (sigma m a_max) from a network in Eq 11's place, or null
     Vec3<S> turn, turn_center,
-        drift;         // the root's rigid motion: angular velocity, centre, velocity of the centre
-    Vec3<S>* scratch;  // (2n) free for one term at a time
+        drift;           // the root's rigid motion: angular velocity, centre, velocity of the centre
+    Vec3<S> chord;       // x_{n-1} - x_0
+    Vec3<S>* core_pull;  // (2n) the core's force along each edge in the first half, made by its `prepare`
 };
 
 // Forces f and, for the implicit step, the block-pentadiagonal K = h C + h² H, upper half.
@@ -53,6 +57,13 @@ struct ChainSystem {
         upper1[i] -= to_mat3(k);
     }
 };
+
+// All elements of a strand.
+template <class Term, class S>
+WETCURL_HD void assemble(const Term& term, const ChainView<S>& c, const ChainSystem<S>& a) {
+    if constexpr (requires { term.prepare(c); }) term.prepare(c);
+    term.assemble(c, a, 0, c.n);
+}
 
 template <class S>
 WETCURL_HD Vec3<S> edge(const ChainView<S>& c, int i) {

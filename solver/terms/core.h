@@ -34,29 +34,35 @@ struct Core {
         return sum;
     }
 
+    // Force on the smoothed edge b, its rate nu.
     template <class S>
-    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {
-        const S k(k_c), damp(c_c);
-        Vec3<S>*g = c.scratch, *b = c.scratch + c.n;
+    WETCURL_HD Vec3<S> pull(const Vec3<S>& b, const Vec3<S>& nu, const S& rest) const {
+        const Vec3<S> b_hat = normalized(b, Vec3<S>{S(0), S(0), S(0)});
+        return (S(k_c) * (norm(b) - rest) + S(c_c) * dot(nu, b_hat)) * b_hat;
+    }
+
+    // The force along each edge, carried back through the filter.
+    template <class S>
+    WETCURL_HD void prepare(const ChainView<S>& c) const {
+        Vec3<S>*g = c.core_pull, *b = c.core_pull + c.n;
         smooth_edges<S>(
             c.n - 1, Plain<S>(beta), [&](int i) { return edge(c, i); },
             [&](int i, const Vec3<S>& d) { b[i] = d; });
-        const Vec3<S> none{S(0), S(0), S(0)};
         smooth_edges<S>(
             c.n - 1, Plain<S>(beta), [&](int i) { return c.v[i + 1] - c.v[i]; },
-            [&](int i, const Vec3<S>& nu) {
-                const Vec3<S> b_hat = normalized(b[i], none);
-                g[i] = (k * (norm(b[i]) - c.rest_core[i]) + damp * dot(nu, b_hat)) * b_hat;
-            });
-        if (printed)
-            for (int i = 0; i + 1 < c.n; ++i) a.add_edge_force(i, g[i]);
-        else
+            [&](int i, const Vec3<S>& nu) { g[i] = pull(b[i], nu, c.rest_core[i]); });
+        if (!printed)
             smooth_edges_adjoint<S>(
                 c.n - 1, Plain<S>(beta), [&](int i) { return g[i]; },
-                [&](int i, const Vec3<S>& y) { a.add_edge_force(i, y); });
-        if (a.with_matrix()) {
-            const Sym3<S> majoriser = identity_times(a.h * a.h * k + a.h * damp);
-            for (int i = 0; i + 1 < c.n; ++i) a.add_edge_matrix(i, majoriser);
+                [&](int i, const Vec3<S>& y) { g[i] = y; });
+    }
+
+    template <class S>
+    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a, int begin, int end) const {
+        const Sym3<S> majoriser = identity_times(a.h * a.h * S(k_c) + a.h * S(c_c));
+        for (int i = maximum(begin - 1, 0); i + 1 < end; ++i) {
+            a.add_edge_force(i, c.core_pull[i]);
+            if (a.with_matrix()) a.add_edge_matrix(i, majoriser);
         }
     }
 };

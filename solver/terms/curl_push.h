@@ -23,10 +23,11 @@ struct CurlPush {
     }
 
     template <class S>
-    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {
+    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a, int begin, int end) const {
         const Vec3<S> x_axis{S(1), S(0), S(0)};
-        const Quat<S> m = minimal_rotation(x_axis, normalized(c.x[c.n - 1] - c.x[0], x_axis));
-        for (int i = 0; i + 1 < c.n; ++i) a.add_edge_force(i, S(k_w) * rotate(m, c.push[i]));
+        const Quat<S> m = minimal_rotation(x_axis, normalized(c.chord, x_axis));
+        for (int i = maximum(begin - 1, 0); i + 1 < end; ++i)
+            a.add_edge_force(i, S(k_w) * rotate(m, c.push[i]));
     }
 };
 

@@ -26,8 +26,8 @@ struct Stiffness {
     }
 
     template <class S>
-    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {
-        for (int i = 0; i < c.n; ++i) {
+    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a, int begin, int end) const {
+        for (int i = begin; i < end; ++i) {
             const S sigma = c.saturation ? c.saturation[i] : S(0);
             const S rate = S(c_all) + sigma * S(c_wet) + (S(1) - sigma) * S(c_dry);
             const Vec3<S> rigid = c.drift + cross(c.turn, c.x[i] - c.turn_center);

@@ -28,11 +28,12 @@ struct Stretch {
     }
 
     template <class S>
-    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a) const {
+    WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a, int begin, int end) const {
         const S k(k_s), damp(c_s), k_h = a.h * a.h * k, c_h = a.h * damp;
         // A segment of no length takes the direction of the one before it.
         Vec3<S> e_hat{S(1), S(0), S(0)};
-        for (int i = 0; i + 1 < c.n; ++i) {
+        if (begin > 1) e_hat = normalized(edge(c, begin - 2), e_hat);
+        for (int i = maximum(begin - 1, 0); i + 1 < end; ++i) {
             const Vec3<S> e = edge(c, i);
             const S length = norm(e), l = c.rest_length[i];
             e_hat = normalized(e, e_hat);

@@ -53,7 +53,7 @@ inline double mean_length(const std::vector<double>& lengths) {
 // At rest in the shape it is made from: every array that a term may read is there.
 struct OneStrand {
     int n;
-    Points x, v, target, push, normal, surface_velocity, scratch;
+    Points x, v, target, push, normal, surface_velocity, core_pull;
     std::vector<double> mass, rest_length, rest_core, saturation, phi, touching;
     std::vector<Quatd> frame;
     Vec3d turn{0, 0, 0}, turn_center{0, 0, 0}, drift{0, 0, 0};
@@ -66,7 +66,7 @@ struct OneStrand {
           push(shape.size(), Vec3d{0, 0, 0}),
           normal(shape.size(), Vec3d{0, 1, 0}),
           surface_velocity(shape.size(), Vec3d{0, 0, 0}),
-          scratch(2 * shape.size()),
+          core_pull(2 * shape.size()),
           mass(shape.size(), 0.0),
           saturation(shape.size(), 0.0),
           phi(shape.size(), 1.0),
@@ -108,7 +108,8 @@ struct OneStrand {
         c.turn = turn;
         c.turn_center = turn_center;
         c.drift = drift;
-        c.scratch = scratch.data();
+        c.chord = at.back() - at.front();
+        c.core_pull = core_pull.data();
         return c;
     }
     // Frames of this strand carried on to other positions.
@@ -166,14 +167,14 @@ Assembled assembled(const Term& term, const ChainView<double>& c, double h) {
     Points force(n, Vec3d{0, 0, 0});
     std::vector<Sym3<double>> diagonal(n, none);
     std::vector<Mat3<double>> upper1(n, to_mat3(none)), upper2(n, to_mat3(none));
-    term.assemble(c, ChainSystem<double>{h, force.data(), diagonal.data(), upper1.data(), upper2.data()});
+    assemble(term, c, ChainSystem<double>{h, force.data(), diagonal.data(), upper1.data(), upper2.data()});
     return {stacked(force), whole(diagonal, upper1, upper2)};
 }
 
 template <class Term>
 Eigen::VectorXd force_of(const Term& term, const ChainView<double>& c) {
     Points force(size_t(c.n), Vec3d{0, 0, 0});
-    term.assemble(c, ChainSystem<double>{0, force.data(), nullptr, nullptr, nullptr});
+    assemble(term, c, ChainSystem<double>{0, force.data(), nullptr, nullptr, nullptr});
     return stacked(force);
 }
 

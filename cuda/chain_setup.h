@@ -1,0 +1,38 @@
+// What the sweeps need of a scene: its numbers, and its motion substep by substep. Host only. Ours.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "cuda/strand_sweep.h"
+#include "solver/placement.h"
+
+namespace wetcurl {
+
+template <class T>
+ChainConstants<T> chain_constants(const Scene& scene, double dt) {
+    const auto& bend = scene.term<Bend>();
+    const double relax = bend ? 1 - std::exp(-bend->twist_rate * dt) : 0;
+    return {scene.chain, T(dt), T(scene.integrator.limiter), T(relax), cast<T>(scene.integrator.gravity)};
+}
+
+inline unsigned set_of(const Scene& scene) {
+    return set_of(scene.chain, !scene.solids.empty(), scene.integrator.limiter > 0);
+}
+
+// `shapes`: the scene's solids in the device's memory; the motion's solids are appended to `solids`, its
+// pointer to them is the caller's to set.
+template <class T>
+SubstepMotion<T> substep_motion(const Placement<T>& p, const ShapeView* shapes,
+                                std::vector<DeviceSolid<T>>& solids) {
+    for (const auto& solid : p.solids)
+        solids.push_back({shapes++, solid.rotation, solid.translation, solid.velocity, solid.spin,
+                          solid.friction, solid.attached});
+    return {cast<T>(p.head.rotation), p.root_turn, cast<T>(p.head.translation), p.turn, p.turn_center, p.drift,
+            nullptr, int(p.solids.size())};
+}
+
+// Numbers of a row of the substitution.
+inline int factor_rows(const ChainTerms& terms) { return couples_two_edges(terms) ? 21 : 12; }
+
+}  // namespace wetcurl

@@ -1,0 +1,366 @@
+// The implicit substep of one strand in two sweeps, for a thread a strand: from the tip, forces, matrix and
+// elimination row by row in registers; from the root, substitution, contact, frames, and the core's filter for
+// the substep that follows. Terms and formulas are those of solver/passes/chain_step.h, which is the reference.
+// Differs: there rows are eliminated from the root. From the tip the core's adjoint needs no sweep of its own,
+// and the two prescribed rows come last, where they are known.
+#pragma once
+
+#include <utility>
+
+#include "cuda/lanes.h"
+#include "solver/passes/block_solve.h"
+#include "solver/passes/chain_step.h"
+#include "solver/passes/contact.h"
+
+namespace wetcurl {
+
+// What is there of a scene, by its place in ChainTerms; contact and limiter after them. A kernel for one set
+// knows it at compile time; the general one asks at each use.
+namespace present {
+template <class Term, size_t k = 0>
+constexpr int place_of() {
+    if constexpr (std::is_same_v<std::tuple_element_t<k, ChainTerms>, std::optional<Term>>)
+        return int(k);
+    else
+        return place_of<Term, k + 1>();
+}
+inline constexpr int contact = int(std::tuple_size_v<ChainTerms>), limiter = contact + 1;
+template <class... Term>
+inline constexpr unsigned these = (0u | ... | (1u << place_of<Term>()));
+}  // namespace present
+
+template <unsigned bits>
+struct ExactSet {
+    WETCURL_HD static constexpr bool has(int place) { return (bits >> place) & 1; }
+};
+struct AnySet {
+    unsigned bits;
+    WETCURL_HD bool has(int place) const { return (bits >> place) & 1; }
+};
+inline unsigned set_of(const ChainTerms& terms, bool contact, bool limiter) {
+    unsigned bits = unsigned(contact) << present::contact | unsigned(limiter) << present::limiter;
+    int place = 0;
+    std::apply([&](const auto&... term) { ((bits |= unsigned(term.has_value()) << place++), ...); }, terms);
+    return bits;
+}
+template <class Term, class Set>
+WETCURL_HD bool has(const Set& set) {
+    return set.has(present::place_of<Term>());
+}
+template <class Term>
+WETCURL_HD const Term& get(const ChainTerms& terms) {
+    return *std::get<present::place_of<Term>()>(terms);
+}
+
+// The strands in the device's memory: rows of 32 lanes (block, particle, number). Null where no present term
+// needs it.
+template <class T>
+struct StrandMemory {
+    int n;
+    T *x, *x_before, *v, *v_before, *frame, *touching;
+    T* core;     // (block, particle, 3) the core's force on the smoothed edge, before the adjoint
+    T* factors;  // (block, particle, 3 or 12 or 21) the substitution's y, u1, u2
+    const T *root, *mass, *rest_length, *rest_core, *target, *saturation, *rest_depth, *push;
+};
+
+// What is the same for all strands and substeps.
+template <class T>
+struct ChainConstants {
+    ChainTerms terms;
+    T dt, limiter, relax;  // share by which twists relax in a substep; 0: not at all
+    Vec3<T> gravity;
+};
+
+template <class T>
+using DeviceSolid = PosedSolid<T, ShapeView>;
+
+// One substep's motion of the head and of `count` solids.
+template <class T>
+struct SubstepMotion {
+    Quat<T> head_rotation, root_turn;
+    Vec3<T> head_translation, turn, turn_center, drift;
+    const DeviceSolid<T>* solids;
+    int count;
+    WETCURL_HD const DeviceSolid<T>* begin() const { return solids; }
+    WETCURL_HD const DeviceSolid<T>* end() const { return solids + count; }
+};
+
+// One strand: block of 32 and lane.
+template <class T>
+class StrandSweep {
+    using V = Vec3<T>;
+    using Q = Quat<T>;
+    using M = Mat3<T>;
+
+  public:
+    WETCURL_HD StrandSweep(const StrandMemory<T>& m, const ChainConstants<T>& constants, int block, int lane)
+        : m_(m), k_(constants), block_(size_t(block)), lane_(lane) {
+        x_ = of<V>(m.x), x_before_ = of<V>(m.x_before), v_ = of<V>(m.v), v_before_ = of<V>(m.v_before);
+    }
+
+    // From rest: the core's force for the first substep.
+    template <class Set>
+    WETCURL_HD void prepare(const Set& set) const {
+        if (!has<Core>(set)) return;
+        const Bdf2<T> scheme(k_.dt, true);
+        const Core& core = get<Core>(k_.terms);
+        EdgeFilter<T> edges(T(core.beta), at_first(scheme, 1) - at_first(scheme, 0)),
+            rates(T(core.beta), v_[1] - v_[0]);
+        for (int i = 0; i + 1 < m_.n; ++i)
+            of<V>(m_.core).set(i, core.pull(edges(at_first(scheme, i + 1) - at_first(scheme, i)),
+                                            rates(v_[i + 1] - v_[i]), of<const T>(m_.rest_core)[i]));
+    }
+
+    // One substep; `first` of a run: no history. Returns how many edges the limiter shortened.
+    template <class Set>
+    WETCURL_HD int step(const Set& set, const SubstepMotion<T>& motion, bool first) {
+        const Bdf2<T> scheme(k_.dt, first);
+        eliminate_from_tip(set, motion, scheme);
+        const int limited = substitute_from_root(set, motion, scheme);
+        // What was written over the older state is the newer one.
+        const auto x = x_, v = v_;
+        x_ = x_before_, v_ = v_before_;
+        x_before_ = x, v_before_ = v;
+        return limited;
+    }
+
+  private:
+    // This lane's elements of a buffer.
+    template <class E, class P>
+    WETCURL_HD auto of(P* buffer, size_t rows = sizeof(E) / sizeof(T)) const {
+        return LaneArray<std::remove_const_t<E>, P>{
+            buffer + block_ * size_t(m_.n) * rows * Lanes<T>::lanes + lane_};
+    }
+    WETCURL_HD V at_first(const Bdf2<T>& scheme, int i) const {
+        return scheme.predicted(x_[i], x_before_[i], v_[i]);
+    }
+
+    // A row of the substitution: y, then u1, then (where a term couples two edges) u2.
+    struct Factors {
+        V y;
+        M u1, u2;
+    };
+    template <class Set>
+    WETCURL_HD static bool penta(const Set& set) {
+        return has<Bend>(set);
+    }
+    template <class Set>
+    WETCURL_HD T* factors_of(const Set& set, int i) const {
+        const int rows = penta(set) ? 21 : 12;
+        return m_.factors + ((block_ * size_t(m_.n) + size_t(i)) * size_t(rows)) * Lanes<T>::lanes + lane_;
+    }
+
+    // What an element whose last particle is i reads from memory.
+    struct Inputs {
+        V x, x_before, v;  // of particle i-2
+        Q frame;           // of edge i-2
+        V v_before;        // of particle i, and so on
+        T mass, saturation, touching;
+        V core, target, push;  // of edge i-1
+        T rest_length;
+    };
+    template <class Set>
+    WETCURL_HD Inputs inputs_at(const Set& set, int i) const {
+        Inputs in{};
+        in.x = x_[i - 2], in.x_before = x_before_[i - 2], in.v = v_[i - 2];
+        in.v_before = v_before_[i];
+        in.mass = of<const T>(m_.mass)[i];
+        in.rest_length = of<const T>(m_.rest_length)[i - 1];
+        if (has<Bend>(set))
+            in.frame = of<Q>(m_.frame)[i - 2], in.target = of<const V>(m_.target)[i - 1];
+        if (has<Core>(set)) in.core = of<V>(m_.core)[i - 1];
+        if (has<CurlPush>(set)) in.push = of<const V>(m_.push)[i - 1];
+        if (has<Adhesion>(set)) in.touching = of<T>(m_.touching)[i];
+        if ((has<Adhesion>(set) || has<Stiffness>(set)) && m_.saturation)
+            in.saturation = of<const T>(m_.saturation)[i];
+        return in;
+    }
+
+    WETCURL_HD void touch(int i, T phi) const {
+        const auto touching = of<T>(m_.touching);
+        touching.set(i, updated_touching(touching[i], phi, T(get<Adhesion>(k_.terms).h_a)));
+    }
+
+    template <class Set, size_t... place>
+    WETCURL_HD void assemble_present(const Set& set, const ChainView<T>& view, const ChainSystem<T>& system,
+                                     std::index_sequence<place...>) const {
+        ((set.has(int(place)) ? std::get<place>(k_.terms)->assemble(view, system, 2, 3) : void()), ...);
+    }
+
+    template <class Set>
+    WETCURL_HD void eliminate_from_tip(const Set& set, const SubstepMotion<T>& motion,
+                                       const Bdf2<T>& scheme) const {
+        const int n = m_.n;
+        if (n < 3) return;
+        // Particles i-2, i-1 and i stand at 0, 1 and 2: the element and the rows that it reaches.
+        const V zero{T(0), T(0), T(0)};
+        const Sym3<T> no_sym = identity_times(T(0));
+        const M no_mat = to_mat3(no_sym);
+        V x[3], v[3], force[3] = {zero, zero, zero}, r[3] = {zero, zero, zero};
+        Sym3<T> diagonal[3] = {no_sym, no_sym, no_sym};
+        M upper1[2] = {no_mat, no_mat}, upper2[1];
+        V target[2], core[2], push[2], normal[3], surface_velocity[3];
+        Q frame[1];
+        T mass[3], rest_length[2], saturation[3], touching[3], phi[3];
+        normal[2] = {T(0), T(1), T(0)}, surface_velocity[2] = zero;
+
+        ChainView<T> view{};
+        view.n = 3;
+        view.x = x, view.v = v, view.mass = mass, view.rest_length = rest_length;
+        view.target = target, view.frame = frame, view.core_pull = core, view.push = push;
+        view.saturation = saturation, view.touching = touching, view.phi = phi, view.normal = normal;
+        view.surface_velocity = surface_velocity;
+        view.turn = motion.turn, view.turn_center = motion.turn_center, view.drift = motion.drift;
+        if (has<CurlPush>(set)) view.chord = at_first(scheme, n - 1) - at_first(scheme, 0);
+        const ChainSystem<T> system{scheme.h, force, diagonal, upper1, upper2};
+
+        EdgeFilterAdjoint<T> adjoint(has<Core>(set) ? T(get<Core>(k_.terms).beta) : T(1));
+        x[1] = at_first(scheme, n - 1), v[1] = v_[n - 1];
+        x[0] = at_first(scheme, n - 2), v[0] = v_[n - 2];
+        Inputs next = inputs_at(set, n - 1);
+        for (int i = n - 1; i >= 2; --i) {
+            const Inputs in = next;
+            if (i > 2) next = inputs_at(set, i - 1);  // on its way while this row is worked on
+            x[2] = x[1], x[1] = x[0], x[0] = scheme.predicted(in.x, in.x_before, in.v);
+            v[2] = v[1], v[1] = v[0], v[0] = in.v;
+            upper2[0] = no_mat;
+            mass[2] = in.mass, saturation[2] = in.saturation, touching[2] = in.touching;
+            rest_length[1] = in.rest_length, target[1] = in.target, push[1] = in.push;
+            if (has<Bend>(set)) frame[0] = carried_frame(motion.root_turn, in.frame, x[1] - x[0]);
+            if (has<Core>(set)) core[1] = get<Core>(k_.terms).printed ? in.core : adjoint(in.core);
+            if (has<Adhesion>(set)) sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
+            assemble_present(set, view, system, std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
+            if (has<Adhesion>(set))
+                touch(i, phi[2]);
+
+            // Row i is whole.
+            r[2] += scheme.right_side(mass[2], v[2], in.v_before, force[2] + mass[2] * k_.gravity);
+            diagonal[2] += identity_times(mass[2]);
+            M u1 = transposed(upper1[1]), u2 = transposed(upper2[0]), u11 = transposed(upper1[0]);
+            eliminate(Row<T>{diagonal[2], &u1, penta(set) ? &u2 : nullptr, r[2]}, &diagonal[1], &r[1], &u11,
+                      &diagonal[0], &r[0]);
+            T* out = factors_of(set, i);
+            LaneArray<V, T>{out}.set(0, r[2]);
+            LaneArray<M, T>{out + 3 * Lanes<T>::lanes}.set(0, u1);
+            if (penta(set)) LaneArray<M, T>{out + 12 * Lanes<T>::lanes}.set(0, u2);
+
+            diagonal[2] = diagonal[1], diagonal[1] = diagonal[0], diagonal[0] = no_sym;
+            upper1[1] = transposed(u11), upper1[0] = no_mat;
+            force[2] = force[1], force[1] = force[0], force[0] = zero;
+            r[2] = r[1], r[1] = r[0], r[0] = zero;
+        }
+        if (has<Adhesion>(set))
+            for (int i = 0; i < 2; ++i) {
+                sample_nearest(motion, x[i], phi[2], normal[2], surface_velocity[2]);
+                touch(i, phi[2]);
+            }
+    }
+
+    // What particle i needs on the way from the root.
+    struct Outputs {
+        V x, x_before, v;
+        Factors row;
+        Q frame;      // of edge i-1
+        V target;     // of edge i-1
+        T rest_core;  // of edge i-1
+        T rest_length, rest_depth;
+    };
+    template <class Set>
+    WETCURL_HD Outputs outputs_at(const Set& set, int i) const {
+        Outputs in{};
+        in.x = x_[i], in.x_before = x_before_[i], in.v = v_[i];
+        if (i >= 2) {
+            T* row = factors_of(set, i);
+            in.row.y = LaneArray<V, T>{row}[0];
+            in.row.u1 = LaneArray<M, T>{row + 3 * Lanes<T>::lanes}[0];
+            if (penta(set)) in.row.u2 = LaneArray<M, T>{row + 12 * Lanes<T>::lanes}[0];
+        }
+        if (i >= 1) {
+            if (has<Bend>(set)) in.frame = of<Q>(m_.frame)[i - 1], in.target = of<const V>(m_.target)[i - 1];
+            if (has<Core>(set)) in.rest_core = of<const T>(m_.rest_core)[i - 1];
+            if (set.has(present::limiter)) in.rest_length = of<const T>(m_.rest_length)[i - 1];
+        }
+        if (set.has(present::contact) && m_.rest_depth) in.rest_depth = of<const T>(m_.rest_depth)[i];
+        return in;
+    }
+
+    template <class Set>
+    WETCURL_HD int substitute_from_root(const Set& set, const SubstepMotion<T>& motion,
+                                        const Bdf2<T>& scheme) const {
+        const int n = m_.n;
+        const V zero{T(0), T(0), T(0)};
+        const Bdf2<T> following(k_.dt, false);
+        const LaneArray<V, const T> root{m_.root + block_ * 2 * 3 * Lanes<T>::lanes + lane_};
+        V d1 = zero, d2 = zero;                            // solution of particles i-1 and i-2
+        V x1 = zero, v1 = zero, ahead1 = zero, kept = zero;  // of particle i-1; `kept`: before its contacts
+        Q carried{}, frame{};                              // frame: of edge i-2, before its twist relaxes
+        EdgeFilter<T> edges(T(1), zero), rates(T(1), zero);
+        int limited = 0;
+        Outputs next = outputs_at(set, 0);
+        for (int i = 0; i < n; ++i) {
+            const Outputs in = next;
+            if (i + 1 < n) next = outputs_at(set, i + 1);
+            V x = scheme.predicted(in.x, in.x_before, in.v), v = in.v, x_old = in.x, v_old = in.v, d;
+            if (i < 2) {
+                const V placed = rotate(motion.head_rotation, root[i]) + motion.head_translation;
+                d = (T(1) / scheme.h) * (placed - x);
+                x = placed;
+            } else {
+                d = in.row.y - in.row.u1 * d1;
+                if (penta(set)) d -= in.row.u2 * d2;
+                x += scheme.h * d;
+            }
+            v += d;
+            d2 = d1, d1 = d;
+            bool moved = false;
+            if (i >= 2) {
+                if (set.has(present::limiter)) {
+                    bool over;
+                    const V end = limited_end(kept, x, in.rest_length, k_.limiter, over);
+                    const V dx = end - x, dv = (T(1) / k_.dt) * dx;
+                    x = end, x_old += dx, v += dv, v_old += dv;
+                    moved = over, limited += over;
+                }
+                kept = x;
+                if (set.has(present::contact))
+                    for (const auto& solid : motion)
+                        moved |= resolve_contact(solid, solid.attached ? in.rest_depth : T(0), k_.dt, x, x_old,
+                                                 v, v_old);
+            } else {
+                kept = x;
+            }
+            x_before_.set(i, x), v_before_.set(i, v);
+            if (moved) x_.set(i, x_old), v_.set(i, v_old);
+            const V ahead = following.predicted(x, x_old, v);
+            if (i >= 1) {
+                if (has<Bend>(set)) {
+                    const V e = x - x1;
+                    const Q here = carried_frame(motion.root_turn, in.frame, e);
+                    if (i == 1) carried = here;
+                    if (i > 2 && k_.relax > 0)
+                        frame = relaxed_twist(get<Bend>(k_.terms), frame, carried, k_.relax, in.target, e);
+                    if (i > 1) of<Q>(m_.frame).set(i - 2, frame);
+                    frame = here;
+                }
+                if (has<Core>(set)) {
+                    const Core& core = get<Core>(k_.terms);
+                    const V e = ahead - ahead1, rate = v - v1;
+                    if (i == 1)
+                        edges = EdgeFilter<T>(T(core.beta), e), rates = EdgeFilter<T>(T(core.beta), rate);
+                    of<V>(m_.core).set(i - 1, core.pull(edges(e), rates(rate), in.rest_core));
+                }
+            }
+            x1 = x, v1 = v, ahead1 = ahead;
+        }
+        if (has<Bend>(set)) of<Q>(m_.frame).set(n - 2, frame);
+        return limited;
+    }
+
+    const StrandMemory<T>& m_;
+    const ChainConstants<T>& k_;
+    size_t block_;
+    int lane_;
+    LaneArray<V, T> x_, x_before_, v_, v_before_;
+};
+
+}  // namespace wetcurl

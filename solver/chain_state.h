@@ -1,0 +1,136 @@
+// The strands of a scene as the stepper holds them on every device: strand-interleaved, a lane a strand. Ours.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "solver/rest_state.h"
+#include "solver/scene.h"
+
+namespace wetcurl {
+
+// Buffers of (block, particle), empty where no present term needs them. S has S::lanes numbers, set by
+// `set(lane, value)`; the last block is filled up with copies of the last strand.
+template <class S>
+struct ChainState {
+    static constexpr int lanes = S::lanes;
+    int strands, n, blocks;
+    std::vector<Vec3<S>> x, x_before, v, v_before, target, push;
+    std::vector<Vec3<S>> root;  // (block, 2) particles 0 and 1 in the head's frame
+    std::vector<S> mass, rest_length, rest_core, saturation, rest_depth, touching;
+    std::vector<Quat<S>> frame;
+
+    size_t at(int block, int i) const { return size_t(block) * size_t(n) + size_t(i); }
+
+    // At rest on the head's first pose.
+    explicit ChainState(const Scene& scene)
+        : strands(scene.groom.rest.count),
+          n(scene.groom.rest.particles),
+          blocks((strands + lanes - 1) / lanes) {
+        const bool bend = scene.term<Bend>().has_value(), core = scene.term<Core>().has_value();
+        const bool adhesion = scene.term<Adhesion>().has_value();
+        const size_t cells = at(blocks, 0);
+        for (auto* b : {&x, &x_before, &v, &v_before}) b->assign(cells, {S(0), S(0), S(0)});
+        root.resize(size_t(blocks) * 2), mass.resize(cells), rest_length.resize(cells);
+        if (bend) target.resize(cells), frame.resize(cells);
+        if (core) rest_core.resize(cells);
+        if (scene.wetness && (adhesion || scene.term<Stiffness>())) saturation.resize(cells);
+        if (scene.has_attached_solid()) rest_depth.resize(cells);
+        if (adhesion) touching.assign(cells, S(0));
+        if (scene.term<CurlPush>()) push.resize(cells);
+        const std::vector<float> depth = rest_depths_of(scene);
+#pragma omp parallel for schedule(dynamic)
+        for (int block = 0; block < blocks; ++block)
+            for (int lane = 0; lane < lanes; ++lane)
+                place(scene, depth, block, lane, std::min(block * lanes + lane, strands - 1));
+    }
+
+    // Calls f(name, buffer) for each.
+    template <class Self, class F>
+    static void for_each_buffer(Self& s, F f) {
+        f("positions", s.x), f("positions before", s.x_before), f("velocities", s.v),
+            f("velocities before", s.v_before);
+        f("roots", s.root), f("mass", s.mass), f("rest lengths", s.rest_length);
+        f("bend targets", s.target), f("bend frames", s.frame), f("core lengths", s.rest_core);
+        f("saturation", s.saturation), f("rest depth", s.rest_depth), f("printed curl", s.push);
+        f("adhesion contact", s.touching);
+    }
+
+  private:
+    static void put(S& to, int lane, double a) { to.set(lane, Plain<S>(a)); }
+    static void put(Vec3<S>& to, int lane, const Vec3d& p) {
+        put(to.x, lane, p.x), put(to.y, lane, p.y), put(to.z, lane, p.z);
+    }
+    static void put(Quat<S>& to, int lane, const Quatd& q) {
+        put(to.w, lane, q.w), put(to.x, lane, q.x), put(to.y, lane, q.y), put(to.z, lane, q.z);
+    }
+
+    void place(const Scene& scene, const std::vector<float>& depth, int block, int lane, int s) {
+        const Pose head = scene.motion.at(0);
+        const StrandRest rest = rest_state_of(scene, s);
+        Quatd carried = Quatd::identity();
+        for (int i = 0; i < n; ++i) {
+            const Vec3d p = rest.start[size_t(i)];
+            const size_t k = at(block, i), drawn = size_t(s) * size_t(n) + size_t(i);
+            const Vec3d world = head(p);
+            put(x[k], lane, world);
+            put(x_before[k], lane, world);
+            if (i < 2) put(root[size_t(block) * 2 + size_t(i)], lane, p);
+            put(mass[k], lane, rest.mass[size_t(i)]);
+            if (!saturation.empty()) put(saturation[k], lane, scene.saturation[drawn]);
+            if (!rest_depth.empty()) put(rest_depth[k], lane, depth[drawn]);
+            if (i + 1 == n) continue;
+            put(rest_length[k], lane, rest.rest_length[size_t(i)]);
+            if (!rest_core.empty()) put(rest_core[k], lane, rest.rest_core[size_t(i)]);
+            if (!frame.empty()) {
+                put(target[k], lane, rest.target[size_t(i)]);
+                const Vec3d e = head(rest.start[size_t(i) + 1]) - world;
+                carried = i == 0 ? head.rotation * root_frame_of(normalized(rotate(conjugate(head.rotation), e),
+                                                                            Vec3d{1, 0, 0}))
+                                 : transported(carried, normalized(e, frame_direction(carried)));
+                put(frame[k], lane, carried);
+            }
+            if (!push.empty()) {
+                const Curl& curl = *scene.curl;
+                const double r = *curl.radius, omega = helix_angle(r, *curl.pitch / (2 * M_PI),
+                                                                   rest.rest_length[size_t(i)]);
+                put(push[k], lane,
+                    curl.w_h * scene.saturation[drawn] *
+                        Vec3d{*curl.pitch / (2 * M_PI) * omega,
+                              r * (std::cos(omega * (i + 1)) - std::cos(omega * i)),
+                              r * (std::sin(omega * (i + 1)) - std::sin(omega * i))});
+            }
+        }
+    }
+};
+
+// Energy of each kind [J] in each lane of a strand: kinetic, gravity, then the present terms'.
+template <class S>
+std::vector<S> energies(const ChainTerms& terms, const ChainView<S>& view, const Vec3d& gravity) {
+    std::vector<S> e(2, S(0));
+    const Vec3<S> g = cast<S>(cast<Plain<S>>(gravity));
+    for (int i = 0; i < view.n; ++i) {
+        e[0] += S(0.5) * view.mass[i] * dot(view.v[i], view.v[i]);
+        e[1] -= view.mass[i] * dot(g, view.x[i]);
+    }
+    for_each_present(terms, [&](const auto& term) { e.push_back(term.energy(view)); });
+    return e;
+}
+// Their names.
+inline std::vector<std::string> kinds_of_energy(const ChainTerms& terms) {
+    std::vector<std::string> kinds{"kinetic", "gravity"};
+    for_each_present(terms, [&](const auto& t) { kinds.push_back(t.name); });
+    return kinds;
+}
+// The one that is not finite, else the largest.
+inline size_t largest_energy(const std::vector<double>& e) {
+    size_t largest = 0;
+    for (size_t kind = 0; kind < e.size(); ++kind) {
+        if (!std::isfinite(e[kind])) return kind;
+        if (std::abs(e[kind]) > std::abs(e[largest])) largest = kind;
+    }
+    return largest;
+}
+
+}  // namespace wetcurl
