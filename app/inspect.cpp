@@ -169,6 +169,7 @@ Json terms_json() {
     Json rows = Json::array();
     add_rows<Stretch>(rows, "stretch");
     add_rows<Bend>(rows, "bend");
+    add_rows<Twist>(rows, "bend");
     add_rows<Core>(rows, "core");
     add_rows<Wetness>(rows, "wetness");
     add_rows<Curl>(rows, "curl");

@@ -119,6 +119,11 @@ template <class S>
 WETCURL_HD Mat3<S> transposed(const Mat3<S>& m) {
     return {{m.r0.x, m.r1.x, m.r2.x}, {m.r0.y, m.r1.y, m.r2.y}, {m.r0.z, m.r1.z, m.r2.z}};
 }
+// a b^T
+template <class S>
+WETCURL_HD Mat3<S> outer(const Vec3<S>& a, const Vec3<S>& b) {
+    return {a.x * b, a.y * b, a.z * b};
+}
 template <class S>
 WETCURL_HD Mat3<S> to_mat3(const Sym3<S>& m) {
     return {{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}};

@@ -28,8 +28,14 @@ SubstepMotion<T> substep_motion(const Placement<T>& p, const ShapeView* shapes,
     for (const auto& solid : p.solids)
         solids.push_back({shapes++, solid.rotation, solid.translation, solid.velocity, solid.spin,
                           solid.friction, solid.attached});
-    return {cast<T>(p.head.rotation), p.root_turn, cast<T>(p.head.translation), p.turn, p.turn_center, p.drift,
-            nullptr, int(p.solids.size())};
+    return {cast<T>(p.head.rotation),
+            p.root_turn,
+            cast<T>(p.head.translation),
+            p.turn,
+            p.turn_center,
+            p.drift,
+            nullptr,
+            int(p.solids.size())};
 }
 
 // Numbers of a row of the substitution.

@@ -16,7 +16,8 @@ struct Lanes {
 
     Lanes() = default;
     template <class U>
-    requires std::is_arithmetic_v<U> explicit Lanes(U u) {
+    requires std::is_arithmetic_v<U>
+    explicit Lanes(U u) {
         for (T& t : v) t = T(u);
     }
     T operator[](int lane) const { return v[lane]; }

@@ -1,8 +1,8 @@
 // The implicit substep of one strand in two sweeps, for a thread a strand: from the tip, forces, matrix and
-// elimination row by row in registers; from the root, substitution, contact, frames, and the core's filter for
-// the substep that follows. Terms and formulas are those of solver/passes/chain_step.h, which is the reference.
-// Differs: there rows are eliminated from the root. From the tip the core's adjoint needs no sweep of its own,
-// and the two prescribed rows come last, where they are known.
+// elimination row by row in registers; from the root, substitution, contact, frames, and the core's filter
+// for the substep that follows. Terms and formulas are those of solver/passes/chain_step.h, which is the
+// reference. Differs: there rows are eliminated from the root. From the tip the core's adjoint needs no sweep
+// of its own, and the two prescribed rows come last, where they are known.
 #pragma once
 
 #include <utility>
@@ -128,8 +128,8 @@ class StrandSweep {
     // This lane's elements of a buffer.
     template <class E, class P>
     WETCURL_HD auto of(P* buffer, size_t rows = sizeof(E) / sizeof(T)) const {
-        return LaneArray<std::remove_const_t<E>, P>{
-            buffer + block_ * size_t(m_.n) * rows * Lanes<T>::lanes + lane_};
+        return LaneArray<std::remove_const_t<E>, P>{buffer + block_ * size_t(m_.n) * rows * Lanes<T>::lanes +
+                                                    lane_};
     }
     WETCURL_HD V at_first(const Bdf2<T>& scheme, int i) const {
         return scheme.predicted(x_[i], x_before_[i], v_[i]);
@@ -166,8 +166,7 @@ class StrandSweep {
         in.v_before = v_before_[i];
         in.mass = of<const T>(m_.mass)[i];
         in.rest_length = of<const T>(m_.rest_length)[i - 1];
-        if (has<Bend>(set))
-            in.frame = of<Q>(m_.frame)[i - 2], in.target = of<const V>(m_.target)[i - 1];
+        if (has<Bend>(set)) in.frame = of<Q>(m_.frame)[i - 2], in.target = of<const V>(m_.target)[i - 1];
         if (has<Core>(set)) in.core = of<V>(m_.core)[i - 1];
         if (has<CurlPush>(set)) in.push = of<const V>(m_.push)[i - 1];
         if (has<Adhesion>(set)) in.touching = of<T>(m_.touching)[i];
@@ -230,8 +229,7 @@ class StrandSweep {
             if (has<Core>(set)) core[1] = get<Core>(k_.terms).printed ? in.core : adjoint(in.core);
             if (has<Adhesion>(set)) sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
             assemble_present(set, view, system, std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
-            if (has<Adhesion>(set))
-                touch(i, phi[2]);
+            if (has<Adhesion>(set)) touch(i, phi[2]);
 
             // Row i is whole.
             r[2] += scheme.right_side(mass[2], v[2], in.v_before, force[2] + mass[2] * k_.gravity);
@@ -291,9 +289,9 @@ class StrandSweep {
         const V zero{T(0), T(0), T(0)};
         const Bdf2<T> following(k_.dt, false);
         const LaneArray<V, const T> root{m_.root + block_ * 2 * 3 * Lanes<T>::lanes + lane_};
-        V d1 = zero, d2 = zero;                            // solution of particles i-1 and i-2
+        V d1 = zero, d2 = zero;                              // solution of particles i-1 and i-2
         V x1 = zero, v1 = zero, ahead1 = zero, kept = zero;  // of particle i-1; `kept`: before its contacts
-        Q carried{}, frame{};                              // frame: of edge i-2, before its twist relaxes
+        Q carried{}, frame{};                                // frame: of edge i-2, before its twist relaxes
         EdgeFilter<T> edges(T(1), zero), rates(T(1), zero);
         int limited = 0;
         Outputs next = outputs_at(set, 0);
@@ -324,8 +322,8 @@ class StrandSweep {
                 kept = x;
                 if (set.has(present::contact))
                     for (const auto& solid : motion)
-                        moved |= resolve_contact(solid, solid.attached ? in.rest_depth : T(0), k_.dt, x, x_old,
-                                                 v, v_old);
+                        moved |= resolve_contact(solid, solid.attached ? in.rest_depth : T(0), k_.dt, x,
+                                                 x_old, v, v_old);
             } else {
                 kept = x;
             }

@@ -1,4 +1,5 @@
-// The strands of a scene as the stepper holds them on every device: strand-interleaved, a lane a strand. Ours.
+// The strands of a scene as the stepper holds them on every device: strand-interleaved, a lane a strand.
+// Ours.
 #pragma once
 
 #include <algorithm>
@@ -69,7 +70,6 @@ struct ChainState {
     void place(const Scene& scene, const std::vector<float>& depth, int block, int lane, int s) {
         const Pose head = scene.motion.at(0);
         const StrandRest rest = rest_state_of(scene, s);
-        Quatd carried = Quatd::identity();
         for (int i = 0; i < n; ++i) {
             const Vec3d p = rest.start[size_t(i)];
             const size_t k = at(block, i), drawn = size_t(s) * size_t(n) + size_t(i);
@@ -85,16 +85,12 @@ struct ChainState {
             if (!rest_core.empty()) put(rest_core[k], lane, rest.rest_core[size_t(i)]);
             if (!frame.empty()) {
                 put(target[k], lane, rest.target[size_t(i)]);
-                const Vec3d e = head(rest.start[size_t(i) + 1]) - world;
-                carried = i == 0 ? head.rotation * root_frame_of(normalized(rotate(conjugate(head.rotation), e),
-                                                                            Vec3d{1, 0, 0}))
-                                 : transported(carried, normalized(e, frame_direction(carried)));
-                put(frame[k], lane, carried);
+                put(frame[k], lane, head.rotation * rest.frame[size_t(i)]);
             }
             if (!push.empty()) {
                 const Curl& curl = *scene.curl;
-                const double r = *curl.radius, omega = helix_angle(r, *curl.pitch / (2 * M_PI),
-                                                                   rest.rest_length[size_t(i)]);
+                const double r = *curl.radius,
+                             omega = helix_angle(r, *curl.pitch / (2 * M_PI), rest.rest_length[size_t(i)]);
                 put(push[k], lane,
                     curl.w_h * scene.saturation[drawn] *
                         Vec3d{*curl.pitch / (2 * M_PI) * omega,

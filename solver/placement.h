@@ -12,7 +12,7 @@ namespace wetcurl {
 template <class T>
 struct Placement {
     Pose head;
-    Quat<T> root_turn;                // rotation of the head over the substep
+    Quat<T> root_turn;                 // rotation of the head over the substep
     Vec3<T> turn, turn_center, drift;  // the head's angular velocity, place and velocity
     std::vector<PosedSolid<T>> solids;
 };

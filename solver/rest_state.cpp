@@ -32,30 +32,56 @@ std::vector<double> masses(const Scene& scene, int s, const std::vector<Vec3d>& 
     return mass;
 }
 
-// The drawn shape as an equilibrium: from the tip, edge i must pass on the weight below it (f_i = G_i -
-// G_{i-1}). What lies along the edge goes to the stretch's rest length, the rest to the bend's target.
-void free_of_sag(const Scene& scene, const std::vector<Vec3d>& p, const std::vector<double>& dry_mass,
-                 StrandRest& rest) {
-    const int edges = int(p.size()) - 1;
-    const double k_s = scene.term<Stretch>() ? scene.term<Stretch>()->k_s : 0, k_b = scene.term<Bend>()->k_b;
+// Frames along p without any twist, from the root's.
+std::vector<Quatd> frames_along(const std::vector<Vec3d>& p) {
     std::vector<Quatd> frame{root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0}))};
-    for (int i = 1; i < edges; ++i)
-        frame.push_back(transported(
-            frame.back(), normalized(p[size_t(i) + 1] - p[size_t(i)], frame_direction(frame.back()))));
-    Vec3d carried{0, 0, 0}, reaction{0, 0, 0};
-    for (int i = edges - 1; i >= 1; --i) {
-        const size_t k = size_t(i);
-        carried += dry_mass[k + 1] * scene.integrator.gravity;  // G_i, all the weight beyond edge i
-        const Vec3d e = p[k + 1] - p[k], need = carried - reaction;
+    for (size_t i = 1; i + 1 < p.size(); ++i)
+        frame.push_back(
+            transported(frame.back(), normalized(p[i + 1] - p[i], frame_direction(frame.back()))));
+    return frame;
+}
+
+// The drawn shape as an equilibrium: from the tip, edge i must pass on the weight below it (f_i = G_i -
+// G_{i-1}). What lies along the edge goes to the stretch's rest length, the rest to the bend's target. The
+// bends then turn their frames, which the twist must hold: the angle at each edge [rad] is returned.
+std::vector<double> free_of_sag(const Scene& scene, const std::vector<Vec3d>& p,
+                                const std::vector<double>& dry_mass, StrandRest& rest) {
+    const size_t edges = p.size() - 1;
+    const double k_s = scene.term<Stretch>() ? scene.term<Stretch>()->k_s : 0;
+    const Bend& bend = *scene.term<Bend>();
+    const auto& twist = scene.term<Twist>();
+    const std::vector<Quatd> frame = frames_along(p);
+    std::vector<Vec3d> target(edges, Vec3d{0, 0, 0});
+    std::vector<double> angle(edges, 0);
+    Vec3d weight{0, 0, 0}, reaction{0, 0, 0};
+    double torque = 0;  // of the twist between edges i and i+1
+    for (size_t i = edges - 1; i >= 1; --i) {
+        const Vec3d e = p[i + 1] - p[i], before = p[i] - p[i - 1];
+        if (twist && i + 1 < edges) {
+            double slope, bound;
+            bend_by_turn(bend, frame[i], rotate(conjugate(frame[i]), target[i + 1]), p[i + 2] - p[i + 1],
+                         slope, bound);
+            torque -= slope;
+        }
+        const auto gradient = Twist::gradient(before, e);
+        weight += dry_mass[i + 1] * scene.integrator.gravity;  // G_i, all the weight beyond edge i
+        const Vec3d need = weight - reaction - torque * gradient.after;
         const double l = norm(e);
         const Vec3d e_hat = normalized(e, Vec3d{1, 0, 0});
         const double pull = k_s > 0 ? dot(need, e_hat) : 0;
-        if (k_s > 0) rest.rest_length[k] = l - pull / k_s;
-        const Vec3d g = need - pull * e_hat, t = e - (1 / k_b) * g;
-        rest.target[k] = rotate(conjugate(frame[k - 1]), t);
-        const Vec3d before = p[k] - p[k - 1];
-        reaction = (1 / dot(before, before)) * (dot(before, g) * t - dot(t, before) * g);
+        if (k_s > 0) rest.rest_length[i] = l - pull / k_s;
+        if (twist)
+            angle[i] = std::asin(std::clamp(torque / twist->stiffness(rest.rest_length[i]), -0.99, 0.99));
+        const Vec3d g = need - pull * e_hat, t = e - (1 / bend.k_b) * g;
+        target[i] = t;
+        reaction =
+            (1 / dot(before, before)) * (dot(before, g) * t - dot(t, before) * g) + torque * gradient.before;
     }
+    for (size_t i = 1; i < edges; ++i) {
+        rest.target[i] = rotate(conjugate(turned_about_itself(frame[i - 1], angle[i - 1])), target[i]);
+        angle[i] += angle[i - 1];
+    }
+    return angle;
 }
 
 }  // namespace
@@ -75,10 +101,11 @@ StrandRest rest_state_of(const Scene& scene, int s) {
     rest.mass = masses(scene, s, p);
     for (int i = 0; i + 1 < n; ++i) rest.rest_length.push_back(norm(p[size_t(i) + 1] - p[size_t(i)]));
     rest.target = intrinsic_shape(p);
+    std::vector<double> angle(size_t(n) - 1, 0);
     if (scene.rest == "sag_free") {
         Scene dry_weight;
         dry_weight.linear_density = scene.linear_density;
-        free_of_sag(scene, p, masses(dry_weight, s, p), rest);
+        angle = free_of_sag(scene, p, masses(dry_weight, s, p), rest);
     }
     const auto& core = scene.term<Core>();
     if (core) rest.rest_core = core_lengths(p, core->beta);
@@ -86,8 +113,8 @@ StrandRest rest_state_of(const Scene& scene, int s) {
     if (scene.curl && !scene.curl->printed) {
         const auto dry = rest.target;
         rest.target = curled(*scene.curl, dry, sigma);
-        // From the drawn shape a curl would tighten with its frames untwisted, and end in a tangle: they are
-        // carried through time, and the tighter curl has another twist. So the strand begins as its wet curl.
+        // From the drawn shape a curl would tighten by whole turns at once, and end in a tangle. So the
+        // strand begins as its wet curl.
         const Quatd root = root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0}));
         rest.start = shape_from_intrinsic(curled(*scene.curl, intrinsic_shape(p), sigma), p[0], root);
         if (core) {
@@ -98,6 +125,9 @@ StrandRest rest_state_of(const Scene& scene, int s) {
                 if (after[i] != before[i]) rest.rest_core[i] *= after[i] / before[i];
         }
     }
+    rest.frame = frames_along(rest.start);
+    for (size_t i = 1; i < rest.frame.size(); ++i)
+        rest.frame[i] = turned_about_itself(rest.frame[i], angle[i]);
     return rest;
 }
 

@@ -15,6 +15,7 @@ struct StrandRest {
     std::vector<double> rest_length;  // (n-1) [m]
     std::vector<Vec3d> target;        // (n-1) tbar_i, curl included
     std::vector<double> rest_core;    // (n-1) |bbar_i| [m]
+    std::vector<Quatd> frame;         // (n-1) F_i at the start, in the head's frame
 };
 
 // Strand `s` of the scene's groom.

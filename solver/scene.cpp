@@ -30,7 +30,13 @@ void read_chain(Scene& scene, Table root) {
     read_term(scene.term<Core>(), root, "core");
     read_term(scene.term<Stiffness>(), root, "stiffness");
     read_term(scene.term<Adhesion>(), root, "adhesion");
-    if (auto& bend = scene.term<Bend>()) bend->printed = is_printed(root.table("bend"));
+    if (auto& bend = scene.term<Bend>()) {
+        bend->printed = is_printed(root.table("bend"));
+        auto& twist = scene.term<Twist>().emplace();
+        twist.k_b = bend->k_b;
+        read_parameters(twist, Twist::parameters, root.table("bend"));
+        if (!(twist.torsion * twist.k_b > 0)) scene.term<Twist>().reset();
+    }
     if (auto& core = scene.term<Core>()) core->printed = is_printed(root.table("core"));
     if (auto& adhesion = scene.term<Adhesion>()) {
         adhesion->printed = is_printed(root.table("adhesion"));

@@ -165,8 +165,8 @@ ChainView<Pack<T>> CpuSimulation<T>::view_of(int block) const {
 
 // One substep. The new state is written over the one before.
 template <class T>
-void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placement<T>& p,
-                                  bool first, ChainScratch<S>& scratch) {
+void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placement<T>& p, bool first,
+                                  ChainScratch<S>& scratch) {
     const size_t k = at(block, 0);
     Vec3<S> root[2];
     set_root(block, p.head, root);
@@ -191,10 +191,11 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
         if (adhesion && given_.empty())
             sample_nearest(p.solids, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
     };
+    Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
     if (scene_.integrator.kind == "implicit")
         implicit_step(terms_, step, view, scratch, sample);
     else
-        explicit_step(terms_, step, view, scratch, sample);
+        explicit_step(terms_, step, view, scratch, sample), turn_left = step.root_turn;
 
     Vec3<S>*x = now.x_before, *x_old = now.x, *v = now.v_before, *v_old = now.v;
     if (scene_.integrator.limiter > 0) {
@@ -212,11 +213,7 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
         resolve_contact(solid, n_, rest_depth_.empty() ? nullptr : &rest_depth_[k], T(dt_), x, x_old, v,
                         v_old);
     if (adhesion) update_touching(n_, &phi_[k], T(adhesion->h_a), &touching_[k]);
-    if (bend) {
-        transport_frames(n_, &frame_[k], step.root_turn, x, &frame_[k]);
-        if (bend->twist_rate > 0)
-            relax_twist(*bend, n_, x, &target_[k], T(1 - std::exp(-bend->twist_rate * dt_)), &frame_[k]);
-    }
+    if (bend) transport_frames(n_, step.frame, turn_left, x, step.frame);
 }
 
 // Substeps along a path of poses: each block all of them before the next, so that its strands stay in cache.
@@ -414,7 +411,7 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
     for (const auto& s : scratch_)
         scratch += (s.predicted_x.size() + s.force.size() + s.core_pull.size()) * sizeof(Vec3<S>) +
                    s.diagonal.size() * sizeof(Sym3<S>) +
-                   (s.upper1.size() + s.upper2.size()) * sizeof(Mat3<S>) + s.frame.size() * sizeof(Quat<S>);
+                   (s.upper1.size() + s.upper2.size()) * sizeof(Mat3<S>) + s.twist.size() * sizeof(S);
     out.push_back({"scratch of the threads", scratch});
     for (const auto& solid : scene_.solids)
         if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape))

@@ -34,4 +34,25 @@ WETCURL_HD void half_twist(const Quat<S>& f, const Quat<S>& reference, S& cosine
     sine = select(negative, -d.x, d.x) * scale;
 }
 
+// The frame turned by an angle about its own first axis; angles beyond half a turn count as half a turn.
+template <class S>
+WETCURL_HD Quat<S> turned_about_itself(const Quat<S>& f, const S& angle) {
+    const S limit(Plain<S>(3.14159265358979)), a = S(0.5) * maximum(minimum(angle, limit), -limit), q = a * a;
+    // Taylor's series, exact to single precision at a quarter turn.
+    auto c = [](double x) { return S(Plain<S>(x)); };
+    const S sine =
+        a * (S(1) - q * c(1.0 / 6) *
+                        (S(1) - q * c(1.0 / 20) *
+                                    (S(1) - q * c(1.0 / 42) *
+                                                (S(1) - q * c(1.0 / 72) * (S(1) - q * c(1.0 / 110))))));
+    const S cosine =
+        S(1) -
+        q * c(1.0 / 2) *
+            (S(1) - q * c(1.0 / 12) *
+                        (S(1) - q * c(1.0 / 30) *
+                                    (S(1) - q * c(1.0 / 56) *
+                                                (S(1) - q * c(1.0 / 90) * (S(1) - q * c(1.0 / 132))))));
+    return normalized(f * Quat<S>{cosine, sine, S(0), S(0)});
+}
+
 }  // namespace wetcurl

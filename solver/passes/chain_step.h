@@ -43,7 +43,7 @@ struct BlockStep {
     const Vec3<S>* root;  // (2) prescribed positions of particles 0 and 1 at the end of the step
     Vec3<Plain<S>> gravity;
     Quat<Plain<S>> root_turn;  // rotation of the root over the step
-    Quat<S>* frame;            // (n-1) or null
+    Quat<S>* frame;            // (n-1) or null; the caller carries them on to where the step ends
 };
 
 // Buffers of one thread, for one block.
@@ -52,7 +52,7 @@ struct ChainScratch {
     std::vector<Vec3<S>> predicted_x, force, core_pull;
     std::vector<Sym3<S>> diagonal;
     std::vector<Mat3<S>> upper1, upper2;
-    std::vector<Quat<S>> frame;
+    std::vector<S> twist;
 
     void resize(int n, const ChainTerms& terms, bool implicit) {
         const size_t m = size_t(n);
@@ -60,7 +60,7 @@ struct ChainScratch {
         if (std::get<std::optional<Core>>(terms)) core_pull.resize(2 * m);
         if (implicit) diagonal.resize(m), upper1.resize(m);
         if (implicit && couples_two_edges(terms)) upper2.resize(m);
-        if (std::get<std::optional<Bend>>(terms)) frame.resize(m);
+        if (std::get<std::optional<Twist>>(terms)) twist.resize(2 * m);
     }
 };
 
@@ -78,27 +78,12 @@ WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>
     for (int i = 0; i + 1 < n; ++i) to[i] = carried_frame(turn, from[i], x[i + 1] - x[i]);
 }
 
-// The twist of a frame relaxes toward the frame carried along the strand from the root, by the share `relax`,
-// but only where that does not raise the energy of the edge e that it is the reference of.
-// `carried`: at the edge before; on return at this one.
+// The twists of frames at the view's positions relax where they cost anything.
 template <class S>
-WETCURL_HD Quat<S> relaxed_twist(const Bend& bend, const Quat<S>& frame, Quat<S>& carried, Plain<S> relax,
-                                 const Vec3<S>& target, const Vec3<S>& e) {
-    carried = transported(carried, frame_direction(frame));
-    S cosine, sine;
-    half_twist(frame, carried, cosine, sine);
-    const Quat<S> nudged = normalized(frame * normalized(Quat<S>{cosine, S(relax) * sine, S(0), S(0)}));
-    const auto better = bend.edge_energy(nudged, target, e) <= bend.edge_energy(frame, target, e);
-    return {select(better, nudged.w, frame.w), select(better, nudged.x, frame.x),
-            select(better, nudged.y, frame.y), select(better, nudged.z, frame.z)};
-}
-// All frames but the root's, which is where the carried one starts, and the tip's, which no edge refers to.
-template <class S>
-WETCURL_HD void relax_twist(const Bend& bend, int n, const Vec3<S>* x, const Vec3<S>* target, Plain<S> relax,
-                            Quat<S>* frame) {
-    Quat<S> carried = frame[0];
-    for (int i = 1; i + 2 < n; ++i)
-        frame[i] = relaxed_twist(bend, frame[i], carried, relax, target[i + 1], x[i + 2] - x[i + 1]);
+WETCURL_HD void relax_frames(const ChainTerms& terms, const ChainView<S>& view, const S& h, S* scratch,
+                             Quat<S>* frame) {
+    if (const auto& twist = std::get<std::optional<Twist>>(terms))
+        relax_twist(*std::get<std::optional<Bend>>(terms), *twist, view, view.x, h, scratch, frame);
 }
 
 // The end of an edge e from x0, which is moved where the edge is longer than (1 + limiter) of its rest length
@@ -127,7 +112,7 @@ int limit_strain(int n, const S* rest_length, Plain<S> limiter, Vec3<S>* x) {
 }
 
 // The implicit step. `view` carries the terms' data; its x, v, frame and scratch are set here.
-// `before_forces(x)` is called once the positions are known at which forces are taken.
+// `before_forces(x)` is called once the positions are known at which forces are taken; frames are left there.
 template <class S, class BeforeForces>
 void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
                    BeforeForces before_forces) {
@@ -139,8 +124,11 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     view.v = b.v;
     view.chord = view.x[n - 1] - view.x[0];
     view.core_pull = s.core_pull.data();
-    if (b.frame)
-        transport_frames(n, b.frame, b.root_turn, view.x, s.frame.data()), view.frame = s.frame.data();
+    if (b.frame) {
+        transport_frames(n, b.frame, b.root_turn, view.x, b.frame);
+        relax_frames(terms, view, h, s.twist.data(), b.frame);
+    }
+    view.frame = b.frame;
     before_forces(view.x);
     const bool penta = !s.upper2.empty();
     const Sym3<S> no_sym = identity_times(S(0));
@@ -179,12 +167,13 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     }
 }
 
-// The paper's scheme: symplectic Euler on printed forces.
+// The paper's scheme: symplectic Euler on printed forces. Frames are left at the positions before.
 template <class S, class BeforeForces>
 void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
                    BeforeForces before_forces) {
     view.x = b.x;
     view.v = b.v;
+    if (b.frame) relax_frames(terms, view, S(0), s.twist.data(), b.frame);
     view.frame = b.frame;
     view.chord = view.x[b.n - 1] - view.x[0];
     view.core_pull = s.core_pull.data();

@@ -12,14 +12,12 @@ namespace wetcurl {
 struct Bend {
     static constexpr const char* name = "bend";
     static constexpr bool couples_two_edges = true;
-    double k_b, c_b, twist_rate;
+    double k_b, c_b;
     bool printed = false;
     static constexpr Parameter<Bend> parameters[] = {
         {"stiffness", &Bend::k_b, "N/m", 0.05, 0, 1e12,
          "Eq 4, k_b = EI / l^3 for a beam of flexural rigidity EI"},
         {"damping", &Bend::c_b, "N s/m", 5e-6, 0, 1e6, "Eq 4, c_b: on the rate of e_i - t_i"},
-        {"twist_rate", &Bend::twist_rate, "1/s", 20, 0, 1e6,
-         "relaxation of time-parallel frames toward frames carried from the root (ours)"},
     };
 
     template <class S>

@@ -10,11 +10,13 @@
 #include "solver/terms/curl_push.h"
 #include "solver/terms/stiffness.h"
 #include "solver/terms/stretch.h"
+#include "solver/terms/twist.h"
 
 namespace wetcurl {
 
-using ChainTerms = std::tuple<std::optional<Stretch>, std::optional<Bend>, std::optional<Core>,
-                              std::optional<CurlPush>, std::optional<Adhesion>, std::optional<Stiffness>>;
+using ChainTerms =
+    std::tuple<std::optional<Stretch>, std::optional<Bend>, std::optional<Twist>, std::optional<Core>,
+               std::optional<CurlPush>, std::optional<Adhesion>, std::optional<Stiffness>>;
 
 // Calls f(term) for each term that the scene names, in the order of the list.
 template <class Terms, class F>

@@ -204,11 +204,7 @@ class Stepper {
         implicit_step(terms_, b, s_.view(), scratch_, [](const Vec3d*) {});
         std::swap(s_.x, x_before_);
         std::swap(s_.v, v_before_);
-        if (bend) {
-            transport_frames(s_.n, s_.frame.data(), root_turn, s_.x.data(), s_.frame.data());
-            relax_twist(*bend, s_.n, s_.x.data(), s_.target.data(), 1 - std::exp(-bend->twist_rate * dt_),
-                        s_.frame.data());
-        }
+        if (bend) s_.frame = s_.frames_at(s_.x);
         first_ = false;
     }
     double energy() {
@@ -232,9 +228,8 @@ class Stepper {
 };
 
 inline Stretch stretch_of(double stiffness, double damping = 0) { return {stiffness, damping}; }
-inline Bend bend_of(double stiffness, double damping = 0, double twist_rate = 0) {
-    return {stiffness, damping, twist_rate};
-}
+inline Bend bend_of(double stiffness, double damping = 0) { return {stiffness, damping}; }
+inline Twist twist_of(double bend_stiffness, double torsion = 0.75) { return {torsion, bend_stiffness}; }
 inline Core core_of(double stiffness, double segment, double smoothing = 0.02, double damping = 0) {
     return {stiffness, damping, smoothing, filter_beta(segment, smoothing)};
 }

@@ -18,6 +18,7 @@ OneStrand strand_of(const Scene& scene, int s) {
     strand.rest_length = rest.rest_length;
     strand.target = rest.target;
     strand.rest_core = rest.rest_core;
+    strand.frame = rest.frame;
     return strand;
 }
 

@@ -410,18 +410,18 @@ TEST(Simulation, an_explicit_run_of_stiff_hair_is_seen_to_diverge_and_a_term_is_
 }
 
 TEST(Simulation, an_explicit_run_of_soft_hair_agrees_with_the_implicit_one_as_both_are_refined) {
+    // Damped, so that the fastest modes end within the run: a phase has no order.
     const std::vector<string> soft{"stretch.stiffness=0.05", "bend.stiffness=0.0005", "core.stiffness=0.0005",
-                                   "integrator.limiter=0",   "stretch.damping=0",     "bend.damping=0",
-                                   "core.damping=0"};
+                                   "integrator.limiter=0", "stretch.damping=1e-4", "stiffness.dry=20"};
     auto with = [&](const char* kind, const char* substeps) {
         auto set = soft;
         set.push_back(kind);
         set.push_back(substeps);
         return after(scene_of(dry_scene, set), 3, "double").positions;
     };
-    const Strands fine = with("integrator.kind='implicit'", "integrator.substeps=1000");
-    const double a = farthest(with("integrator.kind='explicit'", "integrator.substeps=250"), fine);
-    const double b = farthest(with("integrator.kind='explicit'", "integrator.substeps=1000"), fine);
+    const Strands fine = with("integrator.kind='implicit'", "integrator.substeps=4000");
+    const double a = farthest(with("integrator.kind='explicit'", "integrator.substeps=500"), fine);
+    const double b = farthest(with("integrator.kind='explicit'", "integrator.substeps=2000"), fine);
     EXPECT_GT(a, 1e-7);
     EXPECT_NEAR(a / b, 4, 1);  // symplectic Euler is of order one
 }
