@@ -102,6 +102,7 @@ Json encode_adhesion(const EncodeOptions& o) {
         options.set = o.set;
         options.seed = o.seed;
         scenes.push_back(load_scene(path, options));
+        check_files(o, o.output, scenes.back().files);
         if (!scenes.back().term<Adhesion>())
             throw Misuse(path + ": has no [adhesion], which is what is to be learned");
     }

@@ -226,6 +226,7 @@ int infer_command(const InferOptions& given) {
     const RunReader run(o.input);
     const RunHeader& low = run.header();
     Scene scene = target_scene(o, low);
+    check_files(o, o.output, scene.files);
     const auto method = method_of(o, scene, low);
     require_nested(scene.groom, low.groom);
     std::optional<Display> display;

@@ -46,6 +46,7 @@ void show(const InspectOptions& o, const Json& json) {
 Json scene_json(const InspectOptions& o) {
     const Scene scene = load_scene(
         o.file, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 0});
+    check_files(o, "", scene.files);
     const auto simulation = make_simulation(scene, "float");
     const Presence p = presence_of(scene);
     Json json{{"title", scene.title},

@@ -25,7 +25,6 @@ static double distance_mm(const RunFrame& a, const RunFrame& b) {
 }
 
 int simulate_command(const SimulateOptions& o) {
-    check_files(o, o.output, {o.scene, o.groom});
     refuse_device(o, "simulate");
     SceneOptions options;
     options.set = o.set;
@@ -34,6 +33,7 @@ int simulate_command(const SimulateOptions& o) {
     options.seed = o.seed;
     options.groom = o.groom;
     Scene scene = load_scene(o.scene, options);
+    check_files(o, o.output, scene.files);
     if (o.dry) make_dry(scene);
     std::string precision = o.precision;
     // Measured on chains: a float factorisation loses its digits above this.

@@ -21,6 +21,7 @@ struct Config::Body {
     toml::table root;
     std::string name, folder;
     std::set<std::string> used;                  // full paths that a getter asked for
+    std::set<std::string> files;                 // read, or named by a value that was asked for
     std::map<std::string, std::string> written;  // by set(), and what gave it: no line to show
 };
 
@@ -53,7 +54,8 @@ void merge_below(toml::table& over, const toml::table& below) {
     }
 }
 
-void include_files(toml::table& table, const fs::path& folder, const std::string& name, int depth) {
+void include_files(toml::table& table, const fs::path& folder, const std::string& name, int depth,
+                   std::set<std::string>& files) {
     const toml::node* node = table.get("include");
     if (!node) return;
     const auto line = node->source().begin.line;
@@ -65,7 +67,8 @@ void include_files(toml::table& table, const fs::path& folder, const std::string
     if (!fs::exists(path))
         throw Misuse(fmt::format("{}:{}: include: no file '{}'", name, line, path.string()));
     toml::table below = parse_toml(read_file(path.string()), path.string());
-    include_files(below, path.parent_path(), path.string(), depth + 1);
+    files.insert(path.string());
+    include_files(below, path.parent_path(), path.string(), depth + 1, files);
     table.erase("include");
     merge_below(table, below);
 }
@@ -112,14 +115,16 @@ Config Config::parse(const std::string& text, const std::string& name, const std
     c.body_->name = name;
     c.body_->folder = fs::absolute(folder).lexically_normal().string();
     c.body_->root = parse_toml(text, name);
-    include_files(c.body_->root, folder, name, 0);
+    include_files(c.body_->root, folder, name, 0, c.body_->files);
     return c;
 }
 
 Config Config::load(const std::string& path) {
     const std::string text = read_file(path);
     const fs::path folder = fs::path(path).parent_path();
-    return parse(text, path, folder.empty() ? "." : folder.string());
+    Config c = parse(text, path, folder.empty() ? "." : folder.string());
+    c.body_->files.insert(path);
+    return c;
 }
 
 void Config::set(const std::string& assignment, const std::string& option) {
@@ -205,6 +210,7 @@ std::string Config::text() const {
     return out.str();
 }
 const std::string& Config::folder() const { return body_->folder; }
+std::vector<std::string> Config::files() const { return {body_->files.begin(), body_->files.end()}; }
 
 static const toml::table* as_table(const void* node) { return static_cast<const toml::table*>(node); }
 
@@ -308,7 +314,8 @@ std::vector<double> Table::numbers(const std::string& key, const std::vector<dou
 
 std::string Table::path(const std::string& key) const {
     const std::string p = text(key, "");
-    return p.empty() ? p : (fs::path(body_->folder) / p).lexically_normal().string();
+    if (p.empty()) return p;
+    return *body_->files.insert((fs::path(body_->folder) / p).lexically_normal().string()).first;
 }
 
 Table Table::table(const std::string& key) const {

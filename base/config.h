@@ -34,6 +34,8 @@ class Config {
     // The whole as TOML text, includes and assignments merged: what goes into a cache's provenance.
     std::string text() const;
     const std::string& folder() const;
+    // The file itself, what it includes, and every path that was asked for.
+    std::vector<std::string> files() const;
 
   private:
     friend class Table;

@@ -150,6 +150,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     if (scene.rest == "sag_free" && !scene.term<Bend>())
         g.fail("rest", "'sag_free' needs [bend] to carry the weight");
     config.require_all_used();
+    scene.files = config.files();
     if (!scene.term<Stretch>())
         log_warning(root.where() + "no [stretch]: nothing holds the particles of a strand together");
 

@@ -53,8 +53,9 @@ struct Scene {
 
     Groom groom;  // of this run: the full groom, thinned by `stride`
     int stride = 1;
-    std::vector<float> saturation;  // (strand, particle); empty without wetness
-    std::string text, folder;       // the resolved TOML, and where its relative paths start
+    std::vector<float> saturation;   // (strand, particle); empty without wetness
+    std::string text, folder;        // the resolved TOML, and where its relative paths start
+    std::vector<std::string> files;  // what it was read from: scene, includes, hair, meshes, networks
 
     template <class Term>
     std::optional<Term>& term() {

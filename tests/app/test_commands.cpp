@@ -109,6 +109,10 @@ TEST_F(Commands, encode_and_simulate_keep_their_inputs) {
     o.overwrite = true;
     expect_error<Misuse>([&] { simulate_command(o); }, {"scene.toml", "destroy"});
     EXPECT_EQ(bytes_of(o.scene), small_scene);
+    scratch.file("part.toml", "[stretch]\n[bend]\n");
+    o.scene = scratch.file("whole.toml", "include = \"part.toml\"\nframes = 2\n[groom]\ngrid = [4, 4]\n");
+    o.output = scratch.path("part.toml");
+    expect_error<Misuse>([&] { simulate_command(o); }, {"part.toml", "destroy"});
     EncodeOptions e;
     e.inputs = {scratch.file("dry.h5", "dry"), scratch.file("wet.h5", "wet")};
     e.output = e.inputs[0];

@@ -219,6 +219,15 @@ TEST(Config, broken_files_are_errors_with_their_name_and_line) {
     EXPECT_NO_THROW(Config::load(scratch.file("empty.toml", "")));  // every default: the built-in groom
 }
 
+TEST(Config, knows_the_files_that_it_was_read_from) {
+    Scratch scratch;
+    const std::string below = scratch.file("below.toml", "[motion]\nfile = \"walk.csv\"\n"),
+                      file = scratch.file("scene.toml", "include = \"below.toml\"\n");
+    Config config = Config::load(file);
+    config.root().table("motion").path("file");
+    EXPECT_EQ(config.files(), (std::vector<std::string>{below, file, scratch.path("walk.csv")}));
+}
+
 TEST(Config, a_value_of_an_option_is_named_by_the_option) {
     Config config = scene("");
     config.set("seed=-1", "--seed");

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# What the program itself adds to its commands: exit statuses, and one line that says why.
+# Ours. Use: test_exit_status.sh WETCURL SCENE
+set -euo pipefail
+wetcurl=$1 scene=$2
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+failures=0
+
+expect() {  # status, what standard error holds, what is tried (run as a command of bash)
+    local status=0 said
+    said=$(bash -c "$3" 2>&1 >/dev/null) || status=$?
+    if [[ $status != "$1" || $said != *"$2"* ]]; then
+        printf 'FAILED: %s: expected status %s and "%s"; status %s\n%s\n' "$3" "$1" "$2" "$status" "$said"
+        failures=$((failures + 1))
+    else
+        printf 'ok: %s\n' "$3"
+    fi
+}
+
+expect 0 '' "'$wetcurl' inspect terms"
+expect 1 'standard output: cannot be written' "'$wetcurl' inspect terms >/dev/full"
+expect 1 'standard output: cannot be written' "'$wetcurl' inspect terms --json - >/dev/full"
+expect 1 'standard output: cannot be written' "'$wetcurl' --help >/dev/full"
+expect 2 "did you mean 'simulate'" "'$wetcurl' simulat '$scene'"
+expect 2 '--seed: found -1' "'$wetcurl' simulate '$scene' -o run.h5 --seed -1"
+expect 2 '--seed: found' "'$wetcurl' simulate '$scene' -o run.h5 --seed 99999999999999999999"
+expect 2 '--yaw nan' "'$wetcurl' render run.h5 -o run.png --yaw nan"
+expect 2 '--roots' "'$wetcurl' infer run.h5 --interpolate quad -o out.h5 --roots 5"
+# Settling takes a minute or two, and nothing is kept of it.
+for signal in INT TERM; do
+    expect 130 'wetcurl: interrupted' "set -m; '$wetcurl' simulate '$scene' --dry --strands 256 -o run.h5 --set integrator.settle=1000 &
+        sleep 1; kill -$signal \$!; wait \$!"
+done
+left=$(ls -A)
+[[ -z $left ]] || { echo "FAILED: left behind: $left"; failures=$((failures + 1)); }
+exit $((failures > 0))
