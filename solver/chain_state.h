@@ -19,7 +19,7 @@ struct ChainState {
     int strands, n, blocks;
     std::vector<Vec3<S>> x, x_before, v, v_before, target, push;
     std::vector<Vec3<S>> root;  // (block, 2) particles 0 and 1 in the head's frame
-    std::vector<S> mass, rest_length, rest_core, saturation, rest_depth, touching;
+    std::vector<S> mass, rest_length, rest_core, saturation, rest_depth, touching, pushed;
     std::vector<Quat<S>> frame;
 
     size_t at(int block, int i) const { return size_t(block) * size_t(n) + size_t(i); }
@@ -39,6 +39,7 @@ struct ChainState {
         if (scene.wetness && (adhesion || scene.term<Stiffness>())) saturation.resize(cells);
         if (scene.has_attached_solid()) rest_depth.resize(cells);
         if (adhesion) touching.assign(cells, S(0));
+        if (!scene.solids.empty()) pushed.assign(cells, S(0));
         if (scene.term<CurlPush>()) push.resize(cells);
         const std::vector<float> depth = rest_depths_of(scene);
 #pragma omp parallel for schedule(dynamic)
@@ -55,7 +56,7 @@ struct ChainState {
         f("roots", s.root), f("mass", s.mass), f("rest lengths", s.rest_length);
         f("bend targets", s.target), f("bend frames", s.frame), f("core lengths", s.rest_core);
         f("saturation", s.saturation), f("rest depth", s.rest_depth), f("printed curl", s.push);
-        f("adhesion contact", s.touching);
+        f("adhesion contact", s.touching), f("contact momentum", s.pushed);
     }
 
   private:

@@ -89,7 +89,8 @@ class CpuSimulation final : public Simulation {
     Buffer<Vec3<S>>&x_ = state_.x, &x_before_ = state_.x_before, &v_ = state_.v, &v_before_ = state_.v_before,
     &root_ = state_.root, &target_ = state_.target, &push_ = state_.push;
     Buffer<S>&mass_ = state_.mass, &rest_length_ = state_.rest_length, &rest_core_ = state_.rest_core,
-    &saturation_ = state_.saturation, &rest_depth_ = state_.rest_depth, &touching_ = state_.touching;
+    &saturation_ = state_.saturation, &rest_depth_ = state_.rest_depth, &touching_ = state_.touching,
+    &pushed_ = state_.pushed;
     Buffer<Quat<S>>& frame_ = state_.frame;
     Buffer<S> phi_, given_;
     Buffer<Vec3<S>> normal_, surface_velocity_;
@@ -126,7 +127,7 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
         display_.emplace(scene);
     }
     scratch_.resize(size_t(omp_get_max_threads()));
-    for (auto& s : scratch_) s.resize(n_, terms_, scene.integrator.kind == "implicit");
+    for (auto& s : scratch_) s.resize(n_, terms_, scene.integrator.kind == "implicit", !scene.solids.empty());
     if (scene.integrator.settle > 0) {
         const long steps = std::lround(scene.integrator.settle / dt_);
         run(std::vector<Placement<T>>(size_t(steps), placement_at<T>(scene_, 0, dt_, false)));
@@ -182,7 +183,9 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
                       root,
                       cast<T>(scene_.integrator.gravity),
                       p.root_turn,
-                      bend ? &frame_[k] : nullptr};
+                      bend ? &frame_[k] : nullptr,
+                      pushed_.empty() ? nullptr : &pushed_[k]};
+    const S* rest_depth = rest_depth_.empty() ? nullptr : &rest_depth_[k];
     ChainView<S> view = view_of(block);
     view.turn = cast<S>(p.turn);
     view.turn_center = cast<S>(p.turn_center);
@@ -190,6 +193,9 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
     auto sample = [&](const Vec3<S>* x) {
         if (adhesion && given_.empty())
             sample_nearest(p.solids, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
+        for (int i = 2; i < int(scratch.hold.size()); ++i)
+            if (any_positive(step.pushed[i]))
+                scratch.hold[size_t(i)] = expected_contact(p.solids, rest_depth ? rest_depth[i] : S(0), x[i]);
     };
     Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
     if (scene_.integrator.kind == "implicit")
@@ -210,8 +216,7 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
         limited_ += limited;
     }
     for (const auto& solid : p.solids)
-        resolve_contact(solid, n_, rest_depth_.empty() ? nullptr : &rest_depth_[k], T(dt_), x, x_old, v,
-                        v_old);
+        resolve_contact(solid, n_, rest_depth, T(dt_), &mass_[k], step.pushed, x, x_old, v, v_old);
     if (adhesion) update_touching(n_, &phi_[k], T(adhesion->h_a), &touching_[k]);
     if (bend) transport_frames(n_, step.frame, turn_left, x, step.frame);
 }
@@ -411,7 +416,8 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
     for (const auto& s : scratch_)
         scratch += (s.predicted_x.size() + s.force.size() + s.core_pull.size()) * sizeof(Vec3<S>) +
                    s.diagonal.size() * sizeof(Sym3<S>) +
-                   (s.upper1.size() + s.upper2.size()) * sizeof(Mat3<S>) + s.twist.size() * sizeof(S);
+                   (s.upper1.size() + s.upper2.size()) * sizeof(Mat3<S>) + s.twist.size() * sizeof(S) +
+                   s.hold.size() * sizeof(Hold<S>);
     out.push_back({"scratch of the threads", scratch});
     for (const auto& solid : scene_.solids)
         if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape))

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "solver/passes/block_solve.h"
+#include "solver/passes/contact.h"
 #include "solver/terms/list.h"
 
 namespace wetcurl {
@@ -44,6 +45,7 @@ struct BlockStep {
     Vec3<Plain<S>> gravity;
     Quat<Plain<S>> root_turn;  // rotation of the root over the step
     Quat<S>* frame;            // (n-1) or null; the caller carries them on to where the step ends
+    S* pushed;  // (n) [kg m/s] by surfaces in the step before, then in this one; null: no solids
 };
 
 // Buffers of one thread, for one block.
@@ -53,9 +55,11 @@ struct ChainScratch {
     std::vector<Sym3<S>> diagonal;
     std::vector<Mat3<S>> upper1, upper2;
     std::vector<S> twist;
+    std::vector<Hold<S>> hold;  // of particles that were pushed; filled before forces are taken
 
-    void resize(int n, const ChainTerms& terms, bool implicit) {
+    void resize(int n, const ChainTerms& terms, bool implicit, bool solids) {
         const size_t m = size_t(n);
+        if (implicit && solids) hold.resize(m);
         predicted_x.resize(m), force.resize(m);
         if (std::get<std::optional<Core>>(terms)) core_pull.resize(2 * m);
         if (implicit) diagonal.resize(m), upper1.resize(m);
@@ -148,6 +152,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     for (int i = 2; i < n; ++i) {
         r[i] = scheme.right_side(view.mass[i], b.v[i], b.v_before[i], r[i]);
         s.diagonal[i] += identity_times(view.mass[i]);
+        if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], b.pushed[i], h, s.diagonal[i], r[i]);
     }
     Vec3<S> known[2];
     for (int i = 0; i < 2; ++i)
@@ -164,6 +169,13 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     for (int i = 0; i < n; ++i) {
         b.v_before[i] = b.v[i] + r[i];
         b.x_before[i] = i < 2 ? b.root[i] : s.predicted_x[i] + h * r[i];
+    }
+    if (!b.pushed) return;
+    for (int i = 2; i < n; ++i) {
+        if (!any_positive(b.pushed[i])) continue;
+        b.pushed[i] = pushed_by(s.hold[i], h, r[i]);
+        const Vec3<S> dv = friction_of(s.hold[i], b.pushed[i], view.mass[i], b.v_before[i]);
+        b.v[i] += dv, b.v_before[i] += dv;
     }
 }
 

@@ -1,6 +1,7 @@
-// Contact of a block's particles with solids: projection onto the level set, Coulomb friction, and what
-// adhesion needs to know. Bridson 2002, Sec. 7.2 for friction on velocities; depth against min(0, phi at
-// rest) is ours.
+// Contact of a block's particles with solids: what lies on a surface is held there within the implicit step,
+// what goes in is projected onto the level set; Coulomb friction, and what adhesion needs to know.
+// Bridson 2002, Sec. 7.2 for friction on velocities; depth against min(0, phi at rest) is ours, and so is the
+// holding: bends that push into a solid would else be stretched by each step's projection.
 #pragma once
 
 #include "base/geometry/shapes.h"
@@ -32,12 +33,62 @@ WETCURL_HD Vec3<S> velocity_at(const PosedSolid<Plain<S>, Body>& solid, const Ve
     return cast<S>(solid.velocity) + cross(cast<S>(solid.spin), x - cast<S>(solid.translation));
 }
 
+// A contact within the implicit step: where the particle is expected, `gap` [m] beyond what is allowed along
+// the normal.
+template <class S>
+struct Hold {
+    Vec3<S> normal, surface_velocity;
+    S gap, friction;
+    S weight;  // [kg] of the spring that closes the gap; 0: not held
+};
+// Of a particle that a surface pushed in the step before: the solid that it is deepest in.
+template <class S, class Solids>
+WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, const Vec3<S>& x) {
+    const Vec3<S> zero{S(0), S(0), S(0)};
+    Hold<S> hold{zero, zero, S(1e9), S(0), S(0)};
+    for (const auto& solid : solids) {
+        const DistanceSample<S> d = distance_in_world(solid, x);
+        const S gap = d.phi - (solid.attached ? rest_depth : S(0));
+        const auto nearer = gap < hold.gap;
+        hold.normal = select(nearer, d.normal, hold.normal);
+        hold.surface_velocity = select(nearer, velocity_at(solid, x), hold.surface_velocity);
+        hold.friction = select(nearer, S(solid.friction), hold.friction);
+        hold.gap = select(nearer, gap, hold.gap);
+    }
+    return hold;
+}
+// Adds a stiff spring along the normal to a particle's row, A d = r: after it the gap is closed but for a
+// hundredth. `pushed`: the surface's momentum of the step before; a particle on its way out is let go.
+template <class S>
+WETCURL_HD void add_hold(Hold<S>& hold, const S& pushed, const S& h, Sym3<S>& diagonal, Vec3<S>& r) {
+    const S stiff = S(100) * (diagonal.xx + diagonal.yy + diagonal.zz);
+    hold.weight = select(hold.gap < S(Plain<S>(1e-5)), select(pushed > S(0), stiff, S(0)), S(0));
+    diagonal += isotropic_plus_outer(S(0), hold.weight, hold.normal);
+    r -= (hold.weight * hold.gap / h) * hold.normal;
+}
+// The momentum [kg m/s] that the surface gave for the row's solution d; 0 where it would have had to pull.
+template <class S>
+WETCURL_HD S pushed_by(const Hold<S>& hold, const S& h, const Vec3<S>& d) {
+    return select(hold.weight > S(0), maximum(-hold.weight * (dot(d, hold.normal) + hold.gap / h), S(0)),
+                  S(0));
+}
+// Friction of that momentum: what the velocity changes by.
+template <class S>
+WETCURL_HD Vec3<S> friction_of(const Hold<S>& hold, const S& pushed, const S& mass, const Vec3<S>& v) {
+    const Vec3<S> relative = v - hold.surface_velocity;
+    const Vec3<S> slide = relative - dot(relative, hold.normal) * hold.normal;
+    const S speed = maximum(norm(slide), S(tiny_length<S>));
+    return -minimum(S(1), hold.friction * pushed / (mass * speed)) * slide;
+}
+
 // A position pushed out to `allowed` (≤ 0: how deep the particle may lie), its velocity relieved of its
 // inward part and slowed along the surface. Corrections go to the step before alike, so that the history of
-// the integrator stays what it was. Whether there was a contact.
+// the integrator stays what it was. `pushed` (mass given) is raised to the push's momentum. Whether there was
+// a contact.
 template <class S, class Body>
 WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, const S& allowed, Plain<S> dt,
-                                Vec3<S>& x, Vec3<S>& x_before, Vec3<S>& v, Vec3<S>& v_before) {
+                                const S& mass, S& pushed, Vec3<S>& x, Vec3<S>& x_before, Vec3<S>& v,
+                                Vec3<S>& v_before) {
     const Vec3<S> zero{S(0), S(0), S(0)};
     constexpr int rounds = 4;  // in a crease one push along the gradient does not reach the surface
     for (int round = 0; round < rounds; ++round) {
@@ -52,6 +103,7 @@ WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, const S
         const S lost = minimum(S(1), S(solid.friction) * (depth * S(1 / dt) - inward) / speed);
         const Vec3<S> dx = select(hit, depth * d.normal, zero);
         const Vec3<S> dv = select(hit, -inward * d.normal - lost * slide, zero);
+        pushed = select(hit, maximum(pushed, mass * depth * S(1 / dt)), pushed);
         x += dx;
         x_before += dx;
         v += dv;
@@ -61,11 +113,11 @@ WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, const S
 }
 // The same for n particles; 0 and 1 are prescribed.
 template <class S>
-void resolve_contact(const PosedSolid<Plain<S>>& solid, int n, const S* rest_depth, Plain<S> dt, Vec3<S>* x,
-                     Vec3<S>* x_before, Vec3<S>* v, Vec3<S>* v_before) {
+void resolve_contact(const PosedSolid<Plain<S>>& solid, int n, const S* rest_depth, Plain<S> dt,
+                     const S* mass, S* pushed, Vec3<S>* x, Vec3<S>* x_before, Vec3<S>* v, Vec3<S>* v_before) {
     for (int i = 2; i < n; ++i)
-        resolve_contact(solid, solid.attached ? rest_depth[i] : S(0), dt, x[i], x_before[i], v[i],
-                        v_before[i]);
+        resolve_contact(solid, solid.attached ? rest_depth[i] : S(0), dt, mass[i], pushed[i], x[i],
+                        x_before[i], v[i], v_before[i]);
 }
 
 // The nearest solid at a particle, as adhesion sees it; normal and velocity stay where there is none.

@@ -183,7 +183,7 @@ class Stepper {
   public:
     Stepper(const ChainTerms& terms, OneStrand& strand, double dt, const Vec3d& gravity)
         : terms_(terms), s_(strand), dt_(dt), gravity_(gravity), x_before_(strand.x), v_before_(strand.v) {
-        scratch_.resize(s_.n, terms_, true);
+        scratch_.resize(s_.n, terms_, true, false);
         root_[0] = s_.x[0];
         root_[1] = s_.x[1];
     }
@@ -200,7 +200,8 @@ class Stepper {
                                   root_,
                                   gravity_,
                                   root_turn,
-                                  bend ? s_.frame.data() : nullptr};
+                                  bend ? s_.frame.data() : nullptr,
+                                  nullptr};
         implicit_step(terms_, b, s_.view(), scratch_, [](const Vec3d*) {});
         std::swap(s_.x, x_before_);
         std::swap(s_.v, v_before_);

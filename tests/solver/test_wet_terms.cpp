@@ -324,8 +324,12 @@ TEST(Contact, puts_particles_on_the_surface_takes_their_inward_velocity_and_keep
         Points x_before = s.x, v_before = s.v;
         x_before[2].x -= 0.01;
         v_before[2].x -= 0.1;
+        std::vector<double> pushed(4, 0.0);
         resolve_contact(posed(sphere, {0, 0, 0}, friction), 4, static_cast<const double*>(nullptr), 0.01,
-                        s.x.data(), x_before.data(), s.v.data(), v_before.data());
+                        s.mass.data(), pushed.data(), s.x.data(), x_before.data(), s.v.data(),
+                        v_before.data());
+        EXPECT_NEAR(pushed[2], s.mass[2] * 0.02 / 0.01, 1e-15);
+        EXPECT_EQ(pushed[3], 0);
         EXPECT_NEAR(norm(s.x[2]), 0.1, 1e-15);
         EXPECT_NEAR(s.v[2].y, 0, 1e-15);
         EXPECT_NEAR(s.v[2].x, friction > 0 ? 0 : 1, 1e-15);
@@ -345,9 +349,41 @@ TEST(Contact, leaves_hair_as_deep_as_it_was_drawn_into_what_is_attached) {
     s.x[3] = {0.09, 0, 0};
     const double allowed[] = {0, 0, -0.005, -0.02};
     Points x_before = s.x, v_before = s.v;
-    resolve_contact(head, 4, allowed, 0.01, s.x.data(), x_before.data(), s.v.data(), v_before.data());
+    std::vector<double> pushed(4, 0.0);
+    resolve_contact(head, 4, allowed, 0.01, s.mass.data(), pushed.data(), s.x.data(), x_before.data(),
+                    s.v.data(), v_before.data());
     EXPECT_NEAR(s.x[2].y, 0.095, 1e-15);
     EXPECT_EQ(s.x[3].x, 0.09);
+}
+
+// One row, m d = h m g, of a particle on a plane: held, it takes the weight's momentum and no more.
+TEST(Contact, a_held_particle_bears_its_weight_and_a_pulled_one_is_let_go) {
+    const Shape plane = Plane{};
+    const std::vector<PosedSolid<double>> solids{posed(plane, {0, 0, 0}, 0.3)};
+    const double mass = 2e-8, h = 1.0 / 360;
+    auto solved = [&](double height, double pull, double pushed, Vec3d& d) {
+        Hold<double> hold = expected_contact(solids, 0.0, Vec3d{0.2, height, 0.1});
+        Sym3<double> row = identity_times(mass);
+        Vec3d r{0, h * mass * pull, 0};
+        add_hold(hold, pushed, h, row, r);
+        d = Factor3<double>(row).solve(r);
+        return pushed_by(hold, h, d);
+    };
+    Vec3d d;
+    EXPECT_NEAR(solved(0, -9.81, 1, d), mass * h * 9.81, 0.01 * mass * h * 9.81);
+    EXPECT_LT(std::abs(d.y), 0.01 * h * 9.81);
+    solved(-1e-4, 0, 1, d);  // a gap is closed within the step
+    EXPECT_NEAR(h * d.y, 1e-4, 1e-6);
+    EXPECT_EQ(solved(0, 5, 1, d), 0);         // pulled away: not pushed any more
+    EXPECT_EQ(solved(1e-3, -9.81, 1, d), 0);  // on its way out
+    EXPECT_NEAR(d.y, -h * 9.81, 1e-15);
+    EXPECT_EQ(solved(0, -9.81, 0, d), 0);  // never pushed
+    EXPECT_NEAR(d.y, -h * 9.81, 1e-15);
+
+    const Hold<double> hold = expected_contact(solids, 0.0, Vec3d{0, 0, 0});
+    const double momentum = mass * h * 9.81;
+    EXPECT_NEAR(friction_of(hold, momentum, mass, Vec3d{1, 0, 0}).x, -0.3 * h * 9.81, 1e-12);
+    EXPECT_NEAR(friction_of(hold, momentum, mass, Vec3d{1e-4, 0, 0}).x, -1e-4, 1e-15);  // sticks
 }
 
 // --- wetness
