@@ -156,9 +156,9 @@ Json model_json(const InspectOptions& o) {
 }
 
 template <class Term>
-void add_rows(Json& rows, const char* table) {
+void add_rows(Json& rows) {
     for (const auto& p : Term::parameters)
-        rows.push_back({{"key", std::string(table) + "." + p.key},
+        rows.push_back({{"key", std::string(Term::table) + "." + p.key},
                         {"unit", p.unit},
                         {"default", p.fallback},
                         {"minimum", p.minimum},
@@ -168,16 +168,11 @@ void add_rows(Json& rows, const char* table) {
 
 Json terms_json() {
     Json rows = Json::array();
-    add_rows<Stretch>(rows, "stretch");
-    add_rows<Bend>(rows, "bend");
-    add_rows<Twist>(rows, "bend");
-    add_rows<Core>(rows, "core");
-    add_rows<Wetness>(rows, "wetness");
-    add_rows<Curl>(rows, "curl");
-    add_rows<CurlPush>(rows, "curl");
-    add_rows<Cohesion>(rows, "cohesion");
-    add_rows<Adhesion>(rows, "adhesion");
-    add_rows<Stiffness>(rows, "stiffness");
+    const ChainTerms none;
+    std::apply([&](const auto&... term) { (add_rows<std::decay_t<decltype(*term)>>(rows), ...); }, none);
+    add_rows<Wetness>(rows);
+    add_rows<Curl>(rows);
+    add_rows<Cohesion>(rows);
     return {{"parameters", rows}};
 }
 

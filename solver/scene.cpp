@@ -14,38 +14,31 @@ namespace {
 
 Vec3d vec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
-// A term by its parameter table, where its table is written.
-template <class Term>
-void read_term(std::optional<Term>& slot, Table root, const char* table) {
-    if (!root.has(table)) return;
-    slot.emplace();
-    read_parameters(*slot, Term::parameters, root.table(table));
-}
-
 bool is_printed(Table t) { return t.choice("form", "variational", {"variational", "printed"}) == "printed"; }
 
+// A term, where its table is written (and printed, where it is a printed form's alone).
+template <class Term>
+void read_term(std::optional<Term>& slot, Table root) {
+    if (!root.has(Term::table)) return;
+    const Table t = root.table(Term::table);
+    if constexpr (requires { Term::printed_only; })
+        if (!is_printed(t)) return;
+    slot.emplace();
+    read_parameters(*slot, Term::parameters, t);
+    if constexpr (requires { slot->printed; }) slot->printed = is_printed(t);
+}
+
 void read_chain(Scene& scene, Table root) {
-    read_term(scene.term<Stretch>(), root, "stretch");
-    read_term(scene.term<Bend>(), root, "bend");
-    read_term(scene.term<Core>(), root, "core");
-    read_term(scene.term<Stiffness>(), root, "stiffness");
-    read_term(scene.term<Adhesion>(), root, "adhesion");
-    if (auto& bend = scene.term<Bend>()) {
-        bend->printed = is_printed(root.table("bend"));
-        auto& twist = scene.term<Twist>().emplace();
-        twist.k_b = bend->k_b;
-        read_parameters(twist, Twist::parameters, root.table("bend"));
-        if (!(twist.torsion * twist.k_b > 0)) scene.term<Twist>().reset();
+    std::apply([&](auto&... slot) { (read_term(slot, root), ...); }, scene.chain);
+    if (auto& twist = scene.term<Twist>()) {
+        twist->k_b = scene.term<Bend>()->k_b;
+        if (!(twist->torsion * twist->k_b > 0)) twist.reset();
     }
-    if (auto& core = scene.term<Core>()) core->printed = is_printed(root.table("core"));
-    if (auto& adhesion = scene.term<Adhesion>()) {
-        adhesion->printed = is_printed(root.table("adhesion"));
-        scene.adhesion_model = root.table("adhesion").path("model");
-    }
+    if (scene.term<Adhesion>()) scene.adhesion_model = root.table("adhesion").path("model");
 }
 
 void read_wet(Scene& scene, Table root) {
-    read_term(scene.wetness, root, "wetness");
+    read_term(scene.wetness, root);
     if (scene.wetness) {
         const Table t = root.table("wetness");
         scene.wetness->pattern = t.choice("pattern", "uniform", wetness_patterns);
@@ -54,22 +47,18 @@ void read_wet(Scene& scene, Table root) {
         if (scene.wetness->pattern == "file" && scene.wetness->file.empty())
             t.fail("pattern", "'file' needs file = \"RUN.h5\", whose saturation is taken");
     }
-    read_term(scene.curl, root, "curl");
+    read_term(scene.curl, root);
     if (scene.curl) {
         const Table t = root.table("curl");
         scene.curl->radius = t.optional_number("radius", 0, 1);
         scene.curl->pitch = t.optional_number("pitch", 0, 10);
-        scene.curl->printed = is_printed(t);
         if (scene.curl->radius.has_value() != scene.curl->pitch.has_value())
             t.fail(scene.curl->radius ? "radius" : "pitch",
                    "a helix needs both radius and pitch, or neither");
-        if (scene.curl->printed) {
-            if (!scene.curl->radius) t.fail("form", "'printed' needs the radius and pitch of its helix");
-            scene.term<CurlPush>().emplace();
-            read_parameters(*scene.term<CurlPush>(), CurlPush::parameters, t);
-        }
+        if (scene.curl->printed && !scene.curl->radius)
+            t.fail("form", "'printed' needs the radius and pitch of its helix");
     }
-    read_term(scene.cohesion, root, "cohesion");
+    read_term(scene.cohesion, root);
     if (scene.cohesion) scene.cohesion->passes = int(root.table("cohesion").integer("passes", 10, 1, 1000));
     for (const char* wet : {"curl", "cohesion", "adhesion"})
         if (root.has(wet) && !scene.wetness)

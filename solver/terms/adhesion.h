@@ -10,7 +10,7 @@
 namespace wetcurl {
 
 struct Adhesion {
-    static constexpr const char* name = "adhesion";
+    static constexpr const char *name = "adhesion", *table = "adhesion";
     static constexpr bool couples_two_edges = false;
     double a_max, h_a, hold;
     bool printed = false;

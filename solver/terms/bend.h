@@ -10,7 +10,7 @@
 namespace wetcurl {
 
 struct Bend {
-    static constexpr const char* name = "bend";
+    static constexpr const char *name = "bend", *table = "bend";
     static constexpr bool couples_two_edges = true;
     double k_b, c_b;
     bool printed = false;

@@ -13,7 +13,7 @@
 namespace wetcurl {
 
 struct Cohesion {
-    static constexpr const char* name = "cohesion";
+    static constexpr const char *name = "cohesion", *table = "cohesion";
     double h_c, lambda, coherence;
     int passes = 10;
     static constexpr Parameter<Cohesion> parameters[] = {

@@ -10,7 +10,7 @@
 namespace wetcurl {
 
 struct Core {
-    static constexpr const char* name = "core";
+    static constexpr const char *name = "core", *table = "core";
     static constexpr bool couples_two_edges = false;  // its majoriser k_c D^T D
     double k_c, c_c, alpha_c;
     double beta = 1;  // of the filter, from alpha_c and the mean segment length

@@ -14,7 +14,7 @@
 namespace wetcurl {
 
 struct Curl {
-    static constexpr const char* name = "curl";
+    static constexpr const char *name = "curl", *table = "curl";
     double w_h, contraction, tightening;
     std::optional<double> radius, pitch;  // [m], pitch of a full turn; both or none
     bool printed = false;

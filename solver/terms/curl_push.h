@@ -9,8 +9,8 @@
 namespace wetcurl {
 
 struct CurlPush {
-    static constexpr const char* name = "curl (printed)";
-    static constexpr bool couples_two_edges = false;
+    static constexpr const char *name = "curl (printed)", *table = "curl";
+    static constexpr bool couples_two_edges = false, printed_only = true;
     double k_w;
     static constexpr Parameter<CurlPush> parameters[] = {
         {"push", &CurlPush::k_w, "N/m", 0.01, 0, 1e6,

@@ -9,7 +9,7 @@
 namespace wetcurl {
 
 struct Stiffness {
-    static constexpr const char* name = "stiffness";
+    static constexpr const char *name = "stiffness", *table = "stiffness";
     static constexpr bool couples_two_edges = false;
     double c_wet, c_dry, c_all;
     static constexpr Parameter<Stiffness> parameters[] = {

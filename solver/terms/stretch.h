@@ -8,7 +8,7 @@
 namespace wetcurl {
 
 struct Stretch {
-    static constexpr const char* name = "stretch";
+    static constexpr const char *name = "stretch", *table = "stretch";
     static constexpr bool couples_two_edges = false;
     double k_s, c_s;
     static constexpr Parameter<Stretch> parameters[] = {

@@ -11,7 +11,7 @@
 namespace wetcurl {
 
 struct Twist {
-    static constexpr const char* name = "twist";
+    static constexpr const char *name = "twist", *table = "bend";
     static constexpr bool couples_two_edges = true;
     double torsion, k_b;
     static constexpr Parameter<Twist> parameters[] = {

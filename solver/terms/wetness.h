@@ -11,7 +11,7 @@
 namespace wetcurl {
 
 struct Wetness {
-    static constexpr const char* name = "wetness";
+    static constexpr const char *name = "wetness", *table = "wetness";
     double level, absorbed, jitter, edge, region_radius;
     std::string pattern = "uniform";  // uniform | tip | root | region | file
     Vec3d region_center{0, 0, 0};     // head's frame [m]
