@@ -1,7 +1,7 @@
 // Torsion springs between edges: what the twist of a strand between its root and its free tip costs.
-// Bergou 2008, Sec. 4.2.2 and 5.1: discrete twist and its gradient through the frames' transport. The paper has
-// none. Differs: the energy is periodic, GJ / l (1 - cos m) in place of GJ / (2 l) m², so that it needs no
-// count of turns.
+// Bergou 2008, Sec. 4.2.2 and 5.1: discrete twist and its gradient through the frames' transport. The paper
+// has none. Differs: the energy is periodic, GJ / l (1 - cos m) in place of GJ / (2 l) m², so that it needs
+// no count of turns.
 #pragma once
 
 #include "base/parameters.h"
@@ -25,8 +25,9 @@ struct Twist {
         return S(torsion * k_b) * rest_length * rest_length;
     }
 
-    // How far the frames hang back, 0 to 1: not at all where the step resolves the bend's springs. Where it does
-    // not, positions carried ahead by their velocity tell nothing, and frames that follow them at once swing.
+    // How far the frames hang back, 0 to 1: not at all where the step resolves the bend's springs. Where it
+    // does not, positions carried ahead by their velocity tell nothing, and frames that follow them at once
+    // swing.
     template <class S>
     WETCURL_HD S lag(const S& h, const S& mass) const {
         const S q = h * h * S(k_b) / (S(1000) * mass);

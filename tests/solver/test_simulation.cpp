@@ -412,7 +412,7 @@ TEST(Simulation, an_explicit_run_of_stiff_hair_is_seen_to_diverge_and_a_term_is_
 TEST(Simulation, an_explicit_run_of_soft_hair_agrees_with_the_implicit_one_as_both_are_refined) {
     // Damped, so that the fastest modes end within the run: a phase has no order.
     const std::vector<string> soft{"stretch.stiffness=0.05", "bend.stiffness=0.0005", "core.stiffness=0.0005",
-                                   "integrator.limiter=0", "stretch.damping=1e-4", "stiffness.dry=20"};
+                                   "integrator.limiter=0",   "stretch.damping=1e-4",  "stiffness.dry=20"};
     auto with = [&](const char* kind, const char* substeps) {
         auto set = soft;
         set.push_back(kind);
