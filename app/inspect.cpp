@@ -9,6 +9,7 @@
 
 #include "app/axial_extent.h"
 #include "app/commands.h"
+#include "app/device.h"
 #include "app/image_file.h"
 #include "app/results.h"
 #include "learn/network_module.h"
@@ -189,7 +190,8 @@ Json device_json() {
 #else
              "baseline"
 #endif
-            }};
+            },
+            {"cuda_devices", names_of_cuda_devices()}};
 }
 
 }  // namespace

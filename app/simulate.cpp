@@ -8,6 +8,7 @@
 
 #include "app/adhesion_network.h"
 #include "app/commands.h"
+#include "app/device.h"
 #include "app/results.h"
 #include "app/run_of_scene.h"
 #include "base/interrupt.h"
@@ -25,7 +26,7 @@ static double distance_mm(const RunFrame& a, const RunFrame& b) {
 }
 
 int simulate_command(const SimulateOptions& o) {
-    refuse_device(o, "simulate");
+    require_device(o.device);
     SceneOptions options;
     options.set = o.set;
     options.frames = o.frames;
@@ -46,14 +47,14 @@ int simulate_command(const SimulateOptions& o) {
     Scene fine = scene;
     fine.integrator.substeps = 160;
     std::unique_ptr<Simulation> reference = o.reference ? make_simulation(fine, "double") : nullptr;
-    auto simulation = make_simulation(scene, precision);
+    auto simulation = make_simulation_on(o.device, scene, precision);
     auto network = adhesion_model_of(scene, o.device, o.threads);
     simulation->use_adhesion_model(network.get());
 
+    RunHeader header = header_of(scene, *simulation, acts_wet(scene) ? "simulated wet" : "simulated dry");
+    header.device = o.device;
     InterruptGuard guard;
-    RunWriter writer(o.output,
-                     header_of(scene, *simulation, acts_wet(scene) ? "simulated wet" : "simulated dry"),
-                     o.overwrite);
+    RunWriter writer(o.output, header, o.overwrite);
     Progress progress("simulate", scene.frames, "frame");
     RunFrame frame, exact;
     std::vector<double> seconds, errors;
@@ -87,7 +88,7 @@ int simulate_command(const SimulateOptions& o) {
         {"particles_per_strand", scene.groom.rest.particles},
         {"seconds_per_frame", time_statistics(seconds)},
         {"output_seconds_per_frame", output_seconds / std::max(1, done)},
-        {"device", "cpu"},
+        {"device", o.device},
         {"threads", o.threads},
         {"precision", precision},
         {"terms_present", presence.present},

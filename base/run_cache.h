@@ -2,6 +2,7 @@
 // HDF5 "wetcurl run", one chunk a frame, uncompressed. Ours.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>

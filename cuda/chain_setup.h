@@ -1,7 +1,6 @@
 // What the sweeps need of a scene: its numbers, and its motion substep by substep. Host only. Ours.
 #pragma once
 
-#include <cmath>
 #include <vector>
 
 #include "cuda/strand_sweep.h"
@@ -11,9 +10,7 @@ namespace wetcurl {
 
 template <class T>
 ChainConstants<T> chain_constants(const Scene& scene, double dt) {
-    const auto& bend = scene.term<Bend>();
-    const double relax = bend ? 1 - std::exp(-bend->twist_rate * dt) : 0;
-    return {scene.chain, T(dt), T(scene.integrator.limiter), T(relax), cast<T>(scene.integrator.gravity)};
+    return {scene.chain, T(dt), T(scene.integrator.limiter), cast<T>(scene.integrator.gravity)};
 }
 
 inline unsigned set_of(const Scene& scene) {

@@ -1,8 +1,9 @@
-// The implicit substep of one strand in two sweeps, for a thread a strand: from the tip, forces, matrix and
-// elimination row by row in registers; from the root, substitution, contact, frames, and the core's filter
-// for the substep that follows. Terms and formulas are those of solver/passes/chain_step.h, which is the
-// reference. Differs: there rows are eliminated from the root. From the tip the core's adjoint needs no sweep
-// of its own, and the two prescribed rows come last, where they are known.
+// The implicit substep of one strand in two sweeps, for a thread a strand: from the tip, the twists' turns,
+// the core's adjoint, forces, matrix and elimination row by row in registers; from the root, substitution,
+// contact, frames, and for the substep that follows the core's filter and the elimination of its twists.
+// Terms and formulas are those of solver/passes/chain_step.h, which is the reference. Differs: there rows are
+// eliminated from the root. From the tip the adjoint and the turns need no sweeps of their own, and the two
+// prescribed rows come last, where they are known.
 #pragma once
 
 #include <utility>
@@ -57,9 +58,11 @@ WETCURL_HD const Term& get(const ChainTerms& terms) {
 template <class T>
 struct StrandMemory {
     int n;
-    T *x, *x_before, *v, *v_before, *frame, *touching;
-    T* core;     // (block, particle, 3) the core's force on the smoothed edge, before the adjoint
-    T* factors;  // (block, particle, 3 or 12 or 21) the substitution's y, u1, u2
+    T *x, *x_before, *v, *v_before, *touching;
+    T *frame, *ahead;  // at the positions now, and at those at which the next forces are taken
+    T* twist;          // (block, particle, 2) rows of the twists' elimination
+    T* core;           // (block, particle, 3) the core's force on the smoothed edge, before the adjoint
+    T* factors;        // (block, particle, 3 or 12 or 21) the substitution's y, u1, u2
     const T *root, *mass, *rest_length, *rest_core, *target, *saturation, *rest_depth, *push;
 };
 
@@ -67,7 +70,7 @@ struct StrandMemory {
 template <class T>
 struct ChainConstants {
     ChainTerms terms;
-    T dt, limiter, relax;  // share by which twists relax in a substep; 0: not at all
+    T dt, limiter;
     Vec3<T> gravity;
 };
 
@@ -98,25 +101,25 @@ class StrandSweep {
         x_ = of<V>(m.x), x_before_ = of<V>(m.x_before), v_ = of<V>(m.v), v_before_ = of<V>(m.v_before);
     }
 
-    // From rest: the core's force for the first substep.
+    // From rest: what the first substep needs, over which the root turns by `root_turn`.
     template <class Set>
-    WETCURL_HD void prepare(const Set& set) const {
-        if (!has<Core>(set)) return;
+    WETCURL_HD void prepare(const Set& set, const Q& root_turn) const {
         const Bdf2<T> scheme(k_.dt, true);
-        const Core& core = get<Core>(k_.terms);
-        EdgeFilter<T> edges(T(core.beta), at_first(scheme, 1) - at_first(scheme, 0)),
-            rates(T(core.beta), v_[1] - v_[0]);
-        for (int i = 0; i + 1 < m_.n; ++i)
-            of<V>(m_.core).set(i, core.pull(edges(at_first(scheme, i + 1) - at_first(scheme, i)),
-                                            rates(v_[i + 1] - v_[i]), of<const T>(m_.rest_core)[i]));
+        Ahead ahead(scheme, root_turn);
+        for (int i = 0; i < m_.n; ++i)
+            look_ahead(set, ahead, i, at_first(scheme, i), v_[i], outputs_at(set, i),
+                       has<Bend>(set) && i > 0 ? of<Q>(m_.frame)[i - 1] : Q::identity());
+        finish(set, ahead);
     }
 
-    // One substep; `first` of a run: no history. Returns how many edges the limiter shortened.
+    // One substep, `first` of a run (no history) or not; over the one after it the root turns by
+    // `turn_after`. `last`: someone looks at the frames then. Returns how many edges the limiter shortened.
     template <class Set>
-    WETCURL_HD int step(const Set& set, const SubstepMotion<T>& motion, bool first) {
+    WETCURL_HD int step(const Set& set, const SubstepMotion<T>& motion, const Q& turn_after, bool first,
+                        bool last) {
         const Bdf2<T> scheme(k_.dt, first);
         eliminate_from_tip(set, motion, scheme);
-        const int limited = substitute_from_root(set, motion, scheme);
+        const int limited = substitute_from_root(set, motion, scheme, turn_after, last);
         // What was written over the older state is the newer one.
         const auto x = x_, v = v_;
         x_ = x_before_, v_ = v_before_;
@@ -142,7 +145,7 @@ class StrandSweep {
     };
     template <class Set>
     WETCURL_HD static bool penta(const Set& set) {
-        return has<Bend>(set);
+        return has<Bend>(set) || has<Twist>(set);
     }
     template <class Set>
     WETCURL_HD T* factors_of(const Set& set, int i) const {
@@ -153,8 +156,9 @@ class StrandSweep {
     // What an element whose last particle is i reads from memory.
     struct Inputs {
         V x, x_before, v;  // of particle i-2
-        Q frame;           // of edge i-2
-        V v_before;        // of particle i, and so on
+        Q frame;           // of edge i-2, and the row of its twist's elimination
+        T pivot, right;
+        V v_before;  // of particle i, and so on
         T mass, saturation, touching;
         V core, target, push;  // of edge i-1
         T rest_length;
@@ -166,7 +170,9 @@ class StrandSweep {
         in.v_before = v_before_[i];
         in.mass = of<const T>(m_.mass)[i];
         in.rest_length = of<const T>(m_.rest_length)[i - 1];
-        if (has<Bend>(set)) in.frame = of<Q>(m_.frame)[i - 2], in.target = of<const V>(m_.target)[i - 1];
+        if (has<Bend>(set)) in.frame = of<Q>(m_.ahead)[i - 2], in.target = of<const V>(m_.target)[i - 1];
+        if (has<Twist>(set) && i > 2)
+            in.pivot = of<T>(m_.twist, 2)[2 * i - 4], in.right = of<T>(m_.twist, 2)[2 * i - 3];
         if (has<Core>(set)) in.core = of<V>(m_.core)[i - 1];
         if (has<CurlPush>(set)) in.push = of<const V>(m_.push)[i - 1];
         if (has<Adhesion>(set)) in.touching = of<T>(m_.touching)[i];
@@ -199,7 +205,7 @@ class StrandSweep {
         Sym3<T> diagonal[3] = {no_sym, no_sym, no_sym};
         M upper1[2] = {no_mat, no_mat}, upper2[1];
         V target[2], core[2], push[2], normal[3], surface_velocity[3];
-        Q frame[1];
+        Q frame[2];
         T mass[3], rest_length[2], saturation[3], touching[3], phi[3];
         normal[2] = {T(0), T(1), T(0)}, surface_velocity[2] = zero;
 
@@ -214,6 +220,13 @@ class StrandSweep {
         const ChainSystem<T> system{scheme.h, force, diagonal, upper1, upper2};
 
         EdgeFilterAdjoint<T> adjoint(has<Core>(set) ? T(get<Core>(k_.terms).beta) : T(1));
+        T turn(0);  // of the twist of the edge at hand
+        if (has<Bend>(set)) frame[0] = of<Q>(m_.ahead)[n - 2];
+        if (has<Twist>(set)) {
+            turn = of<T>(m_.twist, 2)[2 * n - 3] / of<T>(m_.twist, 2)[2 * n - 4];
+            frame[0] = turned_about_itself(frame[0], turn);
+            of<Q>(m_.ahead).set(n - 2, frame[0]);
+        }
         x[1] = at_first(scheme, n - 1), v[1] = v_[n - 1];
         x[0] = at_first(scheme, n - 2), v[0] = v_[n - 2];
         Inputs next = inputs_at(set, n - 1);
@@ -225,7 +238,13 @@ class StrandSweep {
             upper2[0] = no_mat;
             mass[2] = in.mass, saturation[2] = in.saturation, touching[2] = in.touching;
             rest_length[1] = in.rest_length, target[1] = in.target, push[1] = in.push;
-            if (has<Bend>(set)) frame[0] = carried_frame(motion.root_turn, in.frame, x[1] - x[0]);
+            if (has<Bend>(set)) frame[1] = frame[0], frame[0] = in.frame;
+            if (has<Twist>(set) && i > 2) {
+                const T stiffness = get<Twist>(k_.terms).stiffness(in.rest_length);
+                turn = (in.right + stiffness * turn) / in.pivot;
+                frame[0] = turned_about_itself(frame[0], turn);
+                of<Q>(m_.ahead).set(i - 2, frame[0]);
+            }
             if (has<Core>(set)) core[1] = get<Core>(k_.terms).printed ? in.core : adjoint(in.core);
             if (has<Adhesion>(set)) sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
             assemble_present(set, view, system, std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
@@ -258,10 +277,10 @@ class StrandSweep {
     struct Outputs {
         V x, x_before, v;
         Factors row;
-        Q frame;      // of edge i-1
-        V target;     // of edge i-1
-        T rest_core;  // of edge i-1
-        T rest_length, rest_depth;
+        Q frame;                   // of edge i-1
+        V target;                  // of edge i-1
+        T rest_core, rest_length;  // of edge i-1
+        T rest_depth, mass;        // of particle i; of particle i-2
     };
     template <class Set>
     WETCURL_HD Outputs outputs_at(const Set& set, int i) const {
@@ -274,25 +293,78 @@ class StrandSweep {
             if (penta(set)) in.row.u2 = LaneArray<M, T>{row + 12 * Lanes<T>::lanes}[0];
         }
         if (i >= 1) {
-            if (has<Bend>(set)) in.frame = of<Q>(m_.frame)[i - 1], in.target = of<const V>(m_.target)[i - 1];
+            if (has<Bend>(set)) in.frame = of<Q>(m_.ahead)[i - 1], in.target = of<const V>(m_.target)[i - 1];
+            if (has<Twist>(set) && i >= 2) in.mass = of<const T>(m_.mass)[i - 2];
             if (has<Core>(set)) in.rest_core = of<const T>(m_.rest_core)[i - 1];
-            if (set.has(present::limiter)) in.rest_length = of<const T>(m_.rest_length)[i - 1];
+            if (has<Twist>(set) || set.has(present::limiter))
+                in.rest_length = of<const T>(m_.rest_length)[i - 1];
         }
         if (set.has(present::contact) && m_.rest_depth) in.rest_depth = of<const T>(m_.rest_depth)[i];
         return in;
     }
 
+    // The way from the root along the positions at which the next forces are taken.
+    struct Ahead {
+        T h;
+        Q root_turn;
+        V x{T(0), T(0), T(0)}, v{T(0), T(0), T(0)};  // of particle i-1
+        Q frame{};                                   // of edge i-2
+        T k{}, torque{};                             // of the joint of edges i-3 and i-2
+        TwistElimination<T> row;
+        EdgeFilter<T> edges{T(1), V{T(0), T(0), T(0)}}, rates{T(1), V{T(0), T(0), T(0)}};
+        WETCURL_HD Ahead(const Bdf2<T>& scheme, const Q& turn) : h(scheme.h), root_turn(turn) {}
+    };
+    WETCURL_HD void store(const TwistElimination<T>& row, int edge) const {
+        of<T>(m_.twist, 2).set(2 * edge, row.pivot), of<T>(m_.twist, 2).set(2 * edge + 1, row.right);
+    }
+    // Particle i at x and v; `frame`: of edge i-1 where it is now.
     template <class Set>
-    WETCURL_HD int substitute_from_root(const Set& set, const SubstepMotion<T>& motion,
-                                        const Bdf2<T>& scheme) const {
+    WETCURL_HD void look_ahead(const Set& set, Ahead& a, int i, const V& x, const V& v, const Outputs& in,
+                               const Q& frame) const {
+        const V e = x - a.x, rate = v - a.v;
+        a.x = x, a.v = v;
+        if (i < 1) return;
+        if (has<Core>(set)) {
+            const Core& core = get<Core>(k_.terms);
+            if (i == 1) a.edges = EdgeFilter<T>(T(core.beta), e), a.rates = EdgeFilter<T>(T(core.beta), rate);
+            of<V>(m_.core).set(i - 1, core.pull(a.edges(e), a.rates(rate), in.rest_core));
+        }
+        if (!has<Bend>(set)) return;
+        const Q here = carried_frame(a.root_turn * frame, e);
+        of<Q>(m_.ahead).set(i - 1, here);
+        if (has<Twist>(set) && i > 1) {
+            const Twist& twist = get<Twist>(k_.terms);
+            const T k = twist.stiffness(in.rest_length);
+            const T torque = k * Twist::HalfAngle<T>(a.frame, here).sine_of_whole();
+            if (i > 2) {
+                T slope, bound;
+                bend_by_turn(get<Bend>(k_.terms), a.frame, in.target, e, slope, bound);
+                a.row.next(i == 3, a.k, a.torque, k, torque, slope, bound, twist.lag(a.h, in.mass));
+                store(a.row, i - 2);
+            }
+            a.k = k, a.torque = torque;
+        }
+        a.frame = here;
+    }
+    // The tip's edge, which has no joint after it.
+    template <class Set>
+    WETCURL_HD void finish(const Set& set, Ahead& a) const {
+        if (!has<Twist>(set) || m_.n < 3) return;
+        const T lag = get<Twist>(k_.terms).lag(a.h, of<const T>(m_.mass)[m_.n - 2]);
+        a.row.next(m_.n == 3, a.k, a.torque, T(0), T(0), T(0), T(0), lag);
+        store(a.row, m_.n - 2);
+    }
+
+    template <class Set>
+    WETCURL_HD int substitute_from_root(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
+                                        const Q& turn_after, bool last) const {
         const int n = m_.n;
         const V zero{T(0), T(0), T(0)};
         const Bdf2<T> following(k_.dt, false);
+        Ahead ahead(following, turn_after);
         const LaneArray<V, const T> root{m_.root + block_ * 2 * 3 * Lanes<T>::lanes + lane_};
-        V d1 = zero, d2 = zero;                              // solution of particles i-1 and i-2
-        V x1 = zero, v1 = zero, ahead1 = zero, kept = zero;  // of particle i-1; `kept`: before its contacts
-        Q carried{}, frame{};                                // frame: of edge i-2, before its twist relaxes
-        EdgeFilter<T> edges(T(1), zero), rates(T(1), zero);
+        V d1 = zero, d2 = zero;    // solution of particles i-1 and i-2
+        V x1 = zero, kept = zero;  // of particle i-1; `kept`: before its contacts
         int limited = 0;
         Outputs next = outputs_at(set, 0);
         for (int i = 0; i < n; ++i) {
@@ -329,28 +401,15 @@ class StrandSweep {
             }
             x_before_.set(i, x), v_before_.set(i, v);
             if (moved) x_.set(i, x_old), v_.set(i, v_old);
-            const V ahead = following.predicted(x, x_old, v);
-            if (i >= 1) {
-                if (has<Bend>(set)) {
-                    const V e = x - x1;
-                    const Q here = carried_frame(motion.root_turn, in.frame, e);
-                    if (i == 1) carried = here;
-                    if (i > 2 && k_.relax > 0)
-                        frame = relaxed_twist(get<Bend>(k_.terms), frame, carried, k_.relax, in.target, e);
-                    if (i > 1) of<Q>(m_.frame).set(i - 2, frame);
-                    frame = here;
-                }
-                if (has<Core>(set)) {
-                    const Core& core = get<Core>(k_.terms);
-                    const V e = ahead - ahead1, rate = v - v1;
-                    if (i == 1)
-                        edges = EdgeFilter<T>(T(core.beta), e), rates = EdgeFilter<T>(T(core.beta), rate);
-                    of<V>(m_.core).set(i - 1, core.pull(edges(e), rates(rate), in.rest_core));
-                }
+            Q frame{};
+            if (has<Bend>(set) && i > 0) {
+                frame = carried_frame(in.frame, x - x1);
+                if (last) of<Q>(m_.frame).set(i - 1, frame);
             }
-            x1 = x, v1 = v, ahead1 = ahead;
+            look_ahead(set, ahead, i, following.predicted(x, x_old, v), v, in, frame);
+            x1 = x;
         }
-        if (has<Bend>(set)) of<Q>(m_.frame).set(n - 2, frame);
+        finish(set, ahead);
         return limited;
     }
 

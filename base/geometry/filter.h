@@ -10,8 +10,8 @@
 namespace wetcurl {
 
 // beta = min(1, 1 - exp(-l / alpha)); l, alpha [m]. alpha = 0 is the identity.
-inline double filter_beta(double l, double alpha) {
-    return alpha > 0 ? std::min(1.0, 1.0 - std::exp(-l / alpha)) : 1.0;
+WETCURL_HD inline double filter_beta(double l, double alpha) {
+    return alpha > 0 ? minimum(1.0, 1.0 - exp(-l / alpha)) : 1.0;
 }
 
 // Eq 2 edge by edge: d_i from e_i and the two before it.

@@ -1,6 +1,7 @@
 // Strand .ply, ascii or binary: a header that describes every element, then their values (Turk 1994).
 // Ours: which vertices make a strand is told by `element strand {nsegs}`, else each 100 vertices are one.
 #include <charconv>
+#include <cstdint>
 #include <sstream>
 
 #include "solver/grooms/byte_reader.h"

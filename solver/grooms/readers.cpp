@@ -2,6 +2,7 @@
 #include "solver/grooms/readers.h"
 
 #include <bit>
+#include <cstdint>
 
 #include "solver/grooms/byte_reader.h"
 

@@ -68,18 +68,17 @@ struct ChainScratch {
     }
 };
 
-// The frame of an edge carried to its new place e: first the root's own rotation, then the edge's.
+// The frame of an edge carried to its new place e.
 template <class S>
-WETCURL_HD Quat<S> carried_frame(const Quat<S>& root_turn, const Quat<S>& frame, const Vec3<S>& e) {
-    const Quat<S> turned = root_turn * frame;
-    return transported(turned, normalized(e, frame_direction(turned)));
+WETCURL_HD Quat<S> carried_frame(const Quat<S>& frame, const Vec3<S>& e) {
+    return transported(frame, normalized(e, frame_direction(frame)));
 }
-// The frames of all edges carried to the positions x.
+// The frames of all edges carried to the positions x: first the root's own rotation, then each edge's.
 template <class S>
 WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>>& root_turn,
                                  const Vec3<S>* x, Quat<S>* to) {
     const Quat<S> turn = cast<S>(root_turn);
-    for (int i = 0; i + 1 < n; ++i) to[i] = carried_frame(turn, from[i], x[i + 1] - x[i]);
+    for (int i = 0; i + 1 < n; ++i) to[i] = carried_frame(turn * from[i], x[i + 1] - x[i]);
 }
 
 // The twists of frames at the view's positions relax where they cost anything.

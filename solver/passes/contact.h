@@ -12,6 +12,7 @@ namespace wetcurl {
 // A solid at the end of a substep, moving rigidly. Body: a Shape, or what a device holds of it.
 template <class T, class Body = Shape>
 struct PosedSolid {
+    using Number = T;
     const Body* shape;
     Quat<T> rotation;
     Vec3<T> translation, velocity, spin;  // velocity of its origin [m/s], angular velocity [rad/s]

@@ -37,7 +37,7 @@ struct Cohesion {
     };
     // sum V_k W_ik / W(0) over the particle's own strand, for each unit of its volume: segments of `length`
     // on a line.
-    double own_weight(double length) const {
+    WETCURL_HD double own_weight(double length) const {
         double sum = 1;
         for (int k = 1; length > 0 && k * length < h_c; ++k) sum += 2 * kernel_shape(k * length, h_c);
         return sum;

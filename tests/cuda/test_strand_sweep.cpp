@@ -16,13 +16,16 @@ Strands swept(const Scene& scene, const Set& set, int frames) {
     auto rows = [](auto& buffer) { return buffer.empty() ? nullptr : reinterpret_cast<T*>(buffer.data()); };
     const size_t cells = state.at(state.blocks, 0) * Lanes<T>::lanes;
     std::vector<T> core(3 * cells), factors(size_t(factor_rows(scene.chain)) * cells);
+    std::vector<T> ahead(4 * cells), twist(2 * cells);
     const StrandMemory<T> memory{state.n,
                                  rows(state.x),
                                  rows(state.x_before),
                                  rows(state.v),
                                  rows(state.v_before),
-                                 rows(state.frame),
                                  rows(state.touching),
+                                 rows(state.frame),
+                                 ahead.data(),
+                                 twist.data(),
                                  core.data(),
                                  factors.data(),
                                  rows(state.root),
@@ -40,18 +43,19 @@ Strands swept(const Scene& scene, const Set& set, int frames) {
     for (const auto& solid : scene.solids) shapes.push_back(view_of(solid.shape));
     std::vector<SubstepMotion<T>> motion;
     std::vector<DeviceSolid<T>> solids;
-    for (int k = 0; k < substeps; ++k) {
+    for (int k = 0; k <= substeps; ++k) {
         const auto p = placement_at<T>(scene, (k + 1) * dt, dt);
         motion.push_back(substep_motion(p, shapes.data(), solids));
     }
-    for (int k = 0; k < substeps; ++k) motion[size_t(k)].solids = solids.data() + size_t(k) * shapes.size();
+    for (int k = 0; k <= substeps; ++k) motion[size_t(k)].solids = solids.data() + size_t(k) * shapes.size();
 
     Strands out(state.strands, state.n);
     for (int s = 0; s < state.strands; ++s) {
         const int block = s / 32, lane = s % 32;
         StrandSweep<T> sweep(memory, constants, block, lane);
-        sweep.prepare(set);
-        for (int k = 0; k < substeps; ++k) sweep.step(set, motion[size_t(k)], k == 0);
+        sweep.prepare(set, motion[0].root_turn);
+        for (size_t k = 0; k < size_t(substeps); ++k)
+            sweep.step(set, motion[k], motion[k + 1].root_turn, k == 0, false);
         const auto& x = substeps % 2 ? state.x_before : state.x;
         for (int i = 0; i < state.n; ++i) {
             const auto& p = x[state.at(block, i)];
@@ -92,19 +96,20 @@ TEST(StrandSweep, does_what_the_reference_passes_do) {
 TEST(StrandSweep, of_a_set_known_at_compile_time_is_the_general_one) {
     using namespace present;
     const Scene scene = scene_of(dry_scene);
-    constexpr unsigned set = these<Stretch, Bend, Core>;
+    constexpr unsigned set = these<Stretch, Bend, Twist, Core>;
     ASSERT_EQ(set_of(scene), set);
     EXPECT_LT(farthest(swept<double>(scene, ExactSet<set>(), 3), swept<double>(scene, AnySet{set}, 3)), 1e-7);
 }
 
 TEST(StrandSweep, in_single_precision_stays_near_the_double_one) {
     for (const auto& c : cases()) {
-        const std::string name = c.name;
-        // A chain that only stretches swings chaotically, and so does what the print leaves of the bend.
-        if (name == "stretch alone" || name == "limited" || name == "printed") continue;
         const Scene scene = scene_of(c.text, c.set);
         const AnySet set{set_of(scene)};
-        EXPECT_LT(farthest(swept<float>(scene, set, 24), swept<double>(scene, set, 24)), 1e-3 * 0.15)
+        // Hair that sticks and lets go, or is limited, or loses its bend, swings chaotically: a few frames.
+        const bool smooth = c.name == std::string("dry");
+        EXPECT_LT(
+            farthest(swept<float>(scene, set, smooth ? 24 : 2), swept<double>(scene, set, smooth ? 24 : 2)),
+            smooth ? 1e-5 : 1e-4)
             << c.name;
     }
 }

@@ -1,0 +1,48 @@
+// Joins `--device` to the solver's backends.
+#include "app/device.h"
+
+#include "base/error.h"
+#ifdef WETCURL_HAVE_CUDA
+#include "cuda/simulation.h"
+#endif
+
+namespace wetcurl {
+
+// -1: the CPU.
+static int number_of(const std::string& device) {
+    if (device == "cpu") return -1;
+    if (device == "cuda") return 0;
+    const std::string digits = device.rfind("cuda:", 0) == 0 ? device.substr(5) : "";
+    if (digits.empty() || digits.size() > 4 || digits.find_first_not_of("0123456789") != std::string::npos)
+        throw Misuse("--device: found '" + device + "', allowed: cpu, cuda, cuda:n");
+    return std::stoi(digits);
+}
+
+std::vector<std::string> names_of_cuda_devices() {
+#ifdef WETCURL_HAVE_CUDA
+    return cuda_devices();
+#else
+    return {};
+#endif
+}
+
+void require_device(const std::string& device) {
+    if (number_of(device) < 0) return;
+#ifdef WETCURL_HAVE_CUDA
+    require_cuda_device(number_of(device));
+#else
+    throw Error("--device " + device +
+                ": this program was built without CUDA; the preset cuda builds it (scripts/build cuda)");
+#endif
+}
+
+std::unique_ptr<Simulation> make_simulation_on(const std::string& device, const Scene& scene,
+                                               const std::string& precision) {
+    require_device(device);
+#ifdef WETCURL_HAVE_CUDA
+    if (number_of(device) >= 0) return make_cuda_simulation(scene, precision, number_of(device));
+#endif
+    return make_simulation(scene, precision);
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,21 @@
+// Which of the solver's backends `--device` names. Ours.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "solver/simulation.h"
+
+namespace wetcurl {
+
+// Throws Error where the device that `--device` names ("cpu", "cuda", "cuda:n") is not there.
+void require_device(const std::string& device);
+
+// The scene's simulation on it; precision "float" or "double".
+std::unique_ptr<Simulation> make_simulation_on(const std::string& device, const Scene& scene,
+                                               const std::string& precision);
+
+// Names of the CUDA devices there are; empty where the program was built without CUDA.
+std::vector<std::string> names_of_cuda_devices();
+
+}  // namespace wetcurl

@@ -1,0 +1,77 @@
+// Memory of a CUDA device behind owners, and checks of its calls. For .cu files alone. Ours.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+
+namespace wetcurl {
+
+inline void check_cuda(cudaError_t status, const char* what) {
+    if (status != cudaSuccess) throw Error(std::string("CUDA: ") + what + ": " + cudaGetErrorString(status));
+}
+
+// `count` values on the current device.
+template <class V>
+class DeviceBuffer {
+  public:
+    DeviceBuffer() = default;
+    explicit DeviceBuffer(size_t count) : count_(count) {
+        if (count) check_cuda(cudaMalloc(&data_, bytes()), "out of memory");
+    }
+    explicit DeviceBuffer(const std::vector<V>& host) : DeviceBuffer(host.size()) {
+        upload(host.data(), count_);
+    }
+    DeviceBuffer(DeviceBuffer&& other) noexcept { *this = std::move(other); }
+    DeviceBuffer& operator=(DeviceBuffer&& other) noexcept {
+        std::swap(data_, other.data_);
+        std::swap(count_, other.count_);
+        return *this;
+    }
+    ~DeviceBuffer() { cudaFree(data_); }
+
+    V* data() const { return data_; }
+    size_t size() const { return count_; }
+    size_t bytes() const { return count_ * sizeof(V); }
+    void upload(const V* from, size_t count) {
+        if (count) check_cuda(cudaMemcpy(data_, from, count * sizeof(V), cudaMemcpyHostToDevice), "upload");
+    }
+    void download(V* to) const {
+        if (count_) check_cuda(cudaMemcpy(to, data_, bytes(), cudaMemcpyDeviceToHost), "download");
+    }
+    std::vector<V> host() const {
+        std::vector<V> out(count_);
+        download(out.data());
+        return out;
+    }
+
+  private:
+    V* data_ = nullptr;
+    size_t count_ = 0;
+};
+
+// Page-locked memory of the host, which copies to and from the device read while the program goes on.
+template <class V>
+class PinnedBuffer {
+  public:
+    PinnedBuffer() = default;
+    explicit PinnedBuffer(size_t count) : count_(count) {
+        if (count) check_cuda(cudaMallocHost(&data_, count * sizeof(V)), "page-locked memory");
+    }
+    PinnedBuffer(const PinnedBuffer&) = delete;
+    PinnedBuffer& operator=(const PinnedBuffer&) = delete;
+    ~PinnedBuffer() { cudaFreeHost(data_); }
+    V* data() const { return data_; }
+    size_t size() const { return count_; }
+    V& operator[](size_t k) const { return data_[k]; }
+
+  private:
+    V* data_ = nullptr;
+    size_t count_ = 0;
+};
+
+}  // namespace wetcurl

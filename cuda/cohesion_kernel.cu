@@ -1,0 +1,248 @@
+// Kernels of the displayed positions: a block takes whole strands, a thread a particle.
+#include <cub/device/device_radix_sort.cuh>
+
+#include "cuda/cohesion_kernel.h"
+
+namespace wetcurl {
+
+namespace {
+
+constexpr int warp = 32;
+
+unsigned blocks_for(size_t items, int threads) {
+    return unsigned((items + size_t(threads) - 1) / size_t(threads));
+}
+
+__global__ void place(CohesionBodies b, const Vec3f* positions, const float* volume) {
+    const uint32_t id = blockIdx.x * blockDim.x + threadIdx.x;
+    if (id < b.m.count) b.place(id, positions[id], volume[id]);
+}
+__global__ void measure(CohesionBodies b, int strands) {
+    const int strand = int(blockIdx.x * blockDim.x + threadIdx.x);
+    if (strand < strands) b.measure(strand);
+}
+__global__ void mark_cells(CohesionBodies b) {
+    const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
+    if (k < b.m.count) b.mark_cell(k);
+}
+
+// The particles of a block: `count` from `first` on, and the groups of 32 among them.
+struct Share {
+    uint32_t first;
+    int count, group;
+    __device__ Share(const CohesionMemory& m, int strands_of_block, int groups_of_block)
+        : first(blockIdx.x * unsigned(strands_of_block) * unsigned(m.particles)),
+          count(int(min(m.count - first, unsigned(strands_of_block) * unsigned(m.particles)))),
+          group(int(blockIdx.x) * groups_of_block) {}
+};
+
+__global__ void __launch_bounds__(1024)
+    build_lists(CohesionBodies b, int strands_of_block, int groups_of_block, FrameReport* report) {
+    const Share share(b.m, strands_of_block, groups_of_block);
+    const int lane = int(threadIdx.x) % warp;
+    for (int begin = int(threadIdx.x) - lane; begin < share.count; begin += int(blockDim.x)) {
+        const int group = share.group + begin / warp;
+        const uint32_t room = b.m.capacity[group];
+        uint32_t *list = b.m.list + b.m.offset[group] + lane, found = 0;
+        if (begin + lane < share.count)
+            b.neighbours(share.first + uint32_t(begin + lane), [&](uint32_t j) {
+                if (found < room) list[warp * found] = j;
+                ++found;
+            });
+        const unsigned longest = __reduce_max_sync(0xffffffffu, found),
+                       pairs = __reduce_add_sync(0xffffffffu, found);
+        for (uint32_t k = found; k < min(longest, room); ++k) list[warp * k] = b.m.count;
+        if (lane == 0) {
+            b.m.length[group] = longest;
+            if (longest > room) atomicOr(&report->overflow, 1u);
+            atomicAdd(&report->pairs, static_cast<unsigned long long>(pairs));
+        }
+    }
+}
+
+// One Jacobi pass. Shared memory: displacements (3, count), and 32 numbers a warp.
+__global__ void __launch_bounds__(1024)
+    jacobi(CohesionBodies b, int strands_of_block, int groups_of_block, const Point4* now, Point4* next) {
+    extern __shared__ float u[];
+    const Share share(b.m, strands_of_block, groups_of_block);
+    const int n = b.m.particles, lane = int(threadIdx.x) % warp;
+    for (int k = int(threadIdx.x); k < share.count; k += int(blockDim.x)) {
+        const int group = share.group + k / warp;
+        const uint32_t id = share.first + uint32_t(k);
+        Vec3f d{0, 0, 0};
+        if (k % n != 0)
+            d = b.displacement(now, id, b.m.list + b.m.offset[group] + lane,
+                               min(b.m.length[group], b.m.capacity[group]));
+        u[k] = d.x, u[share.count + k] = d.y, u[2 * share.count + k] = d.z;
+    }
+    if (b.term.coherence > 0) {
+        __syncthreads();
+        float* ends = u + 3 * share.count + int(threadIdx.x) - lane;
+        const int warps = int(blockDim.x) / warp, lines = 3 * (share.count / n);
+        // A line is one coordinate of one strand.
+        for (int line = int(threadIdx.x) / warp; line < lines; line += warps) {
+            const uint32_t strand = share.first / uint32_t(n) + uint32_t(line % (share.count / n));
+            smooth_along(u + line / (share.count / n) * share.count + line % (share.count / n) * n, n,
+                         b.m.beta[strand], ends, [&](auto body) {
+                             body(lane);
+                             __syncwarp();
+                         });
+        }
+        __syncthreads();
+    }
+    for (int k = int(threadIdx.x); k < share.count; k += int(blockDim.x)) {
+        Point4 p = now[share.first + uint32_t(k)];
+        p.x += u[k], p.y += u[share.count + k], p.z += u[2 * share.count + k];
+        next[share.first + uint32_t(k)] = p;
+    }
+}
+
+template <class T>
+__global__ void show(CohesionBodies b, const Point4* now, const float* rest_depth,
+                     const SubstepMotion<T>* motion, Vec3f* displayed) {
+    const uint32_t id = blockIdx.x * blockDim.x + threadIdx.x;
+    if (id >= b.m.count) return;
+    Vec3f p = now[id].position();
+    if (id % uint32_t(b.m.particles) != 0) p = pushed_out(*motion, p, rest_depth ? rest_depth[id] : 0.f);
+    displayed[id] = p;
+}
+
+constexpr int small_block = 128;
+
+}  // namespace
+
+CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles, const Vec3f& origin,
+                               const std::vector<float>& volume, const std::vector<float>& wet_volume,
+                               const std::vector<float>& rest_depth)
+    : term_(term),
+      strands_(strands),
+      particles_(particles),
+      volume_(volume),
+      rest_depth_(rest_depth),
+      grid_(wrapped_grid(volume.size(), term.h_c)),
+      origin_(origin) {
+    const size_t count = volume.size();
+    int device = 0, processors = 1, most_shared = 0;
+    check_cuda(cudaGetDevice(&device), "device");
+    check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "attribute");
+    check_cuda(cudaDeviceGetAttribute(&most_shared, cudaDevAttrMaxSharedMemoryPerBlockOptin, device),
+               "attribute");
+    // Whole strands up to a thousand particles, but at least two blocks a processor.
+    strands_of_block_ = std::max(1, std::min(1024 / particles, strands / (2 * processors)));
+    blocks_ = unsigned((strands + strands_of_block_ - 1) / strands_of_block_);
+    const int items = strands_of_block_ * particles;
+    groups_of_block_ = (items + warp - 1) / warp;
+    threads_ = std::min(1024, groups_of_block_ * warp);
+    shared_bytes_ = sizeof(float) * (3 * size_t(items) + size_t(threads_));
+    if (shared_bytes_ > size_t(most_shared))
+        throw Error("cohesion on a CUDA device: found strands of " + std::to_string(particles) +
+                    " particles, allowed at most " +
+                    std::to_string((size_t(most_shared) / sizeof(float) - 1024) / 3));
+    check_cuda(cudaFuncSetAttribute(jacobi, cudaFuncAttributeMaxDynamicSharedMemorySize, int(shared_bytes_)),
+               "shared memory");
+
+    std::vector<float> wet = wet_volume;
+    wet.push_back(0);  // of nobody
+    wet_volume_ = DeviceBuffer<float>(wet);
+    beta_ = DeviceBuffer<float>(size_t(strands)), own_weight_ = DeviceBuffer<float>(size_t(strands));
+    const std::vector<Point4> points(count + 1, Point4{0, 0, 0, 0});
+    now_ = DeviceBuffer<Point4>(points), next_ = DeviceBuffer<Point4>(points);
+    sorted_ = DeviceBuffer<Point4>(count);
+    for (auto* b : {&key_, &id_, &sorted_key_, &sorted_id_}) *b = DeviceBuffer<uint32_t>(count);
+    const std::vector<uint32_t> none(size_t(blocks_) * size_t(groups_of_block_), 0);
+    for (auto* b : {&offset_, &capacity_, &length_}) *b = DeviceBuffer<uint32_t>(none);
+    cell_ = DeviceBuffer<CellRange>(grid_.cells());
+    size_t needed = 0;
+    check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, needed, key_.data(), sorted_key_.data(), id_.data(),
+                                               sorted_id_.data(), int(count), 0, 32),
+               "size of the sort");
+    sort_memory_ = DeviceBuffer<char>(needed);
+}
+
+CohesionBodies CohesionDevice::bodies() const {
+    return {term_,
+            {uint32_t(volume_.size()),
+             particles_,
+             now_.data(),
+             next_.data(),
+             wet_volume_.data(),
+             beta_.data(),
+             own_weight_.data(),
+             key_.data(),
+             id_.data(),
+             sorted_key_.data(),
+             sorted_id_.data(),
+             sorted_.data(),
+             cell_.data(),
+             list_.data(),
+             offset_.data(),
+             capacity_.data(),
+             length_.data(),
+             grid_,
+             origin_,
+             float(term_.h_c)}};
+}
+
+void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
+    const CohesionBodies b = bodies();
+    const unsigned blocks = blocks_for(volume_.size(), small_block);
+    place<<<blocks, small_block, 0, stream>>>(b, positions, volume_.data());
+    measure<<<blocks_for(size_t(strands_), warp), warp, 0, stream>>>(b, strands_);
+    size_t size = sort_memory_.size();
+    // One bit more than a cell's number has: the key of what lies nowhere.
+    const int bits = grid_.bits_x + grid_.bits_y + grid_.bits_z + 1;
+    check_cuda(
+        cub::DeviceRadixSort::SortPairs(sort_memory_.data(), size, key_.data(), sorted_key_.data(),
+                                        id_.data(), sorted_id_.data(), int(volume_.size()), 0, bits, stream),
+        "sort");
+    check_cuda(cudaMemsetAsync(cell_.data(), 0xff, cell_.bytes(), stream), "clearing of cells");
+    mark_cells<<<blocks, small_block, 0, stream>>>(b);
+    build_lists<<<blocks_, unsigned(threads_), 0, stream>>>(b, strands_of_block_, groups_of_block_, report);
+    check_cuda(cudaGetLastError(), "launch of the neighbour lists");
+}
+
+template <class T>
+void CohesionDevice::launch_passes(const SubstepMotion<T>* motion, Vec3f* displayed, cudaStream_t stream) {
+    const CohesionBodies b = bodies();
+    const Point4* now = now_.data();
+    Point4* next = next_.data();
+    for (int pass = 0; pass < term_.passes; ++pass) {
+        jacobi<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_, groups_of_block_,
+                                                                       now, next);
+        Point4* newer = next;
+        next = const_cast<Point4*>(now), now = newer;
+    }
+    show<<<blocks_for(volume_.size(), small_block), small_block, 0, stream>>>(
+        b, now, rest_depth_.size() ? rest_depth_.data() : nullptr, motion, displayed);
+    check_cuda(cudaGetLastError(), "launch of the cohesion passes");
+}
+template void CohesionDevice::launch_passes(const SubstepMotion<float>*, Vec3f*, cudaStream_t);
+template void CohesionDevice::launch_passes(const SubstepMotion<double>*, Vec3f*, cudaStream_t);
+
+void CohesionDevice::grow() {
+    // A quarter more than was sought, so that moving hair seldom asks again.
+    std::vector<uint32_t> capacity = length_.host(), offset;
+    size_t total = 0;
+    for (auto& room : capacity) {
+        room += room / 4 + 4;
+        offset.push_back(uint32_t(total));
+        total += size_t(room) * warp;
+    }
+    if (total > 0xffffffffu)
+        throw Error("cohesion: more than 2^32 neighbours; a smaller [cohesion] radius may help");
+    list_ = {};
+    list_ = DeviceBuffer<uint32_t>(total);
+    offset_.upload(offset.data(), offset.size());
+    capacity_.upload(capacity.data(), capacity.size());
+}
+
+size_t CohesionDevice::bytes() const {
+    size_t sum = sort_memory_.bytes() + cell_.bytes();
+    for (const auto* b : {&volume_, &wet_volume_, &rest_depth_, &beta_, &own_weight_}) sum += b->bytes();
+    for (const auto* b : {&now_, &next_, &sorted_}) sum += b->bytes();
+    for (const auto* b : {&key_, &id_, &sorted_key_, &sorted_id_, &list_, &offset_, &capacity_, &length_})
+        sum += b->bytes();
+    return sum;
+}
+
+}  // namespace wetcurl

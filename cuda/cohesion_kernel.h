@@ -1,0 +1,53 @@
+// The displayed positions on a device: cells, sort, lists, Jacobi passes, projection. Ours.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include "base/device_buffer.h"
+#include "cuda/cohesion_bodies.h"
+#include "cuda/strand_sweep.h"
+
+namespace wetcurl {
+
+// What a frame leaves for the host to read when it is done.
+struct FrameReport {
+    int diverged = 0x7fffffff;  // first strand that has, if any
+    unsigned overflow = 0;      // a group's list was longer than its room
+    unsigned long long pairs = 0, limited = 0;
+};
+
+// Buffers and launches for one scene. Nothing is allocated and nothing read by the host between two calls of
+// `grow`, so that launches can be captured into a graph.
+class CohesionDevice {
+  public:
+    // `volume`, `wet_volume` (strand, particle): V and sigma V [m^3]; `rest_depth` likewise, or empty.
+    CohesionDevice(const Cohesion& term, int strands, int particles, const Vec3f& origin,
+                   const std::vector<float>& volume, const std::vector<float>& wet_volume,
+                   const std::vector<float>& rest_depth);
+
+    // Positions (strand, particle) -> neighbour lists.
+    void launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream);
+    // -> displayed positions, pushed out of the motion's solids.
+    template <class T>
+    void launch_passes(const SubstepMotion<T>* motion, Vec3f* displayed, cudaStream_t stream);
+    // Room for lists as long as those last sought, where a frame's report says that some did not fit.
+    void grow();
+
+    size_t bytes() const;
+
+  private:
+    CohesionBodies bodies() const;
+    Cohesion term_;
+    int strands_, particles_, strands_of_block_, groups_of_block_, threads_;
+    unsigned blocks_;
+    size_t shared_bytes_;
+    DeviceBuffer<float> volume_, wet_volume_, rest_depth_, beta_, own_weight_;
+    DeviceBuffer<Point4> now_, next_, sorted_;
+    DeviceBuffer<uint32_t> key_, id_, sorted_key_, sorted_id_, list_, offset_, capacity_, length_;
+    DeviceBuffer<CellRange> cell_;
+    DeviceBuffer<char> sort_memory_;
+    WrappedGrid grid_;
+    Vec3f origin_;
+};
+
+}  // namespace wetcurl
