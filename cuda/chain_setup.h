@@ -10,7 +10,8 @@ namespace wetcurl {
 
 template <class T>
 ChainConstants<T> chain_constants(const Scene& scene, double dt) {
-    return {scene.chain, T(dt), T(scene.integrator.limiter), cast<T>(scene.integrator.gravity)};
+    return {scene.chain, T(dt), T(scene.integrator.limiter), T(spring_sum(scene.chain)),
+            cast<T>(scene.integrator.gravity)};
 }
 
 inline unsigned set_of(const Scene& scene) {

@@ -106,7 +106,7 @@ class CudaSimulation final : public Simulation {
     bool first_ = true, swapped_ = false, capturing_ = false;  // swapped: x and x_before have changed places
 
     mutable ChainState<S> state_;  // as uploaded; snapshots bring x, v and frames back
-    DeviceBuffer<T> x_, x_before_, v_, v_before_, frame_, ahead_, twist_, touching_, core_, factors_;
+    DeviceBuffer<T> x_, x_before_, v_, v_before_, frame_, ahead_, twist_, touching_, pushed_, core_, factors_;
     DeviceBuffer<T> root_, mass_, rest_length_, rest_core_, target_, saturation_, rest_depth_, push_;
     DeviceBuffer<Vec3f> positions_, displayed_;
     std::vector<DeviceBuffer<float>> level_sets_;
@@ -144,7 +144,8 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
       report_(1) {
     x_ = uploaded(state_.x), x_before_ = uploaded(state_.x_before);
     v_ = uploaded(state_.v), v_before_ = uploaded(state_.v_before);
-    frame_ = uploaded(state_.frame), touching_ = uploaded(state_.touching), root_ = uploaded(state_.root);
+    frame_ = uploaded(state_.frame), touching_ = uploaded(state_.touching), pushed_ = uploaded(state_.pushed),
+    root_ = uploaded(state_.root);
     mass_ = uploaded(state_.mass), rest_length_ = uploaded(state_.rest_length);
     rest_core_ = uploaded(state_.rest_core), target_ = uploaded(state_.target);
     saturation_ = uploaded(state_.saturation), rest_depth_ = uploaded(state_.rest_depth);
@@ -197,11 +198,11 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
 
 template <class T>
 StrandMemory<T> CudaSimulation<T>::memory() const {
-    StrandMemory<T> m{state_.n,           x_.data(),           x_before_.data(),  v_.data(),
-                      v_before_.data(),   touching_.data(),    frame_.data(),     ahead_.data(),
-                      twist_.data(),      core_.data(),        factors_.data(),   root_.data(),
-                      mass_.data(),       rest_length_.data(), rest_core_.data(), target_.data(),
-                      saturation_.data(), rest_depth_.data(),  push_.data()};
+    StrandMemory<T> m{state_.n,         x_.data(),          x_before_.data(),    v_.data(),
+                      v_before_.data(), touching_.data(),   pushed_.data(),      frame_.data(),
+                      ahead_.data(),    twist_.data(),      core_.data(),        factors_.data(),
+                      root_.data(),     mass_.data(),       rest_length_.data(), rest_core_.data(),
+                      target_.data(),   saturation_.data(), rest_depth_.data(),  push_.data()};
     if (swapped_) std::swap(m.x, m.x_before), std::swap(m.v, m.v_before);
     return m;
 }

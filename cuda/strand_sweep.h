@@ -58,7 +58,7 @@ WETCURL_HD const Term& get(const ChainTerms& terms) {
 template <class T>
 struct StrandMemory {
     int n;
-    T *x, *x_before, *v, *v_before, *touching;
+    T *x, *x_before, *v, *v_before, *touching, *pushed;
     T *frame, *ahead;  // at the positions now, and at those at which the next forces are taken
     T* twist;          // (block, particle, 2) rows of the twists' elimination
     T* core;           // (block, particle, 3) the core's force on the smoothed edge, before the adjoint
@@ -70,7 +70,7 @@ struct StrandMemory {
 template <class T>
 struct ChainConstants {
     ChainTerms terms;
-    T dt, limiter;
+    T dt, limiter, spring_sum;
     Vec3<T> gravity;
 };
 
@@ -159,7 +159,7 @@ class StrandSweep {
         Q frame;           // of edge i-2, and the row of its twist's elimination
         T pivot, right;
         V v_before;  // of particle i, and so on
-        T mass, saturation, touching;
+        T mass, saturation, touching, pushed;
         V core, target, push;  // of edge i-1
         T rest_length;
     };
@@ -176,11 +176,18 @@ class StrandSweep {
         if (has<Core>(set)) in.core = of<V>(m_.core)[i - 1];
         if (has<CurlPush>(set)) in.push = of<const V>(m_.push)[i - 1];
         if (has<Adhesion>(set)) in.touching = of<T>(m_.touching)[i];
+        if (set.has(present::contact)) in.pushed = of<T>(m_.pushed)[i];
         if ((has<Adhesion>(set) || has<Stiffness>(set)) && m_.saturation)
             in.saturation = of<const T>(m_.saturation)[i];
         return in;
     }
 
+    // Of particle i, which a solid has pushed, where it is expected.
+    WETCURL_HD Hold<T> hold_of(int i, const SubstepMotion<T>& motion, T pushed, T h, T mass,
+                               const V& x) const {
+        const T rest_depth = m_.rest_depth ? of<const T>(m_.rest_depth)[i] : T(0);
+        return expected_contact(motion, rest_depth, pushed, hold_stiffness(k_.spring_sum, h, mass), x);
+    }
     WETCURL_HD void touch(int i, T phi) const {
         const auto touching = of<T>(m_.touching);
         touching.set(i, updated_touching(touching[i], phi, T(get<Adhesion>(k_.terms).h_a)));
@@ -253,6 +260,8 @@ class StrandSweep {
             // Row i is whole.
             r[2] += scheme.right_side(mass[2], v[2], in.v_before, force[2] + mass[2] * k_.gravity);
             diagonal[2] += identity_times(mass[2]);
+            if (set.has(present::contact) && in.pushed > 0)
+                add_hold(hold_of(i, motion, in.pushed, scheme.h, mass[2], x[2]), scheme.h, diagonal[2], r[2]);
             M u1 = transposed(upper1[1]), u2 = transposed(upper2[0]), u11 = transposed(upper1[0]);
             eliminate(Row<T>{diagonal[2], &u1, penta(set) ? &u2 : nullptr, r[2]}, &diagonal[1], &r[1], &u11,
                       &diagonal[0], &r[0]);
@@ -383,22 +392,35 @@ class StrandSweep {
             v += d;
             d2 = d1, d1 = d;
             bool moved = false;
+            T pushed(0), mass(0);
+            if (set.has(present::contact) && i >= 2) {
+                pushed = of<T>(m_.pushed)[i], mass = of<const T>(m_.mass)[i];
+                if (pushed > 0) {
+                    const V expected = scheme.predicted(in.x, in.x_before, in.v);
+                    const Hold<T> hold = hold_of(i, motion, pushed, scheme.h, mass, expected);
+                    pushed = pushed_by(hold, scheme.h, d);
+                    const V dv = friction_of(hold, pushed, mass, v);
+                    v += dv, v_old += dv;
+                    moved = true;
+                }
+            }
             if (i >= 2) {
                 if (set.has(present::limiter)) {
                     bool over;
                     const V end = limited_end(kept, x, in.rest_length, k_.limiter, over);
                     const V dx = end - x, dv = (T(1) / k_.dt) * dx;
                     x = end, x_old += dx, v += dv, v_old += dv;
-                    moved = over, limited += over;
+                    moved |= over, limited += over;
                 }
                 kept = x;
                 if (set.has(present::contact))
                     for (const auto& solid : motion)
-                        moved |= resolve_contact(solid, solid.attached ? in.rest_depth : T(0), k_.dt, x,
-                                                 x_old, v, v_old);
+                        moved |= resolve_contact(solid, solid.attached ? in.rest_depth : T(0), k_.dt, mass,
+                                                 pushed, x, x_old, v, v_old);
             } else {
                 kept = x;
             }
+            if (set.has(present::contact) && i >= 2) of<T>(m_.pushed).set(i, pushed);
             x_before_.set(i, x), v_before_.set(i, v);
             if (moved) x_.set(i, x_old), v_.set(i, v_old);
             Q frame{};

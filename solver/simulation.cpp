@@ -31,9 +31,9 @@ Presence presence_of(const Scene& scene) {
 
 double stiffness_number(const Scene& scene) {
     double k = 0;
-    if (const auto& t = scene.term<Stretch>()) k = std::max(k, t->k_s);
-    if (const auto& t = scene.term<Bend>()) k = std::max(k, t->k_b);
-    if (const auto& t = scene.term<Core>()) k = std::max(k, t->k_c);
+    for_each_present(scene.chain, [&](const auto& t) {
+        if constexpr (requires { t.spring(); }) k = std::max(k, t.spring());
+    });
     const double h = 2.0 / 3 / (scene.fps * scene.integrator.substeps);
     return h * h * k / (scene.linear_density * mean_segment(scene.groom));
 }
@@ -81,6 +81,7 @@ class CpuSimulation final : public Simulation {
     ChainTerms terms_;
     const int strands_, n_, blocks_;
     const double dt_;
+    const T spring_sum_;
     double time_ = 0;
     bool first_ = true;
     Pose head_;
@@ -113,6 +114,7 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
       n_(scene.groom.rest.particles),
       blocks_((strands_ + lanes - 1) / lanes),
       dt_(1 / (scene.fps * scene.integrator.substeps)),
+      spring_sum_(T(spring_sum(scene.chain))),
       head_(scene.motion.at(0)),
       state_(scene) {
     if (!touching_.empty()) {
@@ -193,9 +195,12 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
     auto sample = [&](const Vec3<S>* x) {
         if (adhesion && given_.empty())
             sample_nearest(p.solids, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
+        const S h = Bdf2<S>(step.dt, first).h;
         for (int i = 2; i < int(scratch.hold.size()); ++i)
             if (any_positive(step.pushed[i]))
-                scratch.hold[size_t(i)] = expected_contact(p.solids, rest_depth ? rest_depth[i] : S(0), x[i]);
+                scratch.hold[size_t(i)] =
+                    expected_contact(p.solids, rest_depth ? rest_depth[i] : S(0), step.pushed[i],
+                                     hold_stiffness(spring_sum_, h, mass_[k + size_t(i)]), x[i]);
     };
     Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
     if (scene_.integrator.kind == "implicit")

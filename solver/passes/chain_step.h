@@ -48,6 +48,12 @@ struct BlockStep {
     S* pushed;  // (n) [kg m/s] by surfaces in the step before, then in this one; null: no solids
 };
 
+// A spring [kg] beside which those that meet at a particle are soft: a hold gives way by a hundredth.
+template <class S>
+WETCURL_HD S hold_stiffness(Plain<S> spring_sum, const S& h, const S& mass) {
+    return S(100) * (mass + S(4 * spring_sum) * h * h);
+}
+
 // Buffers of one thread, for one block.
 template <class S>
 struct ChainScratch {
@@ -151,7 +157,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     for (int i = 2; i < n; ++i) {
         r[i] = scheme.right_side(view.mass[i], b.v[i], b.v_before[i], r[i]);
         s.diagonal[i] += identity_times(view.mass[i]);
-        if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], b.pushed[i], h, s.diagonal[i], r[i]);
+        if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, s.diagonal[i], r[i]);
     }
     Vec3<S> known[2];
     for (int i = 0; i < 2; ++i)

@@ -42,9 +42,11 @@ struct Hold {
     S gap, friction;
     S weight;  // [kg] of the spring that closes the gap; 0: not held
 };
-// Of a particle that a surface pushed in the step before: the solid that it is deepest in.
+// Of a particle at x that a surface `pushed` in the step before: the solid that it is deepest in, and a
+// spring of `stiff` [kg] that closes the gap. A particle on its way out is let go.
 template <class S, class Solids>
-WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, const Vec3<S>& x) {
+WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, const S& pushed,
+                                    const S& stiff, const Vec3<S>& x) {
     const Vec3<S> zero{S(0), S(0), S(0)};
     Hold<S> hold{zero, zero, S(1e9), S(0), S(0)};
     for (const auto& solid : solids) {
@@ -56,14 +58,12 @@ WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, c
         hold.friction = select(nearer, S(solid.friction), hold.friction);
         hold.gap = select(nearer, gap, hold.gap);
     }
+    hold.weight = select(hold.gap < S(Plain<S>(1e-5)), select(pushed > S(0), stiff, S(0)), S(0));
     return hold;
 }
-// Adds a stiff spring along the normal to a particle's row, A d = r: after it the gap is closed but for a
-// hundredth. `pushed`: the surface's momentum of the step before; a particle on its way out is let go.
+// Adds the spring to a particle's row, A d = r.
 template <class S>
-WETCURL_HD void add_hold(Hold<S>& hold, const S& pushed, const S& h, Sym3<S>& diagonal, Vec3<S>& r) {
-    const S stiff = S(100) * (diagonal.xx + diagonal.yy + diagonal.zz);
-    hold.weight = select(hold.gap < S(Plain<S>(1e-5)), select(pushed > S(0), stiff, S(0)), S(0));
+WETCURL_HD void add_hold(const Hold<S>& hold, const S& h, Sym3<S>& diagonal, Vec3<S>& r) {
     diagonal += isotropic_plus_outer(S(0), hold.weight, hold.normal);
     r -= (hold.weight * hold.gap / h) * hold.normal;
 }

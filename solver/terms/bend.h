@@ -20,6 +20,8 @@ struct Bend {
         {"damping", &Bend::c_b, "N s/m", 5e-6, 0, 1e6, "Eq 4, c_b: on the rate of e_i - t_i"},
     };
 
+    WETCURL_HD double spring() const { return k_b; }
+
     template <class S>
     WETCURL_HD static Vec3<S> target(const ChainView<S>& c, int i) {
         return rotate(c.frame[i - 1], c.target[i]);

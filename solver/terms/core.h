@@ -22,6 +22,8 @@ struct Core {
          "Eq 2, alpha_c: length over which the strand is smoothed"},
     };
 
+    WETCURL_HD double spring() const { return k_c; }
+
     template <class S>
     WETCURL_HD S energy(const ChainView<S>& c) const {
         S sum(0);

@@ -24,6 +24,15 @@ void for_each_present(Terms& terms, F f) {
     std::apply([&](auto&... term) { ((term ? f(*term) : void()), ...); }, terms);
 }
 
+// The sum of the springs of each kind [N/m].
+inline double spring_sum(const ChainTerms& terms) {
+    double sum = 0;
+    for_each_present(terms, [&](const auto& t) {
+        if constexpr (requires { t.spring(); }) sum += t.spring();
+    });
+    return sum;
+}
+
 inline bool couples_two_edges(const ChainTerms& terms) {
     bool any = false;
     for_each_present(terms, [&](const auto& t) { any = any || t.couples_two_edges; });

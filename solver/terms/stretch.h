@@ -17,6 +17,8 @@ struct Stretch {
         {"damping", &Stretch::c_s, "N s/m", 2e-5, 0, 1e6, "Eq 1, c_s: along the segment"},
     };
 
+    WETCURL_HD double spring() const { return k_s; }
+
     template <class S>
     WETCURL_HD S energy(const ChainView<S>& c) const {
         S sum(0);

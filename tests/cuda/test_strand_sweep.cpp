@@ -23,6 +23,7 @@ Strands swept(const Scene& scene, const Set& set, int frames) {
                                  rows(state.v),
                                  rows(state.v_before),
                                  rows(state.touching),
+                                 rows(state.pushed),
                                  rows(state.frame),
                                  ahead.data(),
                                  twist.data(),

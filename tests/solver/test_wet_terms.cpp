@@ -362,10 +362,10 @@ TEST(Contact, a_held_particle_bears_its_weight_and_a_pulled_one_is_let_go) {
     const std::vector<PosedSolid<double>> solids{posed(plane, {0, 0, 0}, 0.3)};
     const double mass = 2e-8, h = 1.0 / 360;
     auto solved = [&](double height, double pull, double pushed, Vec3d& d) {
-        Hold<double> hold = expected_contact(solids, 0.0, Vec3d{0.2, height, 0.1});
+        const Hold<double> hold = expected_contact(solids, 0.0, pushed, 100 * mass, Vec3d{0.2, height, 0.1});
         Sym3<double> row = identity_times(mass);
         Vec3d r{0, h * mass * pull, 0};
-        add_hold(hold, pushed, h, row, r);
+        add_hold(hold, h, row, r);
         d = Factor3<double>(row).solve(r);
         return pushed_by(hold, h, d);
     };
@@ -380,7 +380,7 @@ TEST(Contact, a_held_particle_bears_its_weight_and_a_pulled_one_is_let_go) {
     EXPECT_EQ(solved(0, -9.81, 0, d), 0);  // never pushed
     EXPECT_NEAR(d.y, -h * 9.81, 1e-15);
 
-    const Hold<double> hold = expected_contact(solids, 0.0, Vec3d{0, 0, 0});
+    const Hold<double> hold = expected_contact(solids, 0.0, 1.0, mass, Vec3d{0, 0, 0});
     const double momentum = mass * h * 9.81;
     EXPECT_NEAR(friction_of(hold, momentum, mass, Vec3d{1, 0, 0}).x, -0.3 * h * 9.81, 1e-12);
     EXPECT_NEAR(friction_of(hold, momentum, mass, Vec3d{1e-4, 0, 0}).x, -1e-4, 1e-15);  // sticks
