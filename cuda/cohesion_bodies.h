@@ -147,6 +147,20 @@ struct CohesionBodies {
         }
         return term.displacement(sums, own.w * m.own_weight[id / uint32_t(m.particles)]);
     }
+
+    // A strand after the last pass, no edge longer than the term allows: place(id, x), root to tip.
+    template <class Place>
+    WETCURL_HD void within_lengths(int strand, const Point4* now, const Vec3f* simulated, Place place) const {
+        uint32_t id = uint32_t(strand) * uint32_t(m.particles);
+        Vec3f x = now[id].position(), before = simulated[id];
+        place(id, x);
+        for (int i = 1; i < m.particles; ++i) {
+            const Vec3f p = simulated[++id];
+            x = term.within_length(x, now[id].position(), norm(p - before));
+            before = p;
+            place(id, x);
+        }
+    }
 };
 
 // u_i <- u_{i-1} + beta (u_i - u_{i-1}) over 1 .. n-1, back over n-2 .. 1, twice, as the reference does; u_0

@@ -98,13 +98,14 @@ __global__ void __launch_bounds__(1024)
 }
 
 template <class T>
-__global__ void show(CohesionBodies b, const Point4* now, const float* rest_depth,
-                     const SubstepMotion<T>* motion, Vec3f* displayed) {
-    const uint32_t id = blockIdx.x * blockDim.x + threadIdx.x;
-    if (id >= b.m.count) return;
-    Vec3f p = now[id].position();
-    if (id % uint32_t(b.m.particles) != 0) p = pushed_out(*motion, p, rest_depth ? rest_depth[id] : 0.f);
-    displayed[id] = p;
+__global__ void show(CohesionBodies b, int strands, const Point4* now, const Vec3f* simulated,
+                     const float* rest_depth, const SubstepMotion<T>* motion, Vec3f* displayed) {
+    const int strand = int(blockIdx.x * blockDim.x + threadIdx.x);
+    if (strand >= strands) return;
+    const uint32_t root = uint32_t(strand) * uint32_t(b.m.particles);
+    b.within_lengths(strand, now, simulated, [&](uint32_t id, const Vec3f& x) {
+        displayed[id] = id == root ? x : pushed_out(*motion, x, rest_depth ? rest_depth[id] : 0.f);
+    });
 }
 
 constexpr int small_block = 128;
@@ -202,7 +203,8 @@ void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, c
 }
 
 template <class T>
-void CohesionDevice::launch_passes(const SubstepMotion<T>* motion, Vec3f* displayed, cudaStream_t stream) {
+void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T>* motion, Vec3f* displayed,
+                                   cudaStream_t stream) {
     const CohesionBodies b = bodies();
     const Point4* now = now_.data();
     Point4* next = next_.data();
@@ -212,12 +214,12 @@ void CohesionDevice::launch_passes(const SubstepMotion<T>* motion, Vec3f* displa
         Point4* newer = next;
         next = const_cast<Point4*>(now), now = newer;
     }
-    show<<<blocks_for(volume_.size(), small_block), small_block, 0, stream>>>(
-        b, now, rest_depth_.size() ? rest_depth_.data() : nullptr, motion, displayed);
+    show<<<blocks_for(size_t(strands_), warp), warp, 0, stream>>>(
+        b, strands_, now, simulated, rest_depth_.size() ? rest_depth_.data() : nullptr, motion, displayed);
     check_cuda(cudaGetLastError(), "launch of the cohesion passes");
 }
-template void CohesionDevice::launch_passes(const SubstepMotion<float>*, Vec3f*, cudaStream_t);
-template void CohesionDevice::launch_passes(const SubstepMotion<double>*, Vec3f*, cudaStream_t);
+template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<float>*, Vec3f*, cudaStream_t);
+template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<double>*, Vec3f*, cudaStream_t);
 
 void CohesionDevice::grow() {
     // A quarter more than was sought, so that moving hair seldom asks again.

@@ -29,7 +29,8 @@ class CohesionDevice {
     void launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream);
     // -> displayed positions, pushed out of the motion's solids.
     template <class T>
-    void launch_passes(const SubstepMotion<T>* motion, Vec3f* displayed, cudaStream_t stream);
+    void launch_passes(const Vec3f* simulated, const SubstepMotion<T>* motion, Vec3f* displayed,
+                       cudaStream_t stream);
     // Room for lists as long as those last sought, where a frame's report says that some did not fit.
     void grow();
 

@@ -255,7 +255,9 @@ void CudaSimulation<T>::launch_frame() {
     mark(1);
     if (cohesion_) cohesion_->launch_lists(positions_.data(), report_.data(), stream_.handle);
     mark(2);
-    if (cohesion_) cohesion_->launch_passes(motion_.data() + slots_ - 2, displayed_.data(), stream_.handle);
+    if (cohesion_)
+        cohesion_->launch_passes(positions_.data(), motion_.data() + slots_ - 2, displayed_.data(),
+                                 stream_.handle);
     mark(3);
     check_cuda(cudaMemcpyAsync(&host_report_[1], report_.data(), sizeof(FrameReport), cudaMemcpyDeviceToHost,
                                stream_.handle),

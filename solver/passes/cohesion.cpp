@@ -77,7 +77,16 @@ void CohesionPass::apply(Strands& p) {
         std::swap(now, next_);
     }
 #pragma omp parallel for schedule(static)
-    for (long id = 0; id < count; ++id) p.points[size_t(id)] = now.at(rank_[size_t(id)]);
+    for (int s = 0; s < strands_; ++s) {
+        Vec3f* x = p.strand(s);
+        const uint32_t* rank = &rank_[size_t(s) * size_t(particles_)];
+        Vec3f before = x[0];
+        for (int i = 1; i < particles_; ++i) {
+            const float length = norm(x[i] - before);
+            before = x[i];
+            x[i] = term_.within_length(x[i - 1], now.at(rank[i]), length);
+        }
+    }
 }
 
 void CohesionPass::hold_roots() {

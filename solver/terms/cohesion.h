@@ -14,13 +14,15 @@ namespace wetcurl {
 
 struct Cohesion {
     static constexpr const char *name = "cohesion", *table = "cohesion";
-    double h_c, lambda, coherence;
+    double h_c, lambda, coherence, stretch;
     int passes = 10;
     static constexpr Parameter<Cohesion> parameters[] = {
         {"radius", &Cohesion::h_c, "m", 0.012, 1e-6, 1, "Eq 10, h: support of W"},
         {"tightness", &Cohesion::lambda, "1", 0.85, 0, 0.999, "Eq 10, lambda"},
         {"coherence", &Cohesion::coherence, "m", 0.01, 0, 1,
          "length along the strand over which the displacement is smoothed (ours)"},
+        {"stretch", &Cohesion::stretch, "1", 0.05, 0, 1000,
+         "most that a displayed edge is longer than the simulated one (ours)"},
     };
 
     // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and sigma_j V_j. All weights
@@ -41,6 +43,14 @@ struct Cohesion {
         double sum = 1;
         for (int k = 1; length > 0 && k * length < h_c; ++k) sum += 2 * kernel_shape(k * length, h_c);
         return sum;
+    }
+    // The displayed end of an edge from x to `end`, whose simulated length is given: hair that is drawn to
+    // two clumps at once must not show as a stretched line.
+    template <class S>
+    WETCURL_HD Vec3<S> within_length(const Vec3<S>& x, const Vec3<S>& end, const S& length) const {
+        const Vec3<S> e = end - x;
+        const S most = S(1 + stretch) * length, now = norm(e);
+        return select(now > most, x + (most / maximum(now, S(tiny_length<S>))) * e, end);
     }
     // p_i^w - p_i, `own` the particle's volume times its strand's own_weight.
     template <class S>

@@ -104,7 +104,9 @@ Result by_bodies(const Tuft& hair, const Cohesion& term) {
         std::swap(now, next);
     }
     Result out{hair.p, pairs / double(count)};
-    for (size_t k = 0; k < count; ++k) out.displayed.points[k] = now[k].position();
+    for (int s = 0; s < hair.p.count; ++s)
+        b.within_lengths(s, now.data(), hair.p.points.data(),
+                         [&](uint32_t k, const Vec3f& x) { out.displayed.points[k] = x; });
     return out;
 }
 
@@ -118,7 +120,7 @@ double farthest(const Strands& a, const Strands& b) {
 TEST(CohesionBodies, do_what_the_reference_pass_does) {
     for (int particles : {2, 20, 33, 100})
         for (double coherence : {0.0, 0.015}) {
-            Cohesion term{0.004, 0.85, coherence};
+            Cohesion term{0.004, 0.85, coherence, 0.05};
             term.passes = 3;
             const Tuft hair(40, particles, unsigned(particles));
             const Result wanted = by_reference(hair, term), got = by_bodies(hair, term);
@@ -135,7 +137,7 @@ TEST(CohesionBodies, find_no_neighbour_for_what_is_not_finite) {
     hair.p.at(2, 7) = {NAN, 0, 0};
     hair.p.at(3, 7) = {INFINITY, 0, 0};
     hair.p.at(1, 7) = {1e30f, 0, 0};
-    const Result got = by_bodies(hair, Cohesion{0.004, 0.85, 0.0});
+    const Result got = by_bodies(hair, Cohesion{0.004, 0.85, 0.0, unbounded});
     EXPECT_TRUE(std::isnan(got.displayed.at(2, 7).x));
     EXPECT_TRUE(std::isfinite(got.displayed.at(0, 7).x));
 }

@@ -15,7 +15,7 @@ constexpr double support = 0.012, tightness = 0.85;
 
 // Eq 10 itself: no smoothing along the strand.
 Cohesion eq10(int passes = 1) {
-    Cohesion c{support, tightness, 0};
+    Cohesion c{support, tightness, 0, unbounded};
     c.passes = passes;
     return c;
 }
@@ -197,6 +197,25 @@ TEST(Cohesion, a_displacement_that_all_particles_share_is_kept_by_smoothing) {
     };
     EXPECT_NEAR(gap_at_middle(eq10()), gap_at_middle(smoothed(1)), 1e-7);
     EXPECT_GT(std::abs(0.004 - gap_at_middle(eq10())), 1e-3);
+}
+
+TEST(Cohesion, no_displayed_edge_is_longer_than_allowed_and_directions_are_kept) {
+    const Hair hair = tuft(20, 15, 8);
+    Cohesion term = eq10(10);
+    auto longest = [&](const Strands& out) {
+        double most = 0;
+        for (int s = 0; s < 20; ++s)
+            for (int i = 0; i < 14; ++i)
+                most = std::max(most, double(norm(out.at(s, i + 1) - out.at(s, i)) /
+                                             norm(hair.p.at(s, i + 1) - hair.p.at(s, i))));
+        return most;
+    };
+    EXPECT_GT(longest(hair.displayed(term)), 1.5);
+    term.stretch = 0.05;
+    EXPECT_NEAR(longest(hair.displayed(term)), 1.05, 1e-5);
+    const Vec3d x{1, 0, 0}, end{1, 3, 0};
+    EXPECT_LT(norm(term.within_length(x, end, 2.0) - Vec3d{1, 2.1, 0}), 1e-15);
+    EXPECT_EQ(norm(term.within_length(x, end, 3.0) - end), 0);
 }
 
 TEST(Cohesion, coincident_particles_stay_finite) {
