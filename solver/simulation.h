@@ -58,6 +58,7 @@ class Simulation {
 
 // `precision`: "float" or "double". The scene must outlive the simulation.
 std::unique_ptr<Simulation> make_simulation(const Scene& scene, const std::string& precision);
+std::unique_ptr<Simulation> make_simulation(Scene&&, const std::string&) = delete;
 
 // What the scene names and what it leaves out, by the names of terms and passes.
 struct Presence {
