@@ -102,6 +102,11 @@ Json run_json(const InspectOptions& o) {
 // (channels, height, width) of a dataset's last frame, three channels, as a picture with interleaved colours.
 void write_geometry_image(const H5Reader& file, const std::string& dataset, const std::string& path) {
     const auto shape = file.shape(dataset);
+    // Colours, or sixteen amplitudes of each axis first.
+    const size_t step = shape.size() == 4 && shape[1] == 3 ? 1 : 16;
+    if (shape.size() != 4 || shape[0] == 0 || shape[1] <= 2 * step)
+        throw Error(file.path() + ": dataset '" + dataset +
+                    "' is no geometry image, allowed (frames, 3 or at least 33, height, width)");
     const size_t plane = shape[2] * shape[3];
     std::vector<float> data(shape[1] * plane), rgb(3 * plane);
     file.read_row(dataset, shape[0] - 1, data.data());
@@ -110,13 +115,12 @@ void write_geometry_image(const H5Reader& file, const std::string& dataset, cons
         low = 1e9f, high = -1e9f;
         for (size_t c = 0; c < 3; ++c)
             for (size_t k = 0; k < plane; ++k)
-                low = std::min(low, data[c * 16 * plane + k]),
-                high = std::max(high, data[c * 16 * plane + k]);
+                low = std::min(low, data[c * step * plane + k]),
+                high = std::max(high, data[c * step * plane + k]);
     }
     for (size_t c = 0; c < 3; ++c)
         for (size_t k = 0; k < plane; ++k)
-            rgb[3 * k + c] =
-                (data[(shape[1] == 3 ? c : c * 16) * plane + k] - low) / std::max(1e-9f, high - low);
+            rgb[3 * k + c] = (data[c * step * plane + k] - low) / std::max(1e-9f, high - low);
     write_image_png(path, rgb.data(), int(shape[3]), int(shape[2]), 1);
 }
 

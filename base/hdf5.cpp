@@ -260,7 +260,7 @@ std::string H5Reader::text(const std::string& attribute) const {
     check(has(name), path_, "attribute '" + attribute + "' is missing");
     Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
     Handle type(H5Dget_type(set), H5Tclose);
-    check(H5Tget_class(type) == H5T_STRING && !H5Tis_variable_str(type), path_,
+    check(H5Tget_class(type) == H5T_STRING && !H5Tis_variable_str(type) && shape(name).empty(), path_,
           "attribute '" + attribute + "' is no text");
     std::string value(H5Tget_size(type), '\0');
     check(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()) >= 0, path_,
@@ -272,6 +272,14 @@ std::string H5Reader::text(const std::string& attribute) const {
 double H5Reader::number(const std::string& attribute) const {
     check(has("about/" + attribute), path_, "attribute '" + attribute + "' is missing");
     return read<double>("about/" + attribute, {1})[0];
+}
+
+int H5Reader::integer(const std::string& attribute, int low, int high) const {
+    const double found = number(attribute);
+    check(found >= low && found <= high && found == std::floor(found), path_,
+          "attribute '" + attribute + "': found " + std::to_string(found) + ", allowed " +
+              std::to_string(low) + " to " + std::to_string(high));
+    return int(found);
 }
 
 std::vector<std::string> H5Reader::list(const std::string& group) const {

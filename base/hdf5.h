@@ -61,6 +61,7 @@ class H5Reader {
     bool has_attribute(const std::string& name) const;
     std::string text(const std::string& attribute) const;
     double number(const std::string& attribute) const;
+    int integer(const std::string& attribute, int low, int high) const;
     std::vector<std::string> list(const std::string& group) const;  // names in a group
     const std::string& path() const { return path_; }
 

@@ -103,13 +103,13 @@ RunReader::RunReader(const std::string& path)
     const auto [end, error] = std::from_chars(seed.data(), seed.data() + seed.size(), h.seed);
     if (error != std::errc() || end != seed.data() + seed.size())
         throw Error(path + ": attribute 'seed': found '" + seed + "', a whole number of 64 bits is needed");
-    h.stride = int(f.number("stride"));
+    h.stride = f.integer("stride", 1, 1 << 20);
     h.energy_kinds = split_lines(f.text("energy_kinds"));
     h.stages = split_lines(f.text("stages"));
     h.inputs = split_lines(f.text("inputs"));
     h.terms_present = f.text("terms_present");
     h.terms_absent = f.text("terms_absent");
-    if (!(h.fps > 0) || h.stride < 1) throw Error(path + ": fps and stride must be positive");
+    if (!(h.fps > 0)) throw Error(path + ": fps must be positive");
     const auto points = f.shape("groom/points");
     if (points.size() != 3 || points[0] == 0 || points[1] < 2 || points[2] != 3 || points[0] > 100'000'000 ||
         points[1] > 100'000)

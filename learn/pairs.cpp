@@ -81,7 +81,7 @@ void PairsWriter::box(const double lower[3], const double upper[3]) {
 
 PairsReader::PairsReader(const std::string& path) : file_(path, pairs_format, pairs_version) {
     codec_ = codec_named(file_.text("codec"));
-    particles_ = int(file_.number("particles"));
+    particles_ = file_.integer("particles", 2, 1 << 24);
     runs_ = file_.has("runs") ? int(file_.list("runs").size()) : 0;
     if (runs_ == 0) throw Error(path + ": no encoded run in it, allowed one or more (runs/000)");
 }

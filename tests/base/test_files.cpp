@@ -48,6 +48,24 @@ TEST(Hdf5, values_of_every_type_come_back_to_the_bit) {
     expect_round_trip<uint8_t>({0, 1, 255, 7});
 }
 
+TEST(H5, whole_numbers_of_another_kind_or_range_are_refused) {
+    const Scratch scratch;
+    const std::string path = scratch.path("numbers.h5");
+    {
+        H5Writer w(path, format, 1, false);
+        w.attribute("good", 7), w.attribute("huge", 1e300), w.attribute("half", 2.5), w.attribute("nan", NAN);
+        w.write("about/words", std::vector<uint8_t>{65, 66, 67});
+        w.commit();
+    }
+    const H5Reader r(path, format, 1);
+    EXPECT_EQ(r.integer("good", 1, 7), 7);
+    expect_error<Error>([&] { r.integer("good", 8, 9); }, {"numbers.h5", "good", "7", "8 to 9"});
+    for (const char* bad : {"huge", "half"})
+        expect_error<Error>([&] { r.integer(bad, 1, 100); }, {"numbers.h5", bad, "1 to 100"});
+    expect_error<Error>([&] { r.integer("nan", 1, 100); }, {"numbers.h5", "nan", "finite"});
+    expect_error<Error>([&] { r.text("words"); }, {"words", "no text"});
+}
+
 TEST(Hdf5, attributes_come_back_whatever_their_length) {
     const Scratch scratch;
     const std::string scene(200'000, 'x'), path = scratch.path("a.h5");
