@@ -178,6 +178,8 @@ Json terms_json() {
     add_rows<Wetness>(rows);
     add_rows<Curl>(rows);
     add_rows<Cohesion>(rows);
+    add_rows<Air>(rows);
+    add_rows<AirSource>(rows);
     return {{"parameters", rows}};
 }
 

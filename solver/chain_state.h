@@ -17,7 +17,7 @@ template <class S>
 struct ChainState {
     static constexpr int lanes = S::lanes;
     int strands, n, blocks;
-    std::vector<Vec3<S>> x, x_before, v, v_before, target, push;
+    std::vector<Vec3<S>> x, x_before, v, v_before, target, push, air;
     std::vector<Vec3<S>> root;  // (block, 2) particles 0 and 1 in the head's frame
     std::vector<S> mass, rest_length, rest_core, saturation, rest_depth, touching, pushed;
     std::vector<Quat<S>> frame;
@@ -41,6 +41,7 @@ struct ChainState {
         if (adhesion) touching.assign(cells, S(0));
         if (!scene.solids.empty()) pushed.assign(cells, S(0));
         if (scene.term<CurlPush>()) push.resize(cells);
+        if (scene.term<AirDrag>()) air.assign(cells, {S(0), S(0), S(0)});
         const std::vector<float> depth = rest_depths_of(scene);
 #pragma omp parallel for schedule(dynamic)
         for (int block = 0; block < blocks; ++block)
@@ -56,7 +57,7 @@ struct ChainState {
         f("roots", s.root), f("mass", s.mass), f("rest lengths", s.rest_length);
         f("bend targets", s.target), f("bend frames", s.frame), f("core lengths", s.rest_core);
         f("saturation", s.saturation), f("rest depth", s.rest_depth), f("printed curl", s.push);
-        f("adhesion contact", s.touching), f("contact momentum", s.pushed);
+        f("adhesion contact", s.touching), f("contact momentum", s.pushed), f("air velocity", s.air);
     }
 
   private:

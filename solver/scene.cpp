@@ -102,6 +102,33 @@ void read_solids(Scene& scene, Table root) {
     for (size_t i = 0; i < tables.size(); ++i) scene.solids.push_back(read_solid(tables[i], i));
 }
 
+AirSource read_air_source(Table t) {
+    AirSource source;
+    read_parameters(source, AirSource::parameters, t);
+    source.center = vec3(t.numbers("center", {0, 0, 0}, -1000, 1000));
+    source.velocity = vec3(t.numbers("velocity", {0, 0, 1}, -1000, 1000));
+    return source;
+}
+
+void read_air(Scene& scene, Table root) {
+    if (!root.has("air")) return;
+    const Table t = root.table("air");
+    Air& air = scene.air.emplace();
+    read_parameters(air, Air::parameters, t);
+    const auto grid = t.numbers("grid", {64, 64, 64}, 8, 512);
+    for (size_t axis = 0; axis < 3; ++axis) {
+        air.grid[axis] = int(grid[axis]);
+        if (air.grid[axis] != grid[axis] || air.grid[axis] % 8)
+            t.fail("grid",
+                   "found a side of " + std::to_string(int(grid[axis])) +
+                       " cells, allowed are multiples of 8: the pressure is solved on ever coarser grids");
+    }
+    air.center = vec3(t.numbers("center", {0, 0, 0}, -1000, 1000));
+    air.wind = vec3(t.numbers("wind", {0, 0, 0}, -1000, 1000));
+    air.two_way = t.boolean("two_way", false);
+    for (const Table& source : t.tables("source")) air.sources.push_back(read_air_source(source));
+}
+
 Scene read_scene(Config config, const SceneOptions& options) {
     for (const auto& s : options.set) config.set(s);
     if (options.frames) config.set("frames=" + std::to_string(*options.frames), "--frames");
@@ -136,6 +163,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     if (auto& core = scene.term<Core>()) core->beta = filter_beta(mean_segment(full), core->alpha_c);
     read_wet(scene, root);
     read_solids(scene, root);
+    read_air(scene, root);
     if (scene.rest == "sag_free" && !scene.term<Bend>())
         g.fail("rest", "'sag_free' needs [bend] to carry the weight");
     config.require_all_used();

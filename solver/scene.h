@@ -9,6 +9,7 @@
 #include "base/config.h"
 #include "base/geometry/shapes.h"
 #include "base/geometry/strands.h"
+#include "solver/air/air.h"
 #include "solver/motion.h"
 #include "solver/terms/cohesion.h"
 #include "solver/terms/curl.h"
@@ -47,6 +48,7 @@ struct Scene {
     std::optional<Wetness> wetness;
     std::optional<Curl> curl;
     std::optional<Cohesion> cohesion;
+    std::optional<Air> air;
     std::string adhesion_model;  // file of a network in Eq 11's place; "": Eq 11
     Motion motion;
     std::vector<Solid> solids;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "solver/air/air.h"
 #include "solver/chain_state.h"
 #include "solver/display.h"
 #include "solver/passes/chain_step.h"
@@ -23,6 +24,7 @@ Presence presence_of(const Scene& scene) {
     note(scene.wetness.has_value(), Wetness::name);
     note(scene.curl.has_value(), Curl::name);
     note(scene.cohesion.has_value(), Cohesion::name);
+    note(scene.air.has_value(), Air::name);
     note(!scene.solids.empty(), "contact");
     note(!scene.adhesion_model.empty(), "adhesion network");
     note(scene.integrator.limiter > 0, "limiter");
@@ -72,6 +74,9 @@ class CpuSimulation final : public Simulation {
     void set_root(int block, const Pose& head, Vec3<S>* root) const;
     ChainView<S> view_of(int block) const;
     void evaluate_adhesion();
+    void move_air();
+    void sample_air();
+    void gather_hair_in_air();
     void display();
     void unpack(const Buffer<Vec3<S>>& x, Strands& out) const;
     // Energy of each kind in each lane of a block.
@@ -88,7 +93,7 @@ class CpuSimulation final : public Simulation {
 
     ChainState<S> state_;
     Buffer<Vec3<S>>&x_ = state_.x, &x_before_ = state_.x_before, &v_ = state_.v, &v_before_ = state_.v_before,
-    &root_ = state_.root, &target_ = state_.target, &push_ = state_.push;
+    &root_ = state_.root, &target_ = state_.target, &push_ = state_.push, &air_velocity_ = state_.air;
     Buffer<S>&mass_ = state_.mass, &rest_length_ = state_.rest_length, &rest_core_ = state_.rest_core,
     &saturation_ = state_.saturation, &rest_depth_ = state_.rest_depth, &touching_ = state_.touching,
     &pushed_ = state_.pushed;
@@ -98,7 +103,9 @@ class CpuSimulation final : public Simulation {
     std::optional<Display> display_;
     Strands displayed_;
     std::vector<ChainScratch<S>> scratch_;
-    std::array<double, 3> stage_{};  // chain, neighbours, cohesion
+    std::optional<AirField> air_;
+    std::vector<DragPoint> hair_in_air_;  // (strand, particle), where hair brakes the air
+    std::vector<double> stage_;           // seconds, by `stages`
     double frame_seconds_ = 0;
     long limited_ = 0;
     AdhesionModel* model_ = nullptr;
@@ -128,6 +135,13 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
         stages.insert(stages.end(), {"neighbours", "cohesion"});
         display_.emplace(scene);
     }
+    if (scene.air) {
+        stages.push_back("air");
+        air_.emplace(*scene.air);
+        if (scene.air->two_way) hair_in_air_.resize(scene.groom.rest.points.size());
+        sample_air();
+    }
+    stage_.resize(stages.size());
     scratch_.resize(size_t(omp_get_max_threads()));
     for (auto& s : scratch_) s.resize(n_, terms_, scene.integrator.kind == "implicit", !scene.solids.empty());
     if (scene.integrator.settle > 0) {
@@ -163,6 +177,7 @@ ChainView<Pack<T>> CpuSimulation<T>::view_of(int block) const {
     view.surface_velocity = from(surface_velocity_);
     view.touching = from(touching_);
     view.given_adhesion = from(given_);
+    view.air = from(air_velocity_);
     return view;
 }
 
@@ -309,10 +324,57 @@ void CpuSimulation<T>::evaluate_adhesion() {
     if (records_) records_->insert(records_->end(), near.begin(), near.end());
 }
 
+// What the strands feel of the air, where they are now.
+template <class T>
+void CpuSimulation<T>::sample_air() {
+#pragma omp parallel for schedule(static)
+    for (int block = 0; block < blocks_; ++block)
+        for (size_t k = at(block, 0); k < at(block + 1, 0); ++k)
+            for (int lane = 0; lane < lanes; ++lane) {
+                const Vec3d u =
+                    air_->at({double(x_[k].x[lane]), double(x_[k].y[lane]), double(x_[k].z[lane])});
+                air_velocity_[k].x.set(lane, T(u.x));
+                air_velocity_[k].y.set(lane, T(u.y));
+                air_velocity_[k].z.set(lane, T(u.z));
+            }
+}
+
+template <class T>
+void CpuSimulation<T>::gather_hair_in_air() {
+    const AirDrag& term = *std::get<std::optional<AirDrag>>(terms_);
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < strands_; ++s)
+        for (int i = 0; i < n_; ++i) {
+            const int block = s / lanes, lane = s % lanes;
+            const size_t k = at(block, i);
+            auto edge_length = [&](size_t edge) { return double(rest_length_[edge][lane]); };
+            const double length =
+                0.5 * ((i > 0 ? edge_length(k - 1) : 0) + (i + 1 < n_ ? edge_length(k) : 0));
+            auto lane_of = [&](const Vec3<S>& p) {
+                return Vec3f{float(p.x[lane]), float(p.y[lane]), float(p.z[lane])};
+            };
+            hair_in_air_[size_t(s) * size_t(n_) + size_t(i)] = {lane_of(x_[k]), lane_of(v_[k]),
+                                                                float(term.c * length)};
+        }
+}
+
+// Once a frame: a step of the air costs more than a substep of the strands, it is stable at any length, and a
+// block of strands still goes through all substeps of a frame at once.
+template <class T>
+void CpuSimulation<T>::move_air() {
+    const double begin = omp_get_wtime(), dt = 1 / scene_.fps;
+    if (scene_.air->two_way) gather_hair_in_air();
+    air_->step(dt, time_ + dt, hair_in_air_);
+    sample_air();
+    stage_.back() = omp_get_wtime() - begin;
+}
+
 template <class T>
 void CpuSimulation<T>::advance() {
-    const double begin = omp_get_wtime();
-    stage_ = {};
+    double begin = omp_get_wtime();
+    const double start = begin;
+    std::fill(stage_.begin(), stage_.end(), 0.0);
+    if (air_) move_air(), begin = omp_get_wtime();
     std::vector<Placement<T>> path;
     for (int k = 0; k < scene_.integrator.substeps; ++k) {
         // A network answers for all strands at once.
@@ -325,7 +387,7 @@ void CpuSimulation<T>::advance() {
     }
     stage_[0] = omp_get_wtime() - begin;
     display();
-    frame_seconds_ = omp_get_wtime() - begin;
+    frame_seconds_ = omp_get_wtime() - start;
 }
 
 template <class T>
@@ -365,7 +427,7 @@ void CpuSimulation<T>::snapshot(RunFrame& frame) const {
     unpack(x_, frame.positions);
     frame.displayed = display_ ? displayed_ : Strands();
     frame.seconds = frame_seconds_;
-    frame.stage_seconds.assign(stage_.begin(), stage_.begin() + long(stages.size()));
+    frame.stage_seconds.assign(stage_.begin(), stage_.end());
     std::vector<double> sum(energy_kinds.size(), 0);
     for (int block = 0; block < blocks_; ++block) {
         const auto e = energy_of(block);
@@ -417,6 +479,7 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
         out.push_back({"cohesion lists", display_->bytes()});
         add("displayed positions", displayed_.points);
     }
+    if (air_) out.push_back({"air", air_->bytes()}), add("hair in the air", hair_in_air_);
     size_t scratch = 0;
     for (const auto& s : scratch_)
         scratch += (s.predicted_x.size() + s.force.size() + s.core_pull.size()) * sizeof(Vec3<S>) +

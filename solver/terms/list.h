@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "solver/terms/adhesion.h"
+#include "solver/terms/air_drag.h"
 #include "solver/terms/bend.h"
 #include "solver/terms/core.h"
 #include "solver/terms/curl_push.h"
@@ -14,9 +15,9 @@
 
 namespace wetcurl {
 
-using ChainTerms =
-    std::tuple<std::optional<Stretch>, std::optional<Bend>, std::optional<Twist>, std::optional<Core>,
-               std::optional<CurlPush>, std::optional<Adhesion>, std::optional<Stiffness>>;
+using ChainTerms = std::tuple<std::optional<Stretch>, std::optional<Bend>, std::optional<Twist>,
+                              std::optional<Core>, std::optional<CurlPush>, std::optional<Adhesion>,
+                              std::optional<Stiffness>, std::optional<AirDrag>>;
 
 // Calls f(term) for each term that the scene names, in the order of the list.
 template <class Terms, class F>
