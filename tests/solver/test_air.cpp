@@ -73,7 +73,7 @@ TEST(Multigrid, takes_most_of_the_residual_in_a_cycle_whatever_the_grid) {
              {16, 16, 16}, {32, 32, 32}, {64, 64, 64}, {64, 32, 96}, {40, 40, 40}, {8, 8, 64}, {24, 56, 8}}) {
         const double factor = convergence_factor(n);
         std::printf("%3d x %3d x %3d: %.3f a cycle\n", n[0], n[1], n[2], factor);
-        EXPECT_LT(factor, 0.2);
+        EXPECT_LT(factor, 0.1);  // corrections with the wrong weights still converge, at 0.15
     }
     EXPECT_NEAR(convergence_factor({16, 16, 16}), convergence_factor({64, 64, 64}), 0.05);
 }
