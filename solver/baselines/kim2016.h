@@ -20,9 +20,9 @@ struct Kim2016 {
     static constexpr const char *name = "kim", *table = "baseline";
     double gamma, gamma_area, h;
     static constexpr Parameter<Kim2016> parameters[] = {
-        {"strength", &Kim2016::gamma, "N m^3/kg^2", 200, 0, 1e12,
+        {"strength", &Kim2016::gamma, "N m^3/kg^2", 100, 0, 1e12,
          "kim: Akinci 2013, Eq 1, gamma: cohesion for each kg² of the pair"},
-        {"area", &Kim2016::gamma_area, "m/s^2", 0.2, 0, 1e6,
+        {"area", &Kim2016::gamma_area, "m/s^2", 0.1, 0, 1e6,
          "kim: Akinci 2013, Eq 4, gamma: acceleration for each difference of normals"},
         {"radius", &Kim2016::h, "m", 0.012, 1e-4, 1, "kim: Akinci 2013, Eq 2, h: support of C and W"},
     };

@@ -19,7 +19,7 @@ struct Lin2015 {
     static constexpr const char *name = "lin", *table = "baseline";
     double beta, h;
     static constexpr Parameter<Lin2015> parameters[] = {
-        {"strength", &Lin2015::beta, "N m^3/kg^2", 1e4, 0, 1e12,
+        {"strength", &Lin2015::beta, "N m^3/kg^2", 3e3, 0, 1e12,
          "lin: Akinci 2013, Eq 6, beta: force for each kg² of the pair"},
         {"radius", &Lin2015::h, "m", 0.012, 1e-4, 1, "lin: Akinci 2013, Eq 7, h: support of A"},
     };
