@@ -178,6 +178,7 @@ Json terms_json() {
     add_rows<Wetness>(rows);
     add_rows<Curl>(rows);
     add_rows<Cohesion>(rows);
+    for_each_baseline([&](const auto& method) { add_rows<std::decay_t<decltype(method)>>(rows); });
     return {{"parameters", rows}};
 }
 

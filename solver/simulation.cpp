@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "solver/baselines/particle_forces.h"
 #include "solver/chain_state.h"
 #include "solver/display.h"
 #include "solver/passes/chain_step.h"
@@ -26,6 +27,10 @@ Presence presence_of(const Scene& scene) {
     note(!scene.solids.empty(), "contact");
     note(!scene.adhesion_model.empty(), "adhesion network");
     note(scene.integrator.limiter > 0, "limiter");
+    if (scene.baseline)
+        p.present.push_back("baseline " + name_of(*scene.baseline));
+    else
+        p.absent.push_back("baseline");
     return p;
 }
 
@@ -53,7 +58,9 @@ class CpuSimulation final : public Simulation {
     void snapshot(RunFrame& frame) const override;
     std::optional<Divergence> divergence() const override;
     std::vector<BufferSize> buffers() const override;
-    double neighbours_mean() const override { return display_ ? display_->neighbours_mean() : 0; }
+    double neighbours_mean() const override {
+        return display_ ? display_->neighbours_mean() : forces_ ? forces_->neighbours_mean() : 0;
+    }
     long limited_edges() const override { return limited_; }
     void use_adhesion_model(AdhesionModel* model) override { model_ = model; }
     void record_adhesion(std::vector<AdhesionRecord>* records) override { records_ = records; }
@@ -72,6 +79,7 @@ class CpuSimulation final : public Simulation {
     void set_root(int block, const Pose& head, Vec3<S>* root) const;
     ChainView<S> view_of(int block) const;
     void evaluate_adhesion();
+    void evaluate_forces();
     void display();
     void unpack(const Buffer<Vec3<S>>& x, Strands& out) const;
     // Energy of each kind in each lane of a block.
@@ -98,7 +106,11 @@ class CpuSimulation final : public Simulation {
     std::optional<Display> display_;
     Strands displayed_;
     std::vector<ChainScratch<S>> scratch_;
-    std::array<double, 3> stage_{};  // chain, neighbours, cohesion
+    std::unique_ptr<ParticleForces> forces_;  // of a compared method
+    Buffer<Vec3<S>> external_;
+    std::vector<Vec3d> force_x_, force_;  // (strand, particle): what it sees and gives
+    const Iben2013* iben_ = nullptr;
+    std::vector<double> stage_;  // chain, then what the scene names of neighbours and cohesion, baseline
     double frame_seconds_ = 0;
     long limited_ = 0;
     AdhesionModel* model_ = nullptr;
@@ -128,11 +140,20 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
         stages.insert(stages.end(), {"neighbours", "cohesion"});
         display_.emplace(scene);
     }
+    if (scene.baseline) iben_ = std::get_if<Iben2013>(&*scene.baseline);
+    if ((forces_ = make_particle_forces(scene))) {
+        stages.push_back("baseline");
+        external_.assign(at(blocks_, 0), {S(0), S(0), S(0)});
+        force_x_.resize(scene.groom.rest.points.size());
+    }
+    stage_.assign(stages.size(), 0);
     scratch_.resize(size_t(omp_get_max_threads()));
     for (auto& s : scratch_) s.resize(n_, terms_, scene.integrator.kind == "implicit", !scene.solids.empty());
     if (scene.integrator.settle > 0) {
         const long steps = std::lround(scene.integrator.settle / dt_);
-        run(std::vector<Placement<T>>(size_t(steps), placement_at<T>(scene_, 0, dt_, false)));
+        const auto held = placement_at<T>(scene_, 0, dt_, false);
+        for (long k = 0; forces_ && k < steps; ++k) evaluate_forces(), run({held});
+        if (!forces_) run(std::vector<Placement<T>>(size_t(steps), held));
     }
     display();
 }
@@ -186,7 +207,8 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
                       cast<T>(scene_.integrator.gravity),
                       p.root_turn,
                       bend ? &frame_[k] : nullptr,
-                      pushed_.empty() ? nullptr : &pushed_[k]};
+                      pushed_.empty() ? nullptr : &pushed_[k],
+                      external_.empty() ? nullptr : &external_[k]};
     const S* rest_depth = rest_depth_.empty() ? nullptr : &rest_depth_[k];
     ChainView<S> view = view_of(block);
     view.turn = cast<S>(p.turn);
@@ -209,6 +231,7 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
         explicit_step(terms_, step, view, scratch, sample), turn_left = step.root_turn;
 
     Vec3<S>*x = now.x_before, *x_old = now.x, *v = now.v_before, *v_old = now.v;
+    if (iben_) iben_->limit_velocities(n_, T(dt_), x, v);
     if (scene_.integrator.limiter > 0) {
         auto* unlimited = scratch.predicted_x.data();
         std::copy_n(x, n_, unlimited);
@@ -309,21 +332,50 @@ void CpuSimulation<T>::evaluate_adhesion() {
     if (records_) records_->insert(records_->end(), near.begin(), near.end());
 }
 
+// A compared method's forces at the positions as they are, for the substep that follows.
+template <class T>
+void CpuSimulation<T>::evaluate_forces() {
+    const double begin = omp_get_wtime();
+    bool finite = true;
+    for (int s = 0; s < strands_; ++s)
+        for (int i = 0; i < n_; ++i) {
+            const Vec3<S>& p = x_[at(s / lanes, i)];
+            const int lane = s % lanes;
+            const Vec3d x{double(p.x[lane]), double(p.y[lane]), double(p.z[lane])};
+            finite = finite && std::abs(x.x) + std::abs(x.y) + std::abs(x.z) < 1e6;
+            force_x_[size_t(s) * size_t(n_) + size_t(i)] = x;
+        }
+    // A run that blew up has no neighbours to find; the caller asks `divergence` next.
+    if (!finite) return;
+    forces_->evaluate(force_x_, time_, force_);
+    for (int s = 0; s < strands_; ++s)
+        for (int i = 0; i < n_; ++i) {
+            const Vec3d& f = force_[size_t(s) * size_t(n_) + size_t(i)];
+            Vec3<S>& to = external_[at(s / lanes, i)];
+            const int lane = s % lanes;
+            to.x.set(lane, T(f.x)), to.y.set(lane, T(f.y)), to.z.set(lane, T(f.z));
+        }
+    stage_.back() += omp_get_wtime() - begin;
+}
+
 template <class T>
 void CpuSimulation<T>::advance() {
     const double begin = omp_get_wtime();
-    stage_ = {};
+    std::fill(stage_.begin(), stage_.end(), 0);
+    // What answers for all strands at once needs them at the same substep.
+    const bool together = model_ || records_ || forces_;
     std::vector<Placement<T>> path;
     for (int k = 0; k < scene_.integrator.substeps; ++k) {
-        // A network answers for all strands at once.
         if (model_ || records_) evaluate_adhesion();
+        if (forces_) evaluate_forces();
         time_ += dt_;
         path.push_back(placement_at<T>(scene_, time_, dt_));
-        if (!model_ && !records_ && k + 1 < scene_.integrator.substeps) continue;
+        if (!together && k + 1 < scene_.integrator.substeps) continue;
         run(path);
         path.clear();
     }
     stage_[0] = omp_get_wtime() - begin;
+    if (forces_) stage_[0] -= stage_.back();
     display();
     frame_seconds_ = omp_get_wtime() - begin;
 }
@@ -365,7 +417,7 @@ void CpuSimulation<T>::snapshot(RunFrame& frame) const {
     unpack(x_, frame.positions);
     frame.displayed = display_ ? displayed_ : Strands();
     frame.seconds = frame_seconds_;
-    frame.stage_seconds.assign(stage_.begin(), stage_.begin() + long(stages.size()));
+    frame.stage_seconds.assign(stage_.begin(), stage_.end());
     std::vector<double> sum(energy_kinds.size(), 0);
     for (int block = 0; block < blocks_; ++block) {
         const auto e = energy_of(block);
@@ -413,6 +465,8 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
     add("adhesion distance", phi_), add("adhesion normal", normal_);
     add("adhesion surface velocity", surface_velocity_), add("adhesion given", given_),
         add("adhesion answers", answers_);
+    add("baseline forces", external_), add("baseline particles", force_x_), add("baseline answers", force_);
+    if (forces_) out.push_back({"baseline lists", forces_->bytes()});
     if (display_) {
         out.push_back({"cohesion lists", display_->bytes()});
         add("displayed positions", displayed_.points);

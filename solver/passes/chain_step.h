@@ -46,7 +46,14 @@ struct BlockStep {
     Quat<Plain<S>> root_turn;  // rotation of the root over the step
     Quat<S>* frame;            // (n-1) or null; the caller carries them on to where the step ends
     S* pushed;  // (n) [kg m/s] by surfaces in the step before, then in this one; null: no solids
+    const Vec3<S>* external = nullptr;  // (n) [N] beside the terms', at the positions now; null: none
 };
+
+template <class S>
+void add_external_forces(const BlockStep<S>& b, Vec3<S>* force) {
+    if (!b.external) return;
+    for (int i = 0; i < b.n; ++i) force[i] += b.external[i];
+}
 
 // A spring [kg] beside which those that meet at a particle are soft: a hold gives way by a hundredth.
 template <class S>
@@ -151,6 +158,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     }
     const ChainSystem<S> system{h, s.force.data(), s.diagonal.data(), s.upper1.data(), s.upper2.data()};
     for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
+    add_external_forces(b, s.force.data());
 
     // The force's place takes the right side, and then the solution v - v^.
     Vec3<S>* r = s.force.data();
@@ -199,6 +207,7 @@ void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     for (int i = 0; i < b.n; ++i) s.force[i] = view.mass[i] * gravity;
     const ChainSystem<S> system{S(b.dt), s.force.data(), nullptr, nullptr, nullptr};
     for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
+    add_external_forces(b, s.force.data());
     for (int i = 0; i < b.n; ++i) {
         const Vec3<S> v =
             i < 2 ? S(1 / b.dt) * (b.root[i] - b.x[i]) : b.v[i] + (S(b.dt) / view.mass[i]) * s.force[i];
