@@ -127,7 +127,7 @@ TEST(Battery, the_printed_scheme_fails_where_the_paper_shakes) {
 // --- broken ones
 
 TEST(Battery, sees_a_state_that_is_not_finite) {
-    const auto broken = ours_and([](SimulationState& s, double) { s.v[5].x = NAN; });
+    const auto broken = ours_and([](SimulationState& s, double) { s.v.back().x = NAN; });
     for (const char* id : {"S1", "S2", "S4", "S5"})
         for (const auto& c : cases_of(broken, id))
             EXPECT_FALSE(c.passed && c.what != "two particles") << id << c.what;
