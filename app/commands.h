@@ -66,6 +66,12 @@ struct BenchOptions : CommonOptions {
     std::string filter;
 };
 
+struct StabilityCommandOptions : CommonOptions {
+    std::string scene;                       // of S9; "": one of our own
+    std::vector<std::string> methods, only;  // by name, cases by id; none: all
+    bool quick = false;
+};
+
 int simulate_command(const SimulateOptions&);
 int encode_command(const EncodeOptions&);
 int train_command(const TrainOptions&);
@@ -74,5 +80,6 @@ int compare_command(const CompareOptions&);
 int render_command(const RenderOptions&);
 int import_command(const ImportOptions&);
 int inspect_command(const InspectOptions&);
+int stability_command(const StabilityCommandOptions&);
 
 }  // namespace wetcurl

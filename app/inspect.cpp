@@ -89,6 +89,16 @@ Json run_json(const InspectOptions& o) {
         for (int f = 0; f < run.frames(); ++f)
             extent += 1000 * axial_extent(run.frame(f).seen()) / run.frames();
         json["axial_extent_mm"] = extent;
+        // (frame) [J] of each kind, and their sum: what VI.I plots.
+        for (int f = 0; f < run.frames() && !h.energy_kinds.empty(); ++f) {
+            const auto energy = run.frame(f).energy;
+            Json row{{"time", f / h.fps}};
+            double sum = 0;
+            for (size_t k = 0; k < h.energy_kinds.size(); ++k)
+                row[h.energy_kinds[k]] = energy[k], sum += energy[k];
+            row["sum"] = sum;
+            json["energy_joule"].push_back(row);
+        }
         const RunFrame last = run.frame(run.frames() - 1);
         json["displayed"] = last.displayed.count > 0;
         for (size_t k = 0; k < h.energy_kinds.size(); ++k)
@@ -180,6 +190,7 @@ Json terms_json() {
     add_rows<Cohesion>(rows);
     add_rows<Air>(rows);
     add_rows<AirSource>(rows);
+    for_each_baseline([&](const auto& method) { add_rows<std::decay_t<decltype(method)>>(rows); });
     return {{"parameters", rows}};
 }
 

@@ -183,6 +183,17 @@ int main(int argc, char** argv) {
     c->add_option("-o,--output", inspect.output,
                   "pairs: write the geometry images of the last frame as PNG, by this name's stem");
 
+    StabilityCommandOptions stability;
+    c = command("stability", "put ways of stepping through the battery of stability, S1 to S9", stability,
+                stability_command);
+    c->add_option("scene", stability.scene, "scene (TOML) for S9, in place of the battery's own");
+    c->add_option("--method", stability.methods, "by name (repeatable); none: all")->expected(1)->take_all();
+    c->add_option("--case", stability.only, "S1 to S9 (repeatable); none: all")
+        ->expected(1)
+        ->take_all()
+        ->check(CLI::IsMember({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"}));
+    c->add_flag("--quick", stability.quick, "fewer values of each parameter: under a minute");
+
     try {
         std::vector<std::string> known;
         for (const CLI::App* sub : app.get_subcommands({})) known.push_back(sub->get_name());
@@ -191,8 +202,8 @@ int main(int argc, char** argv) {
             throw Misuse("found command '" + name + "', allowed: " + CLI::detail::join(known, ", ") +
                          did_you_mean(name, known));
         app.parse(argc, argv);
-        for (CommonOptions* o : std::initializer_list<CommonOptions*>{&simulate, &encode, &train, &infer,
-                                                                      &compare, &render, &import, &inspect})
+        for (CommonOptions* o : std::initializer_list<CommonOptions*>{
+                 &simulate, &encode, &train, &infer, &compare, &render, &import, &inspect, &stability})
             apply(shared, *o);
         return flushed(run());
     } catch (const CLI::ParseError& e) {

@@ -36,14 +36,11 @@ int simulate_command(const SimulateOptions& o) {
     Scene scene = load_scene(o.scene, options);
     check_files(o, o.output, scene.files);
     if (o.dry) make_dry(scene);
-    std::string precision = o.precision;
-    // Measured on chains: a float factorisation loses its digits above this.
-    if (const double number = stiffness_number(scene);
-        number > 1e5 && precision == "float" && scene.integrator.kind == "implicit") {
-        log_warning(fmt::format(
-            "h² k / m is {:.2g}, above what single precision can factor (1e5): running in double", number));
-        precision = "double";
-    }
+    const std::string precision = trusted_precision(scene, o.precision);
+    if (precision != o.precision)
+        log_warning(
+            fmt::format("h² k / m is {:.2g}, above what single precision can factor (1e5): running in double",
+                        stiffness_number(scene)));
     Scene fine = scene;
     fine.integrator.substeps = 160;
     std::unique_ptr<Simulation> reference = o.reference ? make_simulation(fine, "double") : nullptr;

@@ -427,6 +427,9 @@ std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::
                                                  int device) {
     require_cuda_device(device);
     check_cuda(cudaSetDevice(device), "choice of the device");
+    if (scene.baseline)
+        throw Error("--device cuda runs no compared method; --device cpu runs [baseline] method = \"" +
+                    name_of(*scene.baseline) + "\"");
     if (scene.integrator.kind != "implicit")
         throw Error("--device cuda runs [integrator] kind = \"implicit\" alone; --device cpu runs \"" +
                     scene.integrator.kind + "\"");

@@ -49,6 +49,15 @@ struct ChainState {
                 place(scene, depth, block, lane, std::min(block * lanes + lane, strands - 1));
     }
 
+    // One lane of a number, a vector, a rotation.
+    static void put(S& to, int lane, double a) { to.set(lane, Plain<S>(a)); }
+    static void put(Vec3<S>& to, int lane, const Vec3d& p) {
+        put(to.x, lane, p.x), put(to.y, lane, p.y), put(to.z, lane, p.z);
+    }
+    static void put(Quat<S>& to, int lane, const Quatd& q) {
+        put(to.w, lane, q.w), put(to.x, lane, q.x), put(to.y, lane, q.y), put(to.z, lane, q.z);
+    }
+
     // Calls f(name, buffer) for each.
     template <class Self, class F>
     static void for_each_buffer(Self& s, F f) {
@@ -61,14 +70,6 @@ struct ChainState {
     }
 
   private:
-    static void put(S& to, int lane, double a) { to.set(lane, Plain<S>(a)); }
-    static void put(Vec3<S>& to, int lane, const Vec3d& p) {
-        put(to.x, lane, p.x), put(to.y, lane, p.y), put(to.z, lane, p.z);
-    }
-    static void put(Quat<S>& to, int lane, const Quatd& q) {
-        put(to.w, lane, q.w), put(to.x, lane, q.x), put(to.y, lane, q.y), put(to.z, lane, q.z);
-    }
-
     void place(const Scene& scene, const std::vector<float>& depth, int block, int lane, int s) {
         const Pose head = scene.motion.at(0);
         const StrandRest rest = rest_state_of(scene, s);

@@ -8,6 +8,14 @@
 
 namespace wetcurl {
 
+std::vector<Quatd> frames_along(const std::vector<Vec3d>& p) {
+    std::vector<Quatd> frame{root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0}))};
+    for (size_t i = 1; i + 1 < p.size(); ++i)
+        frame.push_back(
+            transported(frame.back(), normalized(p[i + 1] - p[i], frame_direction(frame.back()))));
+    return frame;
+}
+
 namespace {
 
 std::vector<double> core_lengths(const std::vector<Vec3d>& p, double beta) {
@@ -30,15 +38,6 @@ std::vector<double> masses(const Scene& scene, int s, const std::vector<Vec3d>& 
         for (size_t i = 0; i < n; ++i)
             mass[i] *= 1 + scene.wetness->absorbed * scene.saturation[size_t(s) * n + i];
     return mass;
-}
-
-// Frames along p without any twist, from the root's.
-std::vector<Quatd> frames_along(const std::vector<Vec3d>& p) {
-    std::vector<Quatd> frame{root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0}))};
-    for (size_t i = 1; i + 1 < p.size(); ++i)
-        frame.push_back(
-            transported(frame.back(), normalized(p[i + 1] - p[i], frame_direction(frame.back()))));
-    return frame;
 }
 
 // The drawn shape as an equilibrium: from the tip, edge i must pass on the weight below it (f_i = G_i -

@@ -18,6 +18,9 @@ struct StrandRest {
     std::vector<Quatd> frame;         // (n-1) F_i at the start, in the head's frame
 };
 
+// Frames along p (n), n at least 2, without any twist, from the root's -> (n-1).
+std::vector<Quatd> frames_along(const std::vector<Vec3d>& p);
+
 // Strand `s` of the scene's groom.
 StrandRest rest_state_of(const Scene& scene, int s);
 

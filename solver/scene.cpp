@@ -14,7 +14,9 @@ namespace {
 
 Vec3d vec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
-bool is_printed(Table t) { return t.choice("form", "variational", {"variational", "printed"}) == "printed"; }
+bool is_printed(Table t, const std::string& fallback = "variational") {
+    return t.choice("form", fallback, {"variational", "printed"}) == "printed";
+}
 
 // A term, where its table is written (and printed, where it is a printed form's alone).
 template <class Term>
@@ -35,6 +37,54 @@ void read_chain(Scene& scene, Table root) {
         if (!(twist->torsion * twist->k_b > 0)) twist.reset();
     }
     if (scene.term<Adhesion>()) scene.adhesion_model = root.table("adhesion").path("model");
+}
+
+// The named method with its own rows; it must be known before the tables that it is a preset of.
+void read_baseline(Scene& scene, Table root) {
+    if (!root.has("baseline")) return;
+    const Table t = root.table("baseline");
+    if (!t.has("method")) t.fail("method", "needed: a compared method's name");
+    const std::string name = t.choice("method", "", baseline_names());
+    for_each_baseline([&](auto method) {
+        if (name != method.name) return;
+        read_parameters(method, method.parameters, t);
+        scene.baseline = method;
+    });
+}
+
+bool is_iben(const Scene& scene) {
+    return scene.baseline && std::holds_alternative<Iben2013>(*scene.baseline);
+}
+
+// What a method is, or stands in the place of, must not be named otherwise.
+void check_baseline(Scene& scene, Table root) {
+    if (!scene.baseline) return;
+    const std::string name = name_of(*scene.baseline);
+    auto takes_place_of = [&](const char* table) {
+        if (root.has(table))
+            root.fail(table, "[baseline] method = \"" + name + "\" runs without [" + table +
+                                 "]; leave one of them out");
+    };
+    if (is_iben(scene)) {
+        takes_place_of("stiffness");  // Eq 13 is what the paper adds to it
+        if (scene.integrator.kind != "explicit")
+            root.table("integrator").fail("kind", "[baseline] method = \"iben\" steps explicitly");
+        for (const char* table : {"bend", "core"})
+            if (root.has(table) && !is_printed(root.table(table), "printed"))
+                root.table(table).fail("form", "[baseline] method = \"iben\" has the printed form");
+        if (auto& bend = scene.term<Bend>()) bend->printed = true;
+        if (auto& core = scene.term<Core>()) core->printed = true;
+        scene.term<Twist>().reset();
+        return;
+    }
+    if (!scene.wetness)
+        root.fail("baseline", "method = \"" + name + "\" acts on wet hair and needs a [wetness] table");
+    if (std::holds_alternative<BoundaryParticles2013>(*scene.baseline)) {
+        takes_place_of("adhesion");
+        if (scene.solids.empty()) root.fail("baseline", "boundary particles need a [[solid]] to lie on");
+    } else {
+        takes_place_of("cohesion");
+    }
 }
 
 void read_wet(Scene& scene, Table root) {
@@ -144,9 +194,10 @@ Scene read_scene(Config config, const SceneOptions& options) {
     scene.text = config.text();
     scene.folder = config.folder();
 
+    read_baseline(scene, root);
     Table t = root.table("integrator");
     Integrator& in = scene.integrator;
-    in.kind = t.choice("kind", "implicit", {"implicit", "explicit"});
+    in.kind = t.choice("kind", is_iben(scene) ? "explicit" : "implicit", {"implicit", "explicit"});
     in.substeps = int(t.integer("substeps", 10, 1, 1'000'000));
     in.limiter = t.number("limiter", in.kind == "explicit" ? 0.1 : 0, 0, 10);
     in.settle = t.number("settle", 0, 0, 1000);
@@ -164,6 +215,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_wet(scene, root);
     read_solids(scene, root);
     read_air(scene, root);
+    check_baseline(scene, root);
     if (scene.rest == "sag_free" && !scene.term<Bend>())
         g.fail("rest", "'sag_free' needs [bend] to carry the weight");
     config.require_all_used();
@@ -205,6 +257,7 @@ void make_dry(Scene& scene) {
     scene.curl.reset();
     scene.cohesion.reset();
     scene.adhesion_model.clear();
+    if (!is_iben(scene)) scene.baseline.reset();
     scene.term<Adhesion>().reset();
     scene.term<CurlPush>().reset();
 }

@@ -10,6 +10,7 @@
 #include "base/geometry/shapes.h"
 #include "base/geometry/strands.h"
 #include "solver/air/air.h"
+#include "solver/baselines/list.h"
 #include "solver/motion.h"
 #include "solver/terms/cohesion.h"
 #include "solver/terms/curl.h"
@@ -49,7 +50,8 @@ struct Scene {
     std::optional<Curl> curl;
     std::optional<Cohesion> cohesion;
     std::optional<Air> air;
-    std::string adhesion_model;  // file of a network in Eq 11's place; "": Eq 11
+    std::string adhesion_model;        // file of a network in Eq 11's place; "": Eq 11
+    std::optional<Baseline> baseline;  // a compared method in place of ours
     Motion motion;
     std::vector<Solid> solids;
 
@@ -88,7 +90,8 @@ Scene load_scene(const std::string& path, const SceneOptions& options = {});
 Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder,
                   const SceneOptions& options = {});
 
-// The scene as a dry one: no wet weight, curl, cohesion, adhesion; its saturation is kept as a record.
+// The scene as a dry one: no wet weight, curl, cohesion, adhesion, nor a compared method of them; its
+// saturation is kept as a record.
 void make_dry(Scene& scene);
 
 // Whether anything of the scene acts on wet hair.

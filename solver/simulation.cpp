@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "solver/air/air.h"
+#include "solver/baselines/particle_forces.h"
 #include "solver/chain_state.h"
 #include "solver/display.h"
 #include "solver/passes/chain_step.h"
@@ -28,6 +29,10 @@ Presence presence_of(const Scene& scene) {
     note(!scene.solids.empty(), "contact");
     note(!scene.adhesion_model.empty(), "adhesion network");
     note(scene.integrator.limiter > 0, "limiter");
+    if (scene.baseline)
+        p.present.push_back("baseline " + name_of(*scene.baseline));
+    else
+        p.absent.push_back("baseline");
     return p;
 }
 
@@ -38,6 +43,11 @@ double stiffness_number(const Scene& scene) {
     });
     const double h = 2.0 / 3 / (scene.fps * scene.integrator.substeps);
     return h * h * k / (scene.linear_density * mean_segment(scene.groom));
+}
+
+std::string trusted_precision(const Scene& scene, const std::string& precision) {
+    // Measured on chains: a float factorisation loses its digits above this.
+    return scene.integrator.kind == "implicit" && stiffness_number(scene) > 1e5 ? "double" : precision;
 }
 
 namespace {
@@ -55,10 +65,17 @@ class CpuSimulation final : public Simulation {
     void snapshot(RunFrame& frame) const override;
     std::optional<Divergence> divergence() const override;
     std::vector<BufferSize> buffers() const override;
-    double neighbours_mean() const override { return display_ ? display_->neighbours_mean() : 0; }
+    double neighbours_mean() const override {
+        return display_ ? display_->neighbours_mean() : forces_ ? forces_->neighbours_mean() : 0;
+    }
     long limited_edges() const override { return limited_; }
     void use_adhesion_model(AdhesionModel* model) override { model_ = model; }
     void record_adhesion(std::vector<AdhesionRecord>* records) override { records_ = records; }
+    SimulationState state() const override;
+    void restore(const SimulationState& state) override;
+    void count_work() override;
+    Work work() const override;
+    std::vector<double> energy() const override;
 
   private:
     // A block's strands now and one step ago.
@@ -72,11 +89,14 @@ class CpuSimulation final : public Simulation {
     void step_block(int block, const BlockState& now, const Placement<T>& p, bool first,
                     ChainScratch<S>& scratch);
     void set_root(int block, const Pose& head, Vec3<S>* root) const;
+    // Over the strands of a block.
+    double sum_of(int block, const S& lane_by_lane) const;
     ChainView<S> view_of(int block) const;
     void evaluate_adhesion();
     void move_air();
     void sample_air();
     void gather_hair_in_air();
+    void evaluate_forces();
     void display();
     void unpack(const Buffer<Vec3<S>>& x, Strands& out) const;
     // Energy of each kind in each lane of a block.
@@ -105,11 +125,20 @@ class CpuSimulation final : public Simulation {
     std::vector<ChainScratch<S>> scratch_;
     std::optional<AirField> air_;
     std::vector<DragPoint> hair_in_air_;  // (strand, particle), where hair brakes the air
-    std::vector<double> stage_;           // seconds, by `stages`
+    size_t air_stage_ = 0;
+    std::unique_ptr<ParticleForces> forces_;  // of a compared method
+    Buffer<Vec3<S>> external_;
+    std::vector<Vec3d> force_x_, force_;  // (strand, particle): what it sees and gives
+    const Iben2013* iben_ = nullptr;
+    std::vector<double> stage_;  // chain, then what the scene names of neighbours and cohesion, air, baseline
     double frame_seconds_ = 0;
     long limited_ = 0;
     AdhesionModel* model_ = nullptr;
     std::vector<AdhesionRecord>* records_ = nullptr;
+    std::vector<Work> work_;      // (block); empty: not counted
+    Buffer<Vec3<S>> reaction_;    // (block, 2) of the substep before
+    Buffer<S> torque_;            // (block) of the root in the substep before
+    Buffer<Quat<S>> work_frame_;  // (block, particle) scratch
     std::vector<float> answers_;  // F.n / (sigma m a_max) of the step before (block, particle, lane)
 };
 
@@ -136,17 +165,26 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
         display_.emplace(scene);
     }
     if (scene.air) {
+        air_stage_ = stages.size();
         stages.push_back("air");
         air_.emplace(*scene.air);
         if (scene.air->two_way) hair_in_air_.resize(scene.groom.rest.points.size());
         sample_air();
     }
-    stage_.resize(stages.size());
+    if (scene.baseline) iben_ = std::get_if<Iben2013>(&*scene.baseline);
+    if ((forces_ = make_particle_forces(scene))) {
+        stages.push_back("baseline");
+        external_.assign(at(blocks_, 0), {S(0), S(0), S(0)});
+        force_x_.resize(scene.groom.rest.points.size());
+    }
+    stage_.assign(stages.size(), 0);
     scratch_.resize(size_t(omp_get_max_threads()));
     for (auto& s : scratch_) s.resize(n_, terms_, scene.integrator.kind == "implicit", !scene.solids.empty());
     if (scene.integrator.settle > 0) {
         const long steps = std::lround(scene.integrator.settle / dt_);
-        run(std::vector<Placement<T>>(size_t(steps), placement_at<T>(scene_, 0, dt_, false)));
+        const auto held = placement_at<T>(scene_, 0, dt_, false);
+        for (long k = 0; forces_ && k < steps; ++k) evaluate_forces(), run({held});
+        if (!forces_) run(std::vector<Placement<T>>(size_t(steps), held));
     }
     display();
 }
@@ -201,7 +239,11 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
                       cast<T>(scene_.integrator.gravity),
                       p.root_turn,
                       bend ? &frame_[k] : nullptr,
-                      pushed_.empty() ? nullptr : &pushed_[k]};
+                      pushed_.empty() ? nullptr : &pushed_[k],
+                      external_.empty() ? nullptr : &external_[k]};
+    Vec3<S> reaction[2];
+    const Quat<S> root_frame = bend ? frame_[k] : Quat<S>{};
+    if (!work_.empty()) step.reaction = reaction;
     const S* rest_depth = rest_depth_.empty() ? nullptr : &rest_depth_[k];
     ChainView<S> view = view_of(block);
     view.turn = cast<S>(p.turn);
@@ -224,19 +266,72 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
         explicit_step(terms_, step, view, scratch, sample), turn_left = step.root_turn;
 
     Vec3<S>*x = now.x_before, *x_old = now.x, *v = now.v_before, *v_old = now.v;
-    if (scene_.integrator.limiter > 0) {
-        auto* unlimited = scratch.predicted_x.data();
-        std::copy_n(x, n_, unlimited);
-        const int limited = limit_strain(n_, &rest_length_[k], T(scene_.integrator.limiter), x);
-        for (int i = 2; i < n_; ++i) {
-            const Vec3<S> dx = x[i] - unlimited[i], dv = S(T(1 / dt_)) * dx;
-            x_old[i] += dx, v[i] += dv, v_old[i] += dv;
+    if (iben_) iben_->limit_velocities(n_, T(dt_), x, v);
+    // Runs what moves particles at the end of the step; what it adds to the energy is its work.
+    auto counted = [&](double Work::*kind, auto act) {
+        if (work_.empty()) return act();
+        view.x = x, view.v = v;
+        auto energy = [&] {
+            view.frame = bend ? &work_frame_[k] : nullptr;
+            if (bend) transport_frames(n_, step.frame, turn_left, x, &work_frame_[k]);
+            S sum(0);
+            for (const S& e : energies(terms_, view, scene_.integrator.gravity)) sum += e;
+            return sum;
+        };
+        const S before = energy();
+        act();
+        work_[size_t(block)].*kind += sum_of(block, energy() - before);
+    };
+    if (!work_.empty()) {
+        Work& work = work_[size_t(block)];
+        const Vec3<S>* reaction_before = first ? reaction : &reaction_[size_t(block) * 2];
+        work.roots += sum_of(block, work_of_roots(reaction_before, reaction, now.x, x));
+        std::copy_n(reaction, 2, &reaction_[size_t(block) * 2]);
+        view.x = x, view.v = v;
+        if (bend) {
+            transport_frames(n_, step.frame, turn_left, x, &work_frame_[k]);
+            view.frame = &work_frame_[k];
+            const S torque = root_torque(terms_, view);
+            S& torque_before = torque_[size_t(block)];
+            if (first) torque_before = torque;
+            const S spin = root_spin(root_frame, work_frame_[k]);
+            work.roots += sum_of(block, S(0.5) * (torque_before + torque) * spin);
+            torque_before = torque;
         }
-#pragma omp atomic
-        limited_ += limited;
+        work.terms += sum_of(block, work_of_terms(terms_, view, step.dt, now.x, scratch.force.data()));
+        if (!scratch.hold.empty()) {
+            S sum(0);
+            for (int i = 2; i < n_; ++i)
+                if (any_positive(step.pushed[i])) {
+                    const auto& hold = scratch.hold[size_t(i)];
+                    // The momentum was given over h of the scheme, the way is that of dt.
+                    const S share = S(step.dt) / Bdf2<S>(step.dt, first).h;
+                    sum += share * step.pushed[i] * dot(hold.normal, hold.surface_velocity);
+                }
+            work.solids += sum_of(block, sum);
+        }
     }
-    for (const auto& solid : p.solids)
-        resolve_contact(solid, n_, rest_depth, T(dt_), &mass_[k], step.pushed, x, x_old, v, v_old);
+    if (scene_.integrator.limiter > 0)
+        counted(&Work::limiter, [&] {
+            auto* unlimited = scratch.predicted_x.data();
+            std::copy_n(x, n_, unlimited);
+            const int limited = limit_strain(n_, &rest_length_[k], T(scene_.integrator.limiter), x);
+            for (int i = 2; i < n_; ++i) {
+                const Vec3<S> dx = x[i] - unlimited[i], dv = S(T(1 / dt_)) * dx;
+                x_old[i] += dx, v[i] += dv, v_old[i] += dv;
+            }
+#pragma omp atomic
+            limited_ += limited;
+        });
+    for (const auto& solid : p.solids) {
+        auto resolve = [&] {
+            resolve_contact(solid, n_, rest_depth, T(dt_), &mass_[k], step.pushed, x, x_old, v, v_old);
+        };
+        if (norm(solid.velocity) + norm(solid.spin) > 0)
+            counted(&Work::solids, resolve);
+        else
+            resolve();
+    }
     if (adhesion) update_touching(n_, &phi_[k], T(adhesion->h_a), &touching_[k]);
     if (bend) transport_frames(n_, step.frame, turn_left, x, step.frame);
 }
@@ -366,7 +461,33 @@ void CpuSimulation<T>::move_air() {
     if (scene_.air->two_way) gather_hair_in_air();
     air_->step(dt, time_ + dt, hair_in_air_);
     sample_air();
-    stage_.back() = omp_get_wtime() - begin;
+    stage_[air_stage_] = omp_get_wtime() - begin;
+}
+
+// A compared method's forces at the positions as they are, for the substep that follows.
+template <class T>
+void CpuSimulation<T>::evaluate_forces() {
+    const double begin = omp_get_wtime();
+    bool finite = true;
+    for (int s = 0; s < strands_; ++s)
+        for (int i = 0; i < n_; ++i) {
+            const Vec3<S>& p = x_[at(s / lanes, i)];
+            const int lane = s % lanes;
+            const Vec3d x{double(p.x[lane]), double(p.y[lane]), double(p.z[lane])};
+            finite = finite && std::abs(x.x) + std::abs(x.y) + std::abs(x.z) < 1e6;
+            force_x_[size_t(s) * size_t(n_) + size_t(i)] = x;
+        }
+    // A run that blew up has no neighbours to find; the caller asks `divergence` next.
+    if (!finite) return;
+    forces_->evaluate(force_x_, time_, force_);
+    for (int s = 0; s < strands_; ++s)
+        for (int i = 0; i < n_; ++i) {
+            const Vec3d& f = force_[size_t(s) * size_t(n_) + size_t(i)];
+            Vec3<S>& to = external_[at(s / lanes, i)];
+            const int lane = s % lanes;
+            to.x.set(lane, T(f.x)), to.y.set(lane, T(f.y)), to.z.set(lane, T(f.z));
+        }
+    stage_.back() += omp_get_wtime() - begin;
 }
 
 template <class T>
@@ -375,17 +496,20 @@ void CpuSimulation<T>::advance() {
     const double start = begin;
     std::fill(stage_.begin(), stage_.end(), 0.0);
     if (air_) move_air(), begin = omp_get_wtime();
+    // What answers for all strands at once needs them at the same substep.
+    const bool together = model_ || records_ || forces_;
     std::vector<Placement<T>> path;
     for (int k = 0; k < scene_.integrator.substeps; ++k) {
-        // A network answers for all strands at once.
         if (model_ || records_) evaluate_adhesion();
+        if (forces_) evaluate_forces();
         time_ += dt_;
         path.push_back(placement_at<T>(scene_, time_, dt_));
-        if (!model_ && !records_ && k + 1 < scene_.integrator.substeps) continue;
+        if (!together && k + 1 < scene_.integrator.substeps) continue;
         run(path);
         path.clear();
     }
     stage_[0] = omp_get_wtime() - begin;
+    if (forces_) stage_[0] -= stage_.back();
     display();
     frame_seconds_ = omp_get_wtime() - start;
 }
@@ -422,19 +546,92 @@ std::vector<Pack<T>> CpuSimulation<T>::energy_of(int block) const {
 }
 
 template <class T>
+double CpuSimulation<T>::sum_of(int block, const S& lane_by_lane) const {
+    double sum = 0;
+    for (int lane = 0; lane < lanes && block * lanes + lane < strands_; ++lane)
+        sum += double(lane_by_lane[lane]);
+    return sum;
+}
+
+template <class T>
+std::vector<double> CpuSimulation<T>::energy() const {
+    std::vector<double> sum(energy_kinds.size(), 0);
+    for (int block = 0; block < blocks_; ++block) {
+        const auto e = energy_of(block);
+        for (size_t kind = 0; kind < e.size(); ++kind) sum[kind] += sum_of(block, e[kind]);
+    }
+    return sum;
+}
+
+template <class T>
+void CpuSimulation<T>::count_work() {
+    work_.assign(size_t(blocks_), Work{});
+    reaction_.assign(size_t(blocks_) * 2, {S(0), S(0), S(0)});
+    torque_.assign(size_t(blocks_), S(0));
+    work_frame_.resize(frame_.size());
+}
+
+template <class T>
+Work CpuSimulation<T>::work() const {
+    Work sum;
+    for (const auto& w : work_)
+        sum.roots += w.roots, sum.solids += w.solids, sum.terms += w.terms, sum.limiter += w.limiter;
+    return sum;
+}
+
+// The buffers of a state beside those of the simulation that it is read from, or that takes it.
+template <class Chain, class State, class F>
+void for_each_pair(Chain& chain, State& state, F f) {
+    f(chain.x, state.x), f(chain.x_before, state.x_before), f(chain.v, state.v);
+    f(chain.v_before, state.v_before), f(chain.frame, state.frame);
+    f(chain.touching, state.touching), f(chain.pushed, state.pushed);
+}
+
+template <class S>
+double lane_of(const S& a, int lane) {
+    return double(a[lane]);
+}
+template <class S>
+Vec3d lane_of(const Vec3<S>& a, int lane) {
+    return {lane_of(a.x, lane), lane_of(a.y, lane), lane_of(a.z, lane)};
+}
+template <class S>
+Quatd lane_of(const Quat<S>& a, int lane) {
+    return {lane_of(a.w, lane), lane_of(a.x, lane), lane_of(a.y, lane), lane_of(a.z, lane)};
+}
+
+template <class T>
+SimulationState CpuSimulation<T>::state() const {
+    SimulationState out;
+    out.time = time_, out.first = first_;
+    for_each_pair(state_, out, [&](const auto& from, auto& to) {
+        for (int s = 0; !from.empty() && s < strands_; ++s)
+            for (int i = 0; i < n_; ++i) to.push_back(lane_of(from[at(s / lanes, i)], s % lanes));
+    });
+    return out;
+}
+
+template <class T>
+void CpuSimulation<T>::restore(const SimulationState& from) {
+    time_ = from.time, first_ = from.first;
+    head_ = scene_.motion.at(time_);
+    for_each_pair(state_, from, [&](auto& to, const auto& values) {
+        for (int s = 0; !to.empty() && !values.empty() && s < blocks_ * lanes; ++s)
+            for (int i = 0; i < n_; ++i)
+                ChainState<S>::put(to[at(s / lanes, i)], s % lanes,
+                                   values[size_t(std::min(s, strands_ - 1)) * size_t(n_) + size_t(i)]);
+    });
+    display();
+}
+
+template <class T>
 void CpuSimulation<T>::snapshot(RunFrame& frame) const {
     frame.head = head_;
     unpack(x_, frame.positions);
     frame.displayed = display_ ? displayed_ : Strands();
     frame.seconds = frame_seconds_;
     frame.stage_seconds.assign(stage_.begin(), stage_.end());
-    std::vector<double> sum(energy_kinds.size(), 0);
-    for (int block = 0; block < blocks_; ++block) {
-        const auto e = energy_of(block);
-        for (size_t kind = 0; kind < e.size(); ++kind)
-            for (int lane = 0; lane < lanes && block * lanes + lane < strands_; ++lane)
-                sum[kind] += double(e[kind][lane]);
-    }
+    const auto sum = energy();
     frame.energy.assign(sum.begin(), sum.end());
     frame.contact.clear();
     if (!touching_.empty())
@@ -475,6 +672,8 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
     add("adhesion distance", phi_), add("adhesion normal", normal_);
     add("adhesion surface velocity", surface_velocity_), add("adhesion given", given_),
         add("adhesion answers", answers_);
+    add("baseline forces", external_), add("baseline particles", force_x_), add("baseline answers", force_);
+    if (forces_) out.push_back({"baseline lists", forces_->bytes()});
     if (display_) {
         out.push_back({"cohesion lists", display_->bytes()});
         add("displayed positions", displayed_.points);

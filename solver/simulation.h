@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/run_cache.h"
+#include "solver/passes/work.h"
 #include "solver/scene.h"
 
 namespace wetcurl {
@@ -36,6 +38,16 @@ struct Divergence {
     std::string largest_term;  // the kind of energy that grew most
 };
 
+// All that a simulation goes on from, in double whatever it is kept in; arrays (strand, particle). Another
+// simulation may take it over: one of the same strands with another step, another mass or other terms.
+struct SimulationState {
+    double time = 0;
+    bool first = true;  // no history: the next substep is backward Euler
+    std::vector<Vec3d> x, x_before, v, v_before;
+    std::vector<Quatd> frame;              // last of a strand unused; empty without bend
+    std::vector<double> touching, pushed;  // empty without adhesion, without solids
+};
+
 class Simulation {
   public:
     virtual ~Simulation() = default;
@@ -51,9 +63,24 @@ class Simulation {
     virtual void use_adhesion_model(AdhesionModel* model) = 0;
     // From now on every substep's particles near solids are appended to `records` (null: stop).
     virtual void record_adhesion(std::vector<AdhesionRecord>* records) = 0;
+    // These throw Error where the device does not offer them.
+    virtual SimulationState state() const { return not_here<SimulationState>(); }
+    // What `state` leaves empty, or holds for what this scene does not name, stays as it is.
+    virtual void restore(const SimulationState&) { not_here<int>(); }
+    // From now on the work done on the hair is counted; it costs some time.
+    virtual void count_work() { not_here<int>(); }
+    virtual Work work() const { return not_here<Work>(); }
+    // [J] of each kind, in double.
+    virtual std::vector<double> energy() const { return not_here<std::vector<double>>(); }
 
     std::vector<std::string> energy_kinds;  // columns of RunFrame::energy
     std::vector<std::string> stages;        // columns of RunFrame::stage_seconds
+
+  private:
+    template <class Value>
+    [[noreturn]] static Value not_here() {
+        throw Error("state, energy and work of a simulation are read on the CPU alone");
+    }
 };
 
 // `precision`: "float" or "double". The scene must outlive the simulation.
@@ -69,5 +96,7 @@ Presence presence_of(const Scene& scene);
 // The largest h² k / m of the scene's springs in one substep; above 1e5 a float factorisation is not to be
 // trusted.
 double stiffness_number(const Scene& scene);
+// `precision`, or "double" where a float factorisation of this scene is not to be trusted.
+std::string trusted_precision(const Scene& scene, const std::string& precision);
 
 }  // namespace wetcurl

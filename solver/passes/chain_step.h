@@ -46,7 +46,15 @@ struct BlockStep {
     Quat<Plain<S>> root_turn;  // rotation of the root over the step
     Quat<S>* frame;            // (n-1) or null; the caller carries them on to where the step ends
     S* pushed;  // (n) [kg m/s] by surfaces in the step before, then in this one; null: no solids
+    const Vec3<S>* external = nullptr;  // (n) [N] beside the terms', at the positions now; null: none
+    Vec3<S>* reaction = nullptr;  // (2) [N] that moved particles 0 and 1 as prescribed; null: not asked for
 };
+
+template <class S>
+void add_external_forces(const BlockStep<S>& b, Vec3<S>* force) {
+    if (!b.external) return;
+    for (int i = 0; i < b.n; ++i) force[i] += b.external[i];
+}
 
 // A spring [kg] beside which those that meet at a particle are soft: a hold gives way by a hundredth.
 template <class S>
@@ -151,6 +159,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     }
     const ChainSystem<S> system{h, s.force.data(), s.diagonal.data(), s.upper1.data(), s.upper2.data()};
     for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
+    add_external_forces(b, s.force.data());
 
     // The force's place takes the right side, and then the solution v - v^.
     Vec3<S>* r = s.force.data();
@@ -169,6 +178,18 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         solve_blocks<true>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
     else
         solve_blocks<false>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
+    if (b.reaction) {
+        // What rows 0 and 1 lack: h R = A d - r.
+        const Vec3<S>*d0 = known, *d1 = known + 1;
+        Vec3<S> row[2] = {to_mat3(s.diagonal[0]) * *d0 + s.upper1[0] * *d1,
+                          transposed_times(s.upper1[0], *d0) + to_mat3(s.diagonal[1]) * *d1};
+        if (n > 2) row[1] += s.upper1[1] * r[2];
+        if (penta && n > 2) row[0] += s.upper2[0] * r[2];
+        if (penta && n > 3) row[1] += s.upper2[1] * r[3];
+        for (int i = 0; i < 2; ++i)
+            b.reaction[i] = (S(1) / h) * (row[i] + view.mass[i] * known[i] -
+                                          scheme.right_side(view.mass[i], b.v[i], b.v_before[i], s.force[i]));
+    }
     r[0] = known[0];
     r[1] = known[1];
     for (int i = 0; i < n; ++i) {
@@ -199,9 +220,11 @@ void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     for (int i = 0; i < b.n; ++i) s.force[i] = view.mass[i] * gravity;
     const ChainSystem<S> system{S(b.dt), s.force.data(), nullptr, nullptr, nullptr};
     for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
+    add_external_forces(b, s.force.data());
     for (int i = 0; i < b.n; ++i) {
         const Vec3<S> v =
             i < 2 ? S(1 / b.dt) * (b.root[i] - b.x[i]) : b.v[i] + (S(b.dt) / view.mass[i]) * s.force[i];
+        if (b.reaction && i < 2) b.reaction[i] = (view.mass[i] * S(1 / b.dt)) * (v - b.v[i]) - s.force[i];
         b.v_before[i] = v;
         b.x_before[i] = i < 2 ? b.root[i] : b.x[i] + S(b.dt) * v;
     }

@@ -1,0 +1,135 @@
+// `wetcurl stability`: the battery S1-S9 on every way of stepping, as a table and as JSON.
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "app/commands.h"
+#include "app/results.h"
+#include "base/interrupt.h"
+#include "base/progress.h"
+#include "solver/stability/battery.h"
+
+namespace wetcurl {
+
+namespace {
+
+std::vector<StabilityMethod> chosen(const std::vector<std::string>& names) {
+    std::vector<std::string> known;
+    for (const auto& m : stability_methods())
+        if (std::find(known.begin(), known.end(), m.name) == known.end()) known.push_back(m.name);
+    for (const auto& name : names)
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw Misuse(fmt::format("--method: found '{}', allowed: {}{}", name, fmt::join(known, ", "),
+                                     did_you_mean(name, known)));
+    std::vector<StabilityMethod> out;
+    for (const auto& m : stability_methods())
+        if (names.empty() || std::find(names.begin(), names.end(), m.name) != names.end()) out.push_back(m);
+    return out;
+}
+
+// JSON has no infinity and no NaN.
+Json number(double a) { return std::isfinite(a) ? Json(a) : Json(nullptr); }
+Json figures(const Figures& all) {
+    Json json = Json::object();
+    for (const auto& [name, value] : all) json[name] = number(value);
+    return json;
+}
+Json json_of(const StabilityCase& c) {
+    Json parameters{{"case", c.what}};
+    parameters.update(figures(c.parameters));
+    return {{"id", c.id},
+            {"method", c.method->name},
+            {"integrator", c.method->integrator},
+            {"parameters", parameters},
+            {"finite", c.finite},
+            {"gain", number(c.gain)},
+            {"energy_ratio", number(c.energy_ratio)},
+            {"kinetic_ratio", number(c.kinetic_ratio)},
+            {"rest_error", number(c.rest_error)},
+            {"measured", figures(c.measured)},
+            {"passed", c.passed}};
+}
+
+std::string cell(double a) { return std::isnan(a) ? "-" : fmt::format("{:.2g}", a); }
+std::string words(const Figures& all) {
+    std::string text;
+    for (const auto& [name, value] : all)
+        text += fmt::format("{}{} {:.3g}", text.empty() ? "" : ", ", name, value);
+    return text;
+}
+void print_row(const StabilityCase& c) {
+    fmt::print("{:4} {:8} {:16} {:6} {:6} {:>8} {:>8} {:>8} {:>8}  {} ({}){}\n", c.id, c.method->name,
+               c.method->integrator, c.passed ? "passed" : "FAILED", c.finite ? "finite" : "NaN",
+               cell(c.gain), cell(c.energy_ratio), cell(c.kinetic_ratio), cell(c.rest_error), c.what,
+               words(c.parameters), c.measured.empty() ? "" : "; " + words(c.measured));
+}
+
+}  // namespace
+
+int stability_command(const StabilityCommandOptions& o) {
+    refuse_device(o, "stability");
+    if (o.scene.empty()) refuse_scene_options(o, "stability without a scene");
+    check_files(o, "", {o.scene});
+    const auto methods = chosen(o.methods);
+    StabilityOptions options;
+    options.quick = o.quick, options.scene = o.scene, options.set = o.set, options.only = o.only;
+    if (o.seed) options.set.push_back(fmt::format("seed={}", *o.seed));
+
+    std::vector<StabilityJob> jobs;
+    for (const auto& m : methods)
+        for (auto& job : stability_jobs(m, options)) jobs.push_back(job);
+    std::vector<std::vector<StabilityCase>> results(jobs.size());
+    InterruptGuard guard;
+    Progress progress("stability", long(jobs.size()), "group");
+    std::exception_ptr error;
+    long done = 0;
+    // Groups side by side: a strand is too little for two threads.
+#pragma omp parallel for schedule(dynamic)
+    for (size_t k = 0; k < jobs.size(); ++k) {
+        if (guard.asked()) continue;
+        std::exception_ptr mine;
+        try {
+            results[k] = jobs[k].run();
+        } catch (...) {
+            mine = std::current_exception();
+        }
+#pragma omp critical
+        {
+            if (mine) error = mine;
+            progress.update(++done);
+        }
+    }
+    if (error) std::rethrow_exception(error);
+    if (guard.asked()) throw Interrupted("interrupted: the battery is judged whole, nothing is kept");
+
+    Json json{{"cases", Json::array()}, {"summary", Json::object()}};
+    bool ours_passed = true;
+    if (o.json != "-")
+        fmt::print("{:4} {:8} {:16} {:6} {:6} {:>8} {:>8} {:>8} {:>8}  case\n", "id", "method", "integrator",
+                   "", "", "gain", "energy", "kinetic", "rest");
+    for (const auto& group : results)
+        for (const auto& c : group) {
+            json["cases"].push_back(json_of(c));
+            Json& sum = json["summary"][c.method->name];
+            if (sum.is_null()) sum = {{"passed", 0}, {"failed", 0}};
+            Json& count = sum[c.passed ? "passed" : "failed"];
+            count = count.get<int>() + 1;
+            if (c.method->name == "ours") ours_passed = ours_passed && c.passed;
+            if (o.json != "-") print_row(c);
+        }
+    if (o.json != "-")
+        for (const auto& [name, sum] : json["summary"].items())
+            fmt::print("{}: {} passed, {} failed\n", name, sum["passed"].get<int>(),
+                       sum["failed"].get<int>());
+    write_json(json, o.json);
+    return ours_passed ? 0 : 1;
+}
+
+}  // namespace wetcurl

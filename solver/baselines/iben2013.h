@@ -1,0 +1,35 @@
+// Curly hair as published: printed stretch, bend and core, explicit steps, no dynamic stiffness.
+// Iben 2013 as the paper prints it, Eq 1-5, with Selle 2008's limits: on the strain of an edge ([integrator]
+// limiter) and, here, on the velocity along it. A preset: it has no force of its own.
+#pragma once
+
+#include "base/parameters.h"
+#include "base/vec3.h"
+
+namespace wetcurl {
+
+struct Scene;
+
+struct Iben2013 {
+    static constexpr const char *name = "iben", *table = "baseline";
+    double dv_max;
+    static constexpr Parameter<Iben2013> parameters[] = {
+        {"velocity_limit", &Iben2013::dv_max, "m/s", 1, 1e-6, 1e9,
+         "iben: the paper's text under Eq 1: largest |v_(i+1) - v_i| along an edge"},
+    };
+
+    // Root to tip: a particle whose velocity differs by more from the one before it is slowed, and moved as
+    // its step of dt would have been.
+    template <class S>
+    void limit_velocities(int n, Plain<S> dt, Vec3<S>* x, Vec3<S>* v) const {
+        for (int i = 1; i + 1 < n; ++i) {
+            const Vec3<S> dv = v[i + 1] - v[i];
+            const S speed = norm(dv), kept = minimum(S(1), S(dv_max) / maximum(speed, S(tiny_length<S>)));
+            const Vec3<S> change = (kept - S(1)) * dv;
+            v[i + 1] += change;
+            x[i + 1] += S(dt) * change;
+        }
+    }
+};
+
+}  // namespace wetcurl

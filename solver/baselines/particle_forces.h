@@ -1,0 +1,70 @@
+// What a compared method adds to the dynamics: a force on every particle, explicit, once a substep. Ours.
+#pragma once
+
+#include <bit>
+#include <memory>
+#include <vector>
+
+#include "base/geometry/neighbor_list.h"
+#include "solver/scene.h"
+
+namespace wetcurl {
+
+class ParticleForces {
+  public:
+    virtual ~ParticleForces() = default;
+    // x (strand, particle) [m] at `time` [s], when a substep begins -> force (strand, particle) [N].
+    virtual void evaluate(const std::vector<Vec3d>& x, double time, std::vector<Vec3d>& force) = 0;
+    virtual double neighbours_mean() const = 0;  // of the last call
+    virtual size_t bytes() const = 0;
+};
+
+// Of the method that the scene names; null where it names none, or one that has no force of its own.
+// The scene must outlive it.
+std::unique_ptr<ParticleForces> make_particle_forces(const Scene& scene);
+
+// m (strand, particle) [kg], water included.
+std::vector<double> particle_masses(const Scene& scene);
+
+// Pairs of wet particles on different strands, found anew each substep.
+class StrandPairs {
+  public:
+    StrandPairs(const Scene& scene, double radius);
+    void find(const std::vector<Vec3d>& x);
+
+    // Calls visit(i, j), j within the radius on another strand, both wet: all j of an i by one thread.
+    // `begin(i)` comes before and `end(i)` after them, for every wet i.
+    template <class Begin, class Visit, class End>
+    void for_each(Begin begin, Visit visit, End end) const {
+        const long count = long(grid_.size());
+#pragma omp parallel for schedule(dynamic, 256)
+        for (long k = 0; k < count; ++k) {
+            if (!(wet_[size_t(k)] > 0)) continue;
+            const size_t i = grid_.order()[size_t(k)];
+            begin(i);
+            list_.visit_runs(size_t(k), [&](uint32_t first, uint32_t bits) {
+                for (; bits; bits &= bits - 1) {
+                    const uint32_t other = first + uint32_t(std::countr_zero(bits));
+                    if (wet_[other] > 0) visit(i, size_t(grid_.order()[other]));
+                }
+            });
+            end(i);
+        }
+    }
+    double saturation(size_t i) const { return double(saturation_[i]); }
+    double neighbours_mean() const { return list_.neighbours_mean(); }
+    size_t bytes() const;
+
+  private:
+    const std::vector<float>& saturation_;
+    const int particles_;
+    const float radius_;
+    NeighborGrid grid_;
+    NeighborList list_;
+    std::vector<Vec3f> near_;  // x in the precision of the search
+    // In the grid's order, a vector longer than there are points.
+    std::vector<uint32_t> strand_;
+    std::vector<float> wet_;
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,170 @@
+// One strand in double precision with all that the terms along it read, and its forces and matrix as Eigen
+// takes them: what the battery of stability and the tests look into a strand with. Ours.
+#pragma once
+
+#include <cmath>
+#include <Eigen/Dense>
+#include <numbers>
+#include <vector>
+
+#include "base/geometry/filter.h"
+#include "solver/passes/chain_step.h"
+#include "solver/rest_state.h"
+#include "solver/terms/curl.h"
+
+namespace wetcurl {
+
+using Points = std::vector<Vec3d>;
+
+inline Points straight_points(int n, double length, const Vec3d& direction) {
+    Points p;
+    for (int i = 0; i < n; ++i) p.push_back((length * i / (n - 1)) * direction);
+    return p;
+}
+
+// A helix about y, `length` along the curve [m], from the origin down.
+inline Points helix_points(int n, double length, double radius, double pitch) {
+    const double rise = pitch / (2 * std::numbers::pi), total = length / std::hypot(radius, rise);
+    Points p;
+    for (int i = 0; i < n; ++i) {
+        const double t = total * i / (n - 1);
+        p.push_back({radius * (std::cos(t) - 1), -rise * t, radius * std::sin(t)});
+    }
+    return p;
+}
+
+inline double mean_length(const std::vector<double>& lengths) {
+    double sum = 0;
+    for (double l : lengths) sum += l;
+    return sum / double(lengths.size());
+}
+
+// At rest in the shape it is made from: every array that a term may read is there.
+struct OneStrand {
+    int n;
+    Points x, v, target, push, normal, surface_velocity, core_pull;
+    std::vector<double> mass, rest_length, rest_core, saturation, phi, touching;
+    std::vector<Quatd> frame;
+    Vec3d turn{0, 0, 0}, turn_center{0, 0, 0}, drift{0, 0, 0};
+
+    OneStrand(const Points& shape, double linear_density = 6.5e-6)
+        : n(int(shape.size())),
+          x(shape),
+          v(shape.size(), Vec3d{0, 0, 0}),
+          target(intrinsic_shape(shape)),
+          push(shape.size(), Vec3d{0, 0, 0}),
+          normal(shape.size(), Vec3d{0, 1, 0}),
+          surface_velocity(shape.size(), Vec3d{0, 0, 0}),
+          core_pull(2 * shape.size()),
+          mass(shape.size(), 0.0),
+          saturation(shape.size(), 0.0),
+          phi(shape.size(), 1.0),
+          touching(shape.size(), 0.0),
+          frame(frames_along(shape)) {
+        for (size_t i = 0; i + 1 < x.size(); ++i) {
+            rest_length.push_back(norm(x[i + 1] - x[i]));
+            mass[i] += 0.5 * linear_density * rest_length[i];
+            mass[i + 1] += 0.5 * linear_density * rest_length[i];
+        }
+    }
+    double segment() const { return mean_length(rest_length); }
+
+    // The smoothed rest lengths that a core of this filter keeps, at the present positions.
+    void rest_on(const Core& core) {
+        rest_core.assign(size_t(n) - 1, 0.0);
+        smooth_edges<double>(
+            n - 1, core.beta, [&](int i) { return x[size_t(i) + 1] - x[size_t(i)]; },
+            [&](int i, const Vec3d& b) { rest_core[size_t(i)] = norm(b); });
+    }
+
+    ChainView<double> view() { return view_at(x, frame); }
+    ChainView<double> view_at(const Points& at, const std::vector<Quatd>& frames) {
+        ChainView<double> c{};
+        c.n = n;
+        c.x = at.data();
+        c.v = v.data();
+        c.mass = mass.data();
+        c.rest_length = rest_length.data();
+        c.target = target.data();
+        c.frame = frames.data();
+        c.rest_core = rest_core.data();
+        c.saturation = saturation.data();
+        c.push = push.data();
+        c.phi = phi.data();
+        c.normal = normal.data();
+        c.surface_velocity = surface_velocity.data();
+        c.touching = touching.data();
+        c.turn = turn;
+        c.turn_center = turn_center;
+        c.drift = drift;
+        c.chord = at.back() - at.front();
+        c.core_pull = core_pull.data();
+        return c;
+    }
+    // Frames of this strand carried on to other positions.
+    std::vector<Quatd> frames_at(const Points& at) const {
+        std::vector<Quatd> to(frame.size());
+        transport_frames(n, frame.data(), Quatd::identity(), at.data(), to.data());
+        return to;
+    }
+};
+
+// What a term adds: force (3n) and K = h C + h² H (3n x 3n).
+struct Assembled {
+    Eigen::VectorXd force;
+    Eigen::MatrixXd matrix;
+};
+
+inline Eigen::VectorXd stacked(const Points& p) {
+    Eigen::VectorXd out(3 * long(p.size()));
+    for (size_t i = 0; i < p.size(); ++i) out.segment<3>(3 * long(i)) << p[i].x, p[i].y, p[i].z;
+    return out;
+}
+inline Points unstacked(const Eigen::VectorXd& a) {
+    Points out;
+    for (long i = 0; i < a.size(); i += 3) out.push_back({a[i], a[i + 1], a[i + 2]});
+    return out;
+}
+inline Eigen::Matrix3d eigen(const Mat3<double>& m) {
+    Eigen::Matrix3d out;
+    out << m.r0.x, m.r0.y, m.r0.z, m.r1.x, m.r1.y, m.r1.z, m.r2.x, m.r2.y, m.r2.z;
+    return out;
+}
+
+// The upper half of a block-banded symmetric matrix, whole.
+inline Eigen::MatrixXd whole(const std::vector<Sym3<double>>& diagonal,
+                             const std::vector<Mat3<double>>& upper1,
+                             const std::vector<Mat3<double>>& upper2) {
+    const long n = long(diagonal.size());
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+    auto put = [&](long i, long j, const Mat3<double>& m) {
+        out.block<3, 3>(3 * i, 3 * j) = eigen(m);
+        if (i != j) out.block<3, 3>(3 * j, 3 * i) = eigen(m).transpose();
+    };
+    for (long i = 0; i < n; ++i) {
+        put(i, i, to_mat3(diagonal[size_t(i)]));
+        if (i + 1 < n) put(i, i + 1, upper1[size_t(i)]);
+        if (i + 2 < n) put(i, i + 2, upper2[size_t(i)]);
+    }
+    return out;
+}
+
+template <class Term>
+Assembled assembled(const Term& term, const ChainView<double>& c, double h) {
+    const size_t n = size_t(c.n);
+    const Sym3<double> none = identity_times(0.0);
+    Points force(n, Vec3d{0, 0, 0});
+    std::vector<Sym3<double>> diagonal(n, none);
+    std::vector<Mat3<double>> upper1(n, to_mat3(none)), upper2(n, to_mat3(none));
+    assemble(term, c, ChainSystem<double>{h, force.data(), diagonal.data(), upper1.data(), upper2.data()});
+    return {stacked(force), whole(diagonal, upper1, upper2)};
+}
+
+template <class Term>
+Eigen::VectorXd force_of(const Term& term, const ChainView<double>& c) {
+    Points force(size_t(c.n), Vec3d{0, 0, 0});
+    assemble(term, c, ChainSystem<double>{0, force.data(), nullptr, nullptr, nullptr});
+    return stacked(force);
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,695 @@
+// The cases S1 to S9.
+#include "solver/stability/battery.h"
+
+#include <algorithm>
+#include <array>
+#include <Eigen/Eigenvalues>
+#include <random>
+
+#include "solver/stability/trial.h"
+
+namespace wetcurl {
+
+const std::vector<StabilityMethod>& stability_methods() {
+    static const std::vector<std::string> printed{"integrator.kind='explicit'", "bend.form='printed'",
+                                                  "core.form='printed'"};
+    static const std::vector<StabilityMethod> methods{
+        {"ours", "implicit double", "double", {}, 2, {}, {}},
+        {"ours", "implicit float", "float", {}, 2, {}, {}},
+        {"printed", "explicit double", "double", printed, 1, {}, {}},
+    };
+    return methods;
+}
+
+namespace {
+
+using Cases = std::vector<StabilityCase>;
+constexpr double dt_usual = 1.0 / 240, length = 0.25;
+constexpr int particles = 50;
+const Vec3d down{0, -9.81, 0}, weightless{0, 0, 0};
+
+const Points straight = straight_points(particles, length, {0, -1, 0});
+const Points curly = helix_points(particles, length, 0.006, 0.025);
+
+// What all groups of cases know.
+struct Battery {
+    const StabilityMethod& method;
+    StabilityOptions options;
+
+    StabilityCase named(const char* id, const std::string& what, Figures parameters) const {
+        StabilityCase c;
+        c.id = id, c.what = what, c.method = &method, c.parameters = std::move(parameters);
+        return c;
+    }
+    std::vector<double> some(std::vector<double> all, std::vector<double> few) const {
+        return options.quick ? few : all;
+    }
+};
+
+// --- S1
+
+StabilityCase noise_at_rest(const Battery& b, double k_over_m, double dt) {
+    StabilityCase c =
+        b.named("S1", "noise at rest, straight and curly", {{"k_over_m", k_over_m}, {"dt", dt}});
+    StrandSetup setup{{straight, curly}, k_over_m, dt, 0, weightless, 0, "", {}};
+    Trial trial(b.method, scene_of(setup, b.method));
+    const double noise = (b.method.precision == "double" ? 1e-6 : 1e-3) * length / (particles - 1);
+    SimulationState s = trial.simulation().state();
+    const auto rest = s.x;
+    add_noise(s, particles, noise, 4);
+    trial.set(s);
+    c.gain = 0;
+    for (long k = std::lround(10 / dt); k > 0 && trial.finite && c.gain < 1e6; --k) {
+        trial.advance();
+        c.gain = std::max(c.gain, farthest(trial.simulation().state().x, rest) / noise);
+    }
+    trial.report(c);
+    c.passed = c.finite && c.gain <= 100;
+    return c;
+}
+
+// --- S2
+
+constexpr double energy_bound = 1e-3;
+void judge_energy(StabilityCase& c, const Trial& trial) {
+    trial.report(c);
+    c.passed = c.finite && c.energy_ratio <= energy_bound;
+}
+
+StabilityCase energy_of(const Battery& b, const std::string& what, StrandSetup setup, double angle,
+                        double seconds) {
+    StabilityCase c =
+        b.named("S2", what, {{"k_over_m", setup.k_over_m}, {"dt", setup.dt}, {"limiter", setup.limiter}});
+    Trial trial(b.method, scene_of(setup, b.method));
+    if (angle > 0) {
+        SimulationState s = trial.simulation().state();
+        sway(s, particles, angle);
+        trial.set(s);
+    }
+    trial.advance_for(seconds);
+    judge_energy(c, trial);
+    return c;
+}
+
+const char* const shaken = "[motion]\nangle = 40\naxis = [0, 0, 1]\nshift = [0.02, 0.03, 0]\nperiod = 0.5\n";
+const char* const still_ball =
+    "[[solid]]\nradius = 0.05\nfriction = 0\n[[solid.motion.keyframe]]\ntranslation = [0.0, -0.25, 0.02]\n";
+const char* const moving_ball =
+    "[[solid]]\nradius = 0.05\n[[solid.motion.keyframe]]\ntime = 0.1\ntranslation = [0.2, -0.2, 0.01]\n"
+    "[[solid.motion.keyframe]]\ntime = 1.1\ntranslation = [-0.2, -0.2, 0.01]\n";
+
+StabilityCase energy_of_wetting(const Battery& b, double k_over_m) {
+    StabilityCase c =
+        b.named("S2", "wetted and dried in a swing", {{"k_over_m", k_over_m}, {"dt", dt_usual}});
+    StrandSetup dry{{straight, curly}, k_over_m, dt_usual, 0, down, 0, "", {}}, wet = dry;
+    wet.more = "[wetness]\nabsorbed = 1\n";
+    Trial trial(b.method, scene_of(dry, b.method));
+    SimulationState s = trial.simulation().state();
+    sway(s, particles, 0.5);
+    trial.set(s);
+    for (const auto* next : {&wet, &dry, &wet}) {
+        trial.advance_for(0.3);
+        trial.go_on_in(scene_of(*next, b.method));
+    }
+    trial.advance_for(0.5);
+    judge_energy(c, trial);
+    return c;
+}
+
+Cases energies_of(const Battery& b, double k_over_m) {
+    Cases out;
+    const double seconds = b.options.quick ? 1 : 4;
+    for (double limiter : {0.0, 0.1}) {
+        const StrandSetup free{{straight, curly}, k_over_m, dt_usual, limiter, weightless, 0, "", {}};
+        StrandSetup hanging = free;
+        hanging.gravity = down;
+        out.push_back(energy_of(b, "small sway", free, 0.03, seconds));
+        out.push_back(energy_of(b, "large sway", free, 1.5, seconds));
+        out.push_back(energy_of(b, "fall", hanging, 0, seconds));
+        hanging.more = shaken;
+        out.push_back(energy_of(b, "shaken root", hanging, 0, seconds));
+        hanging.more = still_ball;
+        out.push_back(energy_of(b, "swing against a still ball", hanging, 1.0, seconds));
+        hanging.more = moving_ball;
+        out.push_back(energy_of(b, "swept by a ball", hanging, 0, seconds));
+    }
+    out.push_back(energy_of_wetting(b, k_over_m));
+    return out;
+}
+
+// --- S3
+
+struct Jacobian {
+    double asymmetry, lowest;  // over the largest entry, the largest eigenvalue
+};
+Jacobian looked_at(const Eigen::MatrixXd& m) {
+    const Eigen::MatrixXd symmetric = 0.5 * (m + m.transpose());
+    const Eigen::VectorXd e =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+    return {(m - m.transpose()).cwiseAbs().maxCoeff() / m.cwiseAbs().maxCoeff(),
+            e.minCoeff() / e.cwiseAbs().maxCoeff()};
+}
+
+// Forces of all terms at positions `at`, frames carried there, and the matrix where asked for.
+Assembled assembled_by(const Battery& b, const ChainTerms& terms, OneStrand& s, const Points& at, double h,
+                       bool with_matrix) {
+    const size_t n = size_t(s.n);
+    const auto frames = s.frames_at(at);
+    const ChainView<double> view = s.view_at(at, frames);
+    Points force(n, Vec3d{0, 0, 0});
+    const Sym3<double> none = identity_times(0.0);
+    std::vector<Sym3<double>> diagonal(n, none);
+    std::vector<Mat3<double>> upper1(n, to_mat3(none)), upper2(n, to_mat3(none));
+    const ChainSystem<double> system{h, force.data(), with_matrix ? diagonal.data() : nullptr, upper1.data(),
+                                     upper2.data()};
+    if (b.method.assemble)
+        b.method.assemble(terms, view, system);
+    else
+        for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
+    return {stacked(force), with_matrix ? whole(diagonal, upper1, upper2) : Eigen::MatrixXd()};
+}
+
+Cases jacobians(const Battery& b, double k_over_m) {
+    Cases out;
+    for (bool curl : {false, true}) {
+        const Points& shape = curl ? curly : straight;
+        const std::string of = curl ? ", curly" : ", straight";
+        const Scene scene =
+            scene_of(StrandSetup{{shape}, k_over_m, dt_usual, 0, weightless, 0, "", {}}, b.method);
+        OneStrand s(shape, scene.linear_density);
+        const auto& core = *scene.term<Core>();
+        s.rest_on(core);
+
+        // Central differences of the forces: those of springs at rest bend over a segment.
+        const long size = 3 * s.n;
+        const double step = 1e-5 * s.segment();
+        Eigen::MatrixXd k(size, size);
+        for (long column = 0; column < size; ++column) {
+            Eigen::VectorXd at = stacked(s.x);
+            Eigen::VectorXd difference = Eigen::VectorXd::Zero(size);
+            for (double side : {1.0, -1.0}) {
+                at[column] += side * step;
+                difference += side * assembled_by(b, scene.chain, s, unstacked(at), 0, false).force;
+                at[column] -= side * step;
+            }
+            k.col(column) = -difference / (2 * step);
+        }
+        StabilityCase c = b.named("S3", "force differenced at rest" + of, {{"k_over_m", k_over_m}});
+        Jacobian j = looked_at(k);
+        c.finite = k.allFinite();
+        c.measured = {{"asymmetry", j.asymmetry}, {"lowest_eigenvalue", j.lowest}};
+        c.passed = c.finite && j.asymmetry <= 1e-6 && j.lowest >= -1e-6;
+        out.push_back(c);
+        if (scene.integrator.kind != "implicit") continue;
+
+        // Symmetric by the way it is kept, upper half alone; positive it need not be.
+        c = b.named("S3", "assembled matrix" + of, {{"k_over_m", k_over_m}});
+        std::mt19937 random(7);
+        double lowest = 1, asymmetry = 0;
+        for (int state = 0; state < 5; ++state) {
+            Points at = s.x;
+            for (size_t i = 2; i < at.size(); ++i)
+                for (double* x : {&at[i].x, &at[i].y, &at[i].z})
+                    *x += s.segment() * (2.0 * random() / 4294967295.0 - 1);
+            const auto a = assembled_by(b, scene.chain, s, at, dt_usual, true);
+            j = looked_at(a.matrix);
+            c.finite = c.finite && a.matrix.allFinite();
+            lowest = std::min(lowest, j.lowest), asymmetry = std::max(asymmetry, j.asymmetry);
+        }
+        c.measured = {{"asymmetry", asymmetry}, {"lowest_eigenvalue", lowest}};
+        c.passed = c.finite && asymmetry <= 1e-6 && lowest >= -1e-6;
+        out.push_back(c);
+
+        // An underestimated Hessian lets a strand swing up; at rest it must be the forces' own, or above.
+        c = b.named("S3", "matrix above the force's" + of, {{"k_over_m", k_over_m}});
+        const double h = 1;
+        const Eigen::MatrixXd own = assembled_by(b, scene.chain, s, s.x, h, true).matrix;
+        const Eigen::MatrixXd above = own - 0.5 * (k + k.transpose());
+        const Eigen::VectorXd e =
+            Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
+                Eigen::MatrixXd(above.bottomRightCorner(size - 6, size - 6)), Eigen::EigenvaluesOnly)
+                .eigenvalues();
+        lowest = e.minCoeff() / own.cwiseAbs().maxCoeff();
+        c.finite = above.allFinite();
+        c.measured = {{"lowest_eigenvalue", lowest}};
+        c.passed = c.finite && lowest >= -1e-6;
+        out.push_back(c);
+    }
+    return out;
+}
+
+// --- S4
+
+// The hanging chain: edge i of a straight strand extended by s_i, where stretch, bend and core (of the same
+// k) carry the weight w_i below it: 2 k s + k D^T D s = w with the core's filter D. Edge 0 is the root's.
+Points hanging(const Scene& scene) {
+    const int edges = particles - 1;
+    const StrandRest rest = rest_state_of(scene, 0);
+    const double k_s = scene.term<Stretch>()->k_s, k_b = scene.term<Bend>()->k_b;
+    const Core& core = *scene.term<Core>();
+    Eigen::MatrixXd d(edges, edges);
+    for (int column = 0; column < edges; ++column)
+        smooth_edges<double>(
+            edges, core.beta,
+            [&](int i) {
+                return Vec3d{i == column ? 1.0 : 0.0, 0, 0};
+            },
+            [&](int i, const Vec3d& v) { d(i, column) = v.x; });
+    // As printed the core's force is on its own edge alone.
+    Eigen::MatrixXd k = core.k_c * (core.printed ? d : Eigen::MatrixXd(d.transpose() * d));
+    k += (k_s + k_b) * Eigen::MatrixXd::Identity(edges, edges);
+    Eigen::VectorXd w = Eigen::VectorXd::Zero(edges);
+    double below = 0;
+    for (int i = edges - 1; i >= 1; --i) w[i] = (below += rest.mass[size_t(i) + 1]) * 9.81;
+    const Eigen::VectorXd s = k.bottomRightCorner(edges - 1, edges - 1).ldlt().solve(w.tail(edges - 1));
+    Points p{rest.start[0], rest.start[1]};
+    for (int i = 1; i < edges; ++i) {
+        double extension = s[i - 1];
+        const double l = rest.rest_length[size_t(i)];
+        if (scene.integrator.limiter > 0) extension = std::min(extension, scene.integrator.limiter * l);
+        p.push_back(p.back() + Vec3d{0, -(l + extension), 0});
+    }
+    return p;
+}
+
+// Slowest swing along the strand [rad/s]: a rod of N masses held by two springs of k each.
+double slowest(double k_over_m) { return 0.5 * std::numbers::pi / particles * std::sqrt(2 * k_over_m); }
+
+double converged_kinetic(double k_over_m, double seconds) {
+    const StabilityMethod ours{"ours", "implicit double", "double", {}, 2, {}, {}};
+    Trial trial(ours, scene_of(StrandSetup{{straight}, k_over_m, 1.0 / 9600, 0, down, 0, "", {}}, ours));
+    trial.advance_for(seconds);
+    return trial.most_kinetic;
+}
+
+Cases stiffness_by_step(const Battery& b, double k_over_m) {
+    Cases out;
+    const double swing = std::clamp(std::numbers::pi / slowest(k_over_m), 1.0, 10.0);
+    const double reference = k_over_m < 1e5 ? converged_kinetic(k_over_m, swing) : 0;
+    for (double dt : b.some({1.0 / 24, 1.0 / 240, 1.0 / 2400}, {1.0 / 24, 1.0 / 240}))
+        for (double limiter : {0.0, 0.1}) {
+            StabilityCase c =
+                b.named("S4", "released to hang", {{"k_over_m", k_over_m}, {"dt", dt}, {"limiter", limiter}});
+            StrandSetup setup{{straight}, k_over_m, dt, limiter, down, 0, "", {}};
+            Trial falling(b.method, scene_of(setup, b.method));
+            falling.advance_for(swing);
+            falling.report(c);
+            const double allowed = reference > 0 ? 1.1 * reference : 20 * falling.weight_length();
+            c.kinetic_ratio = falling.finite ? falling.most_kinetic / allowed : unbounded;
+            c.measured.push_back({"kinetic_over_weight", falling.most_kinetic / falling.weight_length()});
+
+            // Critically damped, as far as the explicit scheme can take it.
+            setup.drag = std::min(2 * slowest(k_over_m), 20.0);
+            Trial settling(b.method, scene_of(setup, b.method));
+            settling.advance_for(std::max(12 / slowest(k_over_m), 1.5));
+            c.finite = c.finite && settling.finite;
+            c.rest_error = farthest(settling.simulation().state().x, hanging(settling.scene())) / length;
+            c.passed = c.finite && c.kinetic_ratio <= 1 && c.rest_error < 0.01;
+            out.push_back(c);
+        }
+    return out;
+}
+
+// --- S5
+
+// Scenes one after the other, then rest.
+struct Ordeal {
+    std::string what;
+    std::vector<StrandSetup> scenes;
+    std::vector<double> seconds;
+    std::function<void(SimulationState&)> disturb;  // at the start; may be empty
+    // The first frame is the ordeal: a solid throws out what was drawn into it, and that bends the strand.
+    bool after_first_frame = false;
+};
+
+// Stated, with no scheme in mind: what an ordeal may leave unaccounted for is less than what it put in.
+constexpr double ordeal_bound = 1, settled_bound = 1e-4;
+
+StabilityCase stood(const Battery& b, const Ordeal& o) {
+    const StrandSetup& first = o.scenes.front();
+    StabilityCase c =
+        b.named("S5", o.what, {{"k_over_m", first.k_over_m}, {"dt", first.dt}, {"limiter", first.limiter}});
+    Trial trial(b.method, scene_of(first, b.method));
+    if (o.disturb) {
+        SimulationState s = trial.simulation().state();
+        o.disturb(s);
+        trial.set(s);
+    }
+    if (o.after_first_frame) {
+        trial.advance();
+        trial.set(trial.simulation().state());
+    }
+    for (size_t k = 0; k < o.scenes.size(); ++k) {
+        if (k > 0) trial.go_on_in(scene_of(o.scenes[k], b.method));
+        trial.advance_for(o.seconds[k]);
+    }
+    trial.report(c);
+    c.kinetic_ratio = trial.finite ? trial.kinetic / trial.weight_length() : unbounded;
+    c.measured.push_back({"most_kinetic_over_weight", trial.most_kinetic / trial.weight_length()});
+    c.passed = c.finite && c.energy_ratio <= ordeal_bound && c.kinetic_ratio <= settled_bound;
+    return c;
+}
+
+Cases ordeals(const Battery& b, double k_over_m, double limiter) {
+    const double settle = 3;
+    const StrandSetup base{{straight, curly}, k_over_m, dt_usual, limiter, down, 20, "", {}};
+    std::vector<Ordeal> all;
+    auto add = [&](const std::string& what, auto change, std::function<void(SimulationState&)> disturb = {}) {
+        StrandSetup setup = base;
+        change(setup);
+        all.push_back({what, {setup}, {settle}, disturb});
+    };
+    add("root turned by 180 degrees in a frame", [](StrandSetup& s) {
+        s.more =
+            "[motion]\n[[motion.keyframe]]\ntime = 0.1\n[[motion.keyframe]]\ntime = 0.141667\nrotation = "
+            "[0, 180, 0]\n";
+    });
+    add("10 g", [](StrandSetup& s) { s.gravity = 10 * down; });
+    add(
+        "zero-length edge", [](StrandSetup&) {},
+        [](SimulationState& s) {
+            s.x[10] = s.x[9];
+            carry_frames(s, particles);
+        });
+    add("coincident strands", [](StrandSetup& s) {
+        s.shapes = {curly, curly};
+        s.more = "[wetness]\n[cohesion]\nradius = 0.01\n";
+    });
+    add("tip inside a solid", [](StrandSetup& s) {
+        s.more = "[[solid]]\nradius = 0.05\n[[solid.motion.keyframe]]\ntranslation = [0.01, -0.22, 0.0]\n";
+    });
+    all.back().after_first_frame = true;
+    add("two particles", [](StrandSetup& s) {
+        s.shapes = {straight_points(2, 0.01, {0, -1, 0}), straight_points(2, 0.01, {1, 0, 0})};
+    });
+    add("curl radius of 2 mm", [](StrandSetup& s) { s.shapes = {helix_points(200, length, 0.002, 0.005)}; });
+    StrandSetup wet = base;
+    wet.more = "[wetness]\nabsorbed = 1\n[curl]\n";
+    all.push_back({"dry, wet and dry in a step", {base, wet, base}, {0.5, 0.5, settle}, {}});
+    // Segments a thousand times shorter above long ones, wet at the tip: masses from 1 to 1e4.
+    add("mass ratio of 1e4", [](StrandSetup& s) {
+        Points p = straight_points(particles / 2, 2.4e-4 * length, {0, -1, 0});
+        while (p.size() < size_t(particles)) p.push_back(p.back() + Vec3d{0, -0.01, 0});
+        s.shapes = {p};
+        s.more = "[wetness]\nabsorbed = 10\npattern = \"tip\"\n";
+    });
+    StrandSetup coarse = base, fine = base;
+    coarse.dt = 1.0 / 24, fine.dt = coarse.dt / 100;
+    all.push_back({"step a hundred times longer", {fine, coarse}, {0.3, settle}, {}});
+    if (!b.options.quick && limiter == 0)
+        add("10,000 particles", [](StrandSetup& s) {
+            s.shapes = {straight_points(10000, length, {0, -1, 0})};
+        });
+    Cases out;
+    for (const auto& o : all) out.push_back(stood(b, o));
+    return out;
+}
+
+// --- S6
+
+double order_between(double coarse, double fine) { return std::log2(coarse / fine); }
+
+Points swung(const Battery& b, double k_over_m, int steps) {
+    StrandSetup setup{{helix_points(20, 0.1, 0.006, 0.025)}, k_over_m, 0.1, 0, {3, -9.81, 2}, 0, "", {}};
+    setup.set = {"integrator.substeps=" + std::to_string(steps)};
+    Trial trial(b.method, scene_of(setup, b.method));
+    trial.advance();
+    return trial.simulation().state().x;
+}
+
+// Of a swinging curl, over halvings of dt.
+StabilityCase order_in_time(const Battery& b, double k_over_m) {
+    const bool single = b.method.precision == "float";
+    StabilityCase c = b.named("S6", "order in dt of a swinging curl", {{"k_over_m", k_over_m}});
+    // In single precision steps so short that only rounding is left say nothing.
+    const int coarse = single ? 200 : 400, halvings = single ? 1 : 2;
+    StabilityMethod fine = b.method;
+    fine.precision = "double";
+    const Points exact = swung({fine, b.options}, k_over_m, 64 * coarse);
+    double before = 0, least = unbounded;
+    for (int k = 0, steps = coarse; k <= halvings; ++k, steps *= 2) {
+        const double error = farthest(swung(b, k_over_m, steps), exact);
+        if (k > 0) {
+            const double order = order_between(before, error);
+            c.measured.push_back({"order_at_" + std::to_string(steps) + "_steps", order});
+            least = std::min(least, order);
+        }
+        before = error;
+        c.finite = c.finite && std::isfinite(error);
+    }
+    c.measured.push_back({"least_error_m", before});
+    // 1.9 of 2 for BDF2.
+    c.passed = c.finite && least >= 0.95 * b.method.order;
+    return c;
+}
+
+// Droop of a cantilever under its own small weight q a length: q L^4 / 8 EI. First order in the segment,
+// since the clamped edge is one (EQUATIONS Sec. 1: (1 + 1/m)(1 + 1/(2m)) for a load at the tip).
+StabilityCase order_in_particles(const Battery& b) {
+    StabilityCase c = b.named("S6", "order in N of a drooping beam", {});
+    const double reach = 0.1, flexural = 1e-9, g = 0.02;  // [m], [N m²], [m/s²]: a droop of 2 mm
+    double before = 0, least = unbounded;
+    for (int n : {10, 20, 40}) {
+        const double l = reach / (n - 2), k = flexural / (l * l * l);
+        StrandSetup setup{
+            {straight_points(n, (n - 1) * l, {1, 0, 0})}, 0, dt_usual, 0, {0, -g, 0}, 9, "", {}};
+        setup.set = {setting("bend.stiffness", k), setting("stretch.stiffness", 100 * k)};
+        Trial trial(b.method, scene_of(setup, b.method));
+        trial.advance_for(5);
+        const double tip = -trial.simulation().state().x.back().y;
+        const double ratio = tip / (trial.scene().linear_density * g * std::pow(reach, 4) / (8 * flexural));
+        const double error = std::abs(ratio - 1);
+        c.measured.push_back({"ratio_of_" + std::to_string(n), ratio});
+        if (before > 0) least = std::min(least, order_between(before, error));
+        before = error;
+        c.finite = c.finite && std::isfinite(tip);
+    }
+    c.measured.push_back({"order", least});
+    c.rest_error = before;
+    c.passed = c.finite && least >= 0.9;
+    return c;
+}
+
+// --- S7
+
+// The plain strands and changed ones, once these are brought back.
+StabilityCase invariant(const Battery& b, const std::string& what, const StrandSetup& changed, double bound,
+                        const std::function<void(Points&)>& bring_back) {
+    StabilityCase c = b.named("S7", what, {{"k_over_m", changed.k_over_m}});
+    auto run = [&](const StrandSetup& setup, Points* drawn) {
+        Trial trial(b.method, scene_of(setup, b.method));
+        if (drawn) *drawn = trial.simulation().state().x;
+        for (int k = 0; k < 100; ++k) trial.advance();
+        return trial.simulation().state().x;
+    };
+    Points drawn;
+    const Points x = run({{straight, curly}, changed.k_over_m, dt_usual, 0, down, 0, "", {}}, &drawn);
+    Points y = run(changed, nullptr);
+    bring_back(y);
+    const double moved = farthest(x, drawn) / length;
+    c.rest_error = farthest(x, y) / length;
+    c.finite = std::isfinite(c.rest_error);
+    c.measured = {{"bound", bound}, {"moved", moved}};
+    c.passed = c.finite && c.rest_error <= bound && moved > 0.01;
+    return c;
+}
+
+Cases invariances(const Battery& b, double k_over_m) {
+    const bool single = b.method.precision == "float";
+    const StrandSetup plain{{straight, curly}, k_over_m, dt_usual, 0, down, 0, "", {}};
+    auto each = [](auto change) {
+        return [change](Points& points) {
+            for (auto& p : points) p = change(p);
+        };
+    };
+    Cases out;
+    StrandSetup s = plain;
+    const Vec3d far{1000, -500, 300};
+    s.more = "[motion]\n[[motion.keyframe]]\ntranslation = [1000, -500, 300]\n";
+    // An ulp at 1000 m is 1e-13 m in double. In single it is 6e-5 m, a hundredth of a segment.
+    out.push_back(invariant(b, "translation by 1 km", s, single ? 0.1 : 1e-6,
+                            each([=](const Vec3d& p) { return p - far; })));
+    s = plain;
+    const Quatd q = rotation_about(normalized(Vec3d{1, 2, 3}, Vec3d{1, 0, 0}), 1.1);
+    for (auto& shape : s.shapes)
+        for (auto& p : shape) p = rotate(q, p);
+    s.gravity = rotate(q, down);
+    // Grooms are kept in single: 1e-8 m of each particle, 4e-6 of a segment, and turns of edges add up.
+    out.push_back(
+        invariant(b, "rotation", s, 1e-3, each([=](const Vec3d& p) { return rotate(conjugate(q), p); })));
+    s = plain;
+    std::swap(s.shapes[0], s.shapes[1]);
+    out.push_back(invariant(b, "strand permutation", s, 0,
+                            [](Points& p) { std::rotate(p.begin(), p.begin() + particles, p.end()); }));
+    s = plain;
+    // By a power of two, so that no digit of the groom is lost; k / m has no length in it.
+    const double unit = 32;
+    for (auto& shape : s.shapes)
+        for (auto& p : shape) p = unit * p;
+    s.gravity = unit * down;
+    s.set = {setting("core.smoothing", 0.02 * unit)};
+    out.push_back(invariant(b, "unit of length", s, single ? 1e-3 : 1e-9,
+                            each([=](const Vec3d& p) { return (1 / unit) * p; })));
+    return out;
+}
+
+// --- S8
+
+StabilityCase limiter_honesty(const Battery& b, double k_over_m) {
+    StabilityCase c = b.named("S8", "work of the limiter", {{"k_over_m", k_over_m}, {"limiter", 0.1}});
+    Trial trial(b.method, scene_of({{straight, curly}, k_over_m, dt_usual, 0.1, down, 0, "", {}}, b.method));
+    double before = 0, most = 0, least = 0;
+    for (int f = 0; f < 480 && trial.finite; ++f) {
+        trial.advance();
+        const double sum = trial.simulation().work().limiter;
+        most = std::max(most, sum - before), least = std::min(least, sum - before);
+        before = sum;
+    }
+    trial.report(c);
+    const double weight = trial.weight_length();
+    c.measured.push_back({"sum_over_weight", before / weight});
+    c.measured.push_back({"most_in_a_frame_over_weight", most / weight});
+    c.measured.push_back({"least_in_a_frame_over_weight", least / weight});
+    c.measured.push_back({"limited_edges", double(trial.simulation().limited_edges())});
+    // It may take energy; what it gives, S2 must not notice.
+    c.passed = c.finite && before <= energy_bound * std::max(trial.scale, 1e-9 * weight);
+    return c;
+}
+
+// --- S9
+
+const char* const everything = R"([groom]
+grid = [6, 6]
+particles = 50
+[integrator]
+substeps = 10
+[stretch]
+[bend]
+[core]
+[wetness]
+jitter = 0.3
+[curl]
+[cohesion]
+[adhesion]
+[stiffness]
+global = 6
+[motion]
+[[motion.keyframe]]
+time = 0.1
+[[motion.keyframe]]
+time = 0.3
+rotation = [0, 40, 0]
+[[motion.keyframe]]
+time = 0.6
+rotation = [0, -40, 10]
+[[motion.keyframe]]
+time = 0.8
+[[solid]]
+name = "head"
+radius = 0.095
+attached = "head"
+[[solid]]
+name = "ball"
+radius = 0.06
+[[solid.motion.keyframe]]
+time = 0.1
+translation = [0.3, -0.1, -0.05]
+[[solid.motion.keyframe]]
+time = 1.0
+translation = [0.15, -0.1, -0.05]
+)";
+
+struct SceneText {
+    std::string text, name, folder;
+    bool has(const char* table) const {
+        return text.find(std::string("[") + table + "]") != std::string::npos;
+    }
+};
+
+StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer, double pull, double radius,
+                          double limiter) {
+    StabilityCase c = b.named("S9", "everything at once",
+                              {{"stiffness_factor", stiffer},
+                               {"adhesion", pull},
+                               {"cohesion_radius", radius},
+                               {"limiter", limiter}});
+    std::vector<std::string> set = b.options.set;
+    set.push_back(setting("integrator.limiter", limiter));
+    if (of.has(Adhesion::table)) set.push_back(setting("adhesion.strength", pull));
+    if (of.has(Cohesion::table)) set.push_back(setting("cohesion.radius", radius));
+    Scene scene = scene_of(of.text, of.name, of.folder, set, b.method);
+    if (auto& t = scene.term<Stretch>()) t->k_s *= stiffer;
+    if (auto& t = scene.term<Bend>()) t->k_b *= stiffer;
+    if (auto& t = scene.term<Twist>()) t->k_b *= stiffer;
+    if (auto& t = scene.term<Core>()) t->k_c *= stiffer;
+    const double segment = mean_segment(scene.groom);
+    Trial trial(b.method, std::move(scene));
+    trial.advance_for(6);
+    // Jitter: the rms third difference of what is seen, once all is still.
+    std::vector<RunFrame> last(8);
+    for (auto& frame : last) {
+        trial.advance();
+        trial.simulation().snapshot(frame);
+    }
+    double square = 0;
+    size_t count = 0;
+    for (size_t f = 0; f + 3 < last.size(); ++f)
+        for (size_t k = 0; k < last[0].seen().points.size(); ++k, ++count) {
+            auto p = [&](size_t j) { return cast<double>(last[f + j].seen().points[k]); };
+            const Vec3d third = p(3) - 3.0 * p(2) + 3.0 * p(1) - p(0);
+            square += dot(third, third);
+        }
+    const double jitter = std::sqrt(square / double(count)) / segment;
+    trial.report(c);
+    c.kinetic_ratio = trial.finite ? trial.kinetic / trial.weight_length() : unbounded;
+    c.measured.push_back({"jitter_over_segment", jitter});
+    c.passed = c.finite && c.energy_ratio <= energy_bound && jitter <= 1e-3;
+    return c;
+}
+
+Cases everything_at_once(const Battery& b, double stiffer) {
+    SceneText of{everything, "battery", "."};
+    if (!b.options.scene.empty()) {
+        const Config config = Config::load(b.options.scene);
+        of = {config.text(), b.options.scene, config.folder()};
+    }
+    // Strength of the adhesion [m/s²], radius of the cohesion [m]: over decades, one at a time.
+    std::vector<std::pair<double, double>> wet{{60, 0.01},   {6, 0.01},   {600, 0.01},
+                                               {6000, 0.01}, {60, 0.001}, {60, 0.1}};
+    if (b.options.quick) wet.resize(1);
+    Cases out;
+    for (double limiter : {0.0, 0.1})
+        for (const auto& [pull, radius] : wet)
+            out.push_back(all_at_once(b, of, stiffer, pull, radius, limiter));
+    return out;
+}
+
+}  // namespace
+
+std::vector<StabilityJob> stability_jobs(const StabilityMethod& method, const StabilityOptions& options) {
+    const Battery b{method, options};
+    std::vector<StabilityJob> jobs;
+    auto add = [&](const char* id, std::function<Cases()> run) {
+        const auto& only = options.only;
+        if (only.empty() || std::find(only.begin(), only.end(), id) != only.end()) jobs.push_back({id, run});
+    };
+    for (double dt : b.some({dt_usual, dt_usual / 10}, {dt_usual}))
+        for (double k : b.some({1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10}, {1e3, 1e5, 1e8}))
+            add("S1", [=] { return Cases{noise_at_rest(b, k, dt)}; });
+    for (double k : b.some({1e3, 1e4, 1e5, 1e6, 1e8, 1e10}, {1e4, 1e7}))
+        add("S2", [=] { return energies_of(b, k); });
+    for (double k : b.some({1e3, 1e6, 1e10}, {1e5})) add("S3", [=] { return jacobians(b, k); });
+    for (double k : b.some({1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e10, 1e12, 1e14}, {1e4, 1e8, 1e14}))
+        add("S4", [=] { return stiffness_by_step(b, k); });
+    for (double k : b.some({1e4, 1e7, 1e10}, {1e6}))
+        for (double limiter : {0.0, 0.1}) add("S5", [=] { return ordeals(b, k, limiter); });
+    for (double k : b.some({1e4, 1e5, 1e6}, {1e5})) add("S6", [=] { return Cases{order_in_time(b, k)}; });
+    add("S6", [=] { return Cases{order_in_particles(b)}; });
+    for (double k : b.some({1e4, 1e6}, {1e5})) add("S7", [=] { return invariances(b, k); });
+    for (double k : b.some({1e4, 1e6, 1e8}, {1e4})) add("S8", [=] { return Cases{limiter_honesty(b, k)}; });
+    for (double factor : b.some({0.01, 0.1, 1, 10, 100, 1e4}, {1, 100}))
+        add("S9", [=] { return everything_at_once(b, factor); });
+    return jobs;
+}
+
+}  // namespace wetcurl
