@@ -104,6 +104,14 @@ struct ChainState {
     }
 };
 
+// Over the first `lanes` lanes.
+template <class S>
+double sum_of_lanes(const S& a, int lanes) {
+    double sum = 0;
+    for (int lane = 0; lane < lanes; ++lane) sum += double(a[lane]);
+    return sum;
+}
+
 // Energy of each kind [J] in each lane of a strand: kinetic, gravity, then the present terms'.
 template <class S>
 std::vector<S> energies(const ChainTerms& terms, const ChainView<S>& view, const Vec3d& gravity) {

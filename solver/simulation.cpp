@@ -89,8 +89,7 @@ class CpuSimulation final : public Simulation {
     void step_block(int block, const BlockState& now, const Placement<T>& p, bool first,
                     ChainScratch<S>& scratch);
     void set_root(int block, const Pose& head, Vec3<S>* root) const;
-    // Over the strands of a block.
-    double sum_of(int block, const S& lane_by_lane) const;
+    int lanes_of_block(int block) const { return std::min(lanes, strands_ - block * lanes); }
     ChainView<S> view_of(int block) const;
     void evaluate_adhesion();
     void move_air();
@@ -135,11 +134,8 @@ class CpuSimulation final : public Simulation {
     long limited_ = 0;
     AdhesionModel* model_ = nullptr;
     std::vector<AdhesionRecord>* records_ = nullptr;
-    std::vector<Work> work_;      // (block); empty: not counted
-    Buffer<Vec3<S>> reaction_;    // (block, 2) of the substep before
-    Buffer<S> torque_;            // (block) of the root in the substep before
-    Buffer<Quat<S>> work_frame_;  // (block, particle) scratch
-    std::vector<float> answers_;  // F.n / (sigma m a_max) of the step before (block, particle, lane)
+    std::vector<WorkMeter<S>> meters_;  // (block); empty: not counted
+    std::vector<float> answers_;        // F.n / (sigma m a_max) of the step before (block, particle, lane)
 };
 
 template <class T>
@@ -241,9 +237,8 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
                       bend ? &frame_[k] : nullptr,
                       pushed_.empty() ? nullptr : &pushed_[k],
                       external_.empty() ? nullptr : &external_[k]};
-    Vec3<S> reaction[2];
-    const Quat<S> root_frame = bend ? frame_[k] : Quat<S>{};
-    if (!work_.empty()) step.reaction = reaction;
+    WorkMeter<S>* meter = meters_.empty() ? nullptr : &meters_[size_t(block)];
+    if (meter) step.reaction = meter->begin(step);
     const S* rest_depth = rest_depth_.empty() ? nullptr : &rest_depth_[k];
     ChainView<S> view = view_of(block);
     view.turn = cast<S>(p.turn);
@@ -267,50 +262,14 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
 
     Vec3<S>*x = now.x_before, *x_old = now.x, *v = now.v_before, *v_old = now.v;
     if (iben_) iben_->limit_velocities(n_, T(dt_), x, v);
-    // Runs what moves particles at the end of the step; what it adds to the energy is its work.
+    view.x = x, view.v = v;
+    if (meter) meter->add_step(step, view, turn_left, now.x, scratch.hold, scratch.force.data());
     auto counted = [&](double Work::*kind, auto act) {
-        if (work_.empty()) return act();
-        view.x = x, view.v = v;
-        auto energy = [&] {
-            view.frame = bend ? &work_frame_[k] : nullptr;
-            if (bend) transport_frames(n_, step.frame, turn_left, x, &work_frame_[k]);
-            S sum(0);
-            for (const S& e : energies(terms_, view, scene_.integrator.gravity)) sum += e;
-            return sum;
-        };
-        const S before = energy();
-        act();
-        work_[size_t(block)].*kind += sum_of(block, energy() - before);
+        if (meter)
+            meter->add_change(kind, step, view, turn_left, act);
+        else
+            act();
     };
-    if (!work_.empty()) {
-        Work& work = work_[size_t(block)];
-        const Vec3<S>* reaction_before = first ? reaction : &reaction_[size_t(block) * 2];
-        work.roots += sum_of(block, work_of_roots(reaction_before, reaction, now.x, x));
-        std::copy_n(reaction, 2, &reaction_[size_t(block) * 2]);
-        view.x = x, view.v = v;
-        if (bend) {
-            transport_frames(n_, step.frame, turn_left, x, &work_frame_[k]);
-            view.frame = &work_frame_[k];
-            const S torque = root_torque(terms_, view);
-            S& torque_before = torque_[size_t(block)];
-            if (first) torque_before = torque;
-            const S spin = root_spin(root_frame, work_frame_[k]);
-            work.roots += sum_of(block, S(0.5) * (torque_before + torque) * spin);
-            torque_before = torque;
-        }
-        work.terms += sum_of(block, work_of_terms(terms_, view, step.dt, now.x, scratch.force.data()));
-        if (!scratch.hold.empty()) {
-            S sum(0);
-            for (int i = 2; i < n_; ++i)
-                if (any_positive(step.pushed[i])) {
-                    const auto& hold = scratch.hold[size_t(i)];
-                    // The momentum was given over h of the scheme, the way is that of dt.
-                    const S share = S(step.dt) / Bdf2<S>(step.dt, first).h;
-                    sum += share * step.pushed[i] * dot(hold.normal, hold.surface_velocity);
-                }
-            work.solids += sum_of(block, sum);
-        }
-    }
     if (scene_.integrator.limiter > 0)
         counted(&Work::limiter, [&] {
             auto* unlimited = scratch.predicted_x.data();
@@ -546,36 +505,27 @@ std::vector<Pack<T>> CpuSimulation<T>::energy_of(int block) const {
 }
 
 template <class T>
-double CpuSimulation<T>::sum_of(int block, const S& lane_by_lane) const {
-    double sum = 0;
-    for (int lane = 0; lane < lanes && block * lanes + lane < strands_; ++lane)
-        sum += double(lane_by_lane[lane]);
-    return sum;
-}
-
-template <class T>
 std::vector<double> CpuSimulation<T>::energy() const {
     std::vector<double> sum(energy_kinds.size(), 0);
     for (int block = 0; block < blocks_; ++block) {
         const auto e = energy_of(block);
-        for (size_t kind = 0; kind < e.size(); ++kind) sum[kind] += sum_of(block, e[kind]);
+        for (size_t kind = 0; kind < e.size(); ++kind)
+            sum[kind] += sum_of_lanes(e[kind], lanes_of_block(block));
     }
     return sum;
 }
 
 template <class T>
 void CpuSimulation<T>::count_work() {
-    work_.assign(size_t(blocks_), Work{});
-    reaction_.assign(size_t(blocks_) * 2, {S(0), S(0), S(0)});
-    torque_.assign(size_t(blocks_), S(0));
-    work_frame_.resize(frame_.size());
+    meters_.clear();
+    for (int block = 0; block < blocks_; ++block)
+        meters_.emplace_back(terms_, scene_.integrator.gravity, n_, lanes_of_block(block));
 }
 
 template <class T>
 Work CpuSimulation<T>::work() const {
     Work sum;
-    for (const auto& w : work_)
-        sum.roots += w.roots, sum.solids += w.solids, sum.terms += w.terms, sum.limiter += w.limiter;
+    for (const auto& meter : meters_) sum += meter.work();
     return sum;
 }
 

@@ -2,7 +2,8 @@
 // against (EQUATIONS Sec. 8, S2). Counted only where asked for. Ours.
 #pragma once
 
-#include "solver/terms/list.h"
+#include "solver/chain_state.h"
+#include "solver/passes/chain_step.h"
 
 namespace wetcurl {
 
@@ -13,6 +14,10 @@ struct Work {
     double terms = 0;    // of forces that keep no energy: adhesion, and drag by the root's rigid motion
     double limiter = 0;  // of the strain limiter: no cause outside, so not in `given`
     double given() const { return roots + solids + terms; }
+    Work& operator+=(const Work& b) {
+        roots += b.roots, solids += b.solids, terms += b.terms, limiter += b.limiter;
+        return *this;
+    }
 };
 
 // Of the roots over one step: the mean of the reactions [N] at both ends of the step along the way between.
@@ -65,5 +70,82 @@ S work_of_terms(const ChainTerms& terms, const ChainView<S>& c, Plain<S> dt, con
             sum += S(dt) * dot(force[i], c.drift + cross(c.turn, c.x[i] - c.turn_center));
     return sum;
 }
+
+// Of surfaces on the particles that they held within a step.
+template <class S>
+S work_of_holds(const BlockStep<S>& step, const std::vector<Hold<S>>& hold) {
+    S sum(0);
+    // The momentum was given over h of the scheme, the way is that of dt.
+    const S share = S(step.dt) / Bdf2<S>(step.dt, step.first).h;
+    for (int i = 2; i < int(hold.size()); ++i)
+        if (any_positive(step.pushed[i]))
+            sum += share * step.pushed[i] * dot(hold[size_t(i)].normal, hold[size_t(i)].surface_velocity);
+    return sum;
+}
+
+// Counts the work on one block of strands, of which the first `lanes` are real.
+template <class S>
+class WorkMeter {
+  public:
+    WorkMeter(const ChainTerms& terms, const Vec3d& gravity, int n, int lanes)
+        : terms_(terms),
+          gravity_(gravity),
+          lanes_(lanes),
+          with_frames_(std::get<std::optional<Bend>>(terms).has_value()),
+          frame_(with_frames_ ? size_t(n) : 0) {}
+
+    // Before a step: where its reactions are to be put.
+    Vec3<S>* begin(const BlockStep<S>& step) {
+        if (with_frames_) root_frame_ = step.frame[0];
+        return reaction_;
+    }
+    // The step took particles from `from` to view.x; `turn_left`: of its frames. `force` (n) is scratch.
+    void add_step(const BlockStep<S>& step, ChainView<S> view, const Quat<Plain<S>>& turn_left,
+                  const Vec3<S>* from, const std::vector<Hold<S>>& hold, Vec3<S>* force) {
+        if (step.first) std::copy_n(reaction_, 2, reaction_before_);
+        work_.roots += sum_of_lanes(work_of_roots(reaction_before_, reaction_, from, view.x), lanes_);
+        std::copy_n(reaction_, 2, reaction_before_);
+        if (with_frames_) {
+            carry_frames(step, view, turn_left);
+            const S torque = root_torque(terms_, view);
+            if (step.first) torque_before_ = torque;
+            work_.roots +=
+                sum_of_lanes(S(0.5) * (torque_before_ + torque) * root_spin(root_frame_, frame_[0]), lanes_);
+            torque_before_ = torque;
+        }
+        work_.terms += sum_of_lanes(work_of_terms(terms_, view, step.dt, from, force), lanes_);
+        work_.solids += sum_of_lanes(work_of_holds(step, hold), lanes_);
+    }
+    // What `act`, which moves particles at the end of the step, adds to the energy is its work.
+    template <class Act>
+    void add_change(double Work::*kind, const BlockStep<S>& step, const ChainView<S>& view,
+                    const Quat<Plain<S>>& turn_left, Act act) {
+        const double before = energy(step, view, turn_left);
+        act();
+        work_.*kind += energy(step, view, turn_left) - before;
+    }
+    const Work& work() const { return work_; }
+
+  private:
+    void carry_frames(const BlockStep<S>& step, ChainView<S>& view, const Quat<Plain<S>>& turn_left) {
+        transport_frames(step.n, step.frame, turn_left, view.x, frame_.data());
+        view.frame = frame_.data();
+    }
+    double energy(const BlockStep<S>& step, ChainView<S> view, const Quat<Plain<S>>& turn_left) {
+        if (with_frames_) carry_frames(step, view, turn_left);
+        S sum(0);
+        for (const S& e : energies(terms_, view, gravity_)) sum += e;
+        return sum_of_lanes(sum, lanes_);
+    }
+    ChainTerms terms_;
+    Vec3d gravity_;
+    int lanes_;
+    bool with_frames_;
+    Work work_;
+    Vec3<S> reaction_[2]{}, reaction_before_[2]{};
+    S torque_before_{};
+    Quat<S> root_frame_{};  // at the step's begin
+    std::vector<Quat<S>> frame_;
+};
 
 }  // namespace wetcurl
