@@ -5,12 +5,14 @@
 
 #include "cuda/strand_sweep.h"
 #include "solver/placement.h"
+#include "solver/simulation.h"
 
 namespace wetcurl {
 
 template <class T>
 ChainConstants<T> chain_constants(const Scene& scene, double dt) {
-    return {scene.chain, T(dt), T(spring_sum(scene.chain)), cast<T>(scene.integrator.gravity)};
+    return {scene.chain, T(dt), T(spring_sum(scene.chain)), T(predictor_share(scene)),
+            cast<T>(scene.integrator.gravity)};
 }
 
 inline unsigned set_of(const Scene& scene) { return set_of(scene.chain, !scene.solids.empty()); }

@@ -71,7 +71,7 @@ struct StrandMemory {
 template <class T>
 struct ChainConstants {
     ChainTerms terms;
-    T dt, spring_sum;
+    T dt, spring_sum, share;
     Vec3<T> gravity;
 };
 
@@ -105,11 +105,11 @@ class StrandSweep {
     // From rest: what the first substep needs, over which the root turns by `root_turn`.
     template <class Set>
     WETCURL_HD void prepare(const Set& set, const Q& root_turn) const {
-        const Bdf2<T> scheme(k_.dt, true);
+        const Bdf2<T> scheme(k_.dt, true, k_.share);
         Ahead ahead(scheme, root_turn);
         for (int i = 0; i < m_.n; ++i)
-            look_ahead(set, ahead, i, at_first(scheme, i), v_[i], outputs_at(set, i),
-                       has<Bend>(set) && i > 0 ? of<Q>(m_.frame)[i - 1] : Q::identity());
+            look_ahead(set, ahead, i, at_first(scheme, i), scheme.expected_velocity(v_[i]),
+                       outputs_at(set, i), has<Bend>(set) && i > 0 ? of<Q>(m_.frame)[i - 1] : Q::identity());
         finish(set, ahead);
     }
 
@@ -119,7 +119,7 @@ class StrandSweep {
     template <class Set>
     WETCURL_HD int step(const Set& set, const SubstepMotion<T>& motion, const Q& turn_after, bool first,
                         bool last) {
-        const Bdf2<T> scheme(k_.dt, first);
+        const Bdf2<T> scheme(k_.dt, first, k_.share);
         if (has<StrainLimit>(set)) {
             solve_within_limit(set, motion, scheme);
         } else {
@@ -264,14 +264,14 @@ class StrandSweep {
             frame[0] = turned_about_itself(frame[0], turn);
             of<Q>(m_.ahead).set(n - 2, frame[0]);
         }
-        x[1] = at_first(scheme, n - 1), v[1] = v_[n - 1];
-        x[0] = at_first(scheme, n - 2), v[0] = v_[n - 2];
+        x[1] = at_first(scheme, n - 1), v[1] = scheme.expected_velocity(v_[n - 1]);
+        x[0] = at_first(scheme, n - 2), v[0] = scheme.expected_velocity(v_[n - 2]);
         Inputs next = inputs_at(set, n - 1);
         for (int i = n - 1; i >= 2; --i) {
             const Inputs in = next;
             if (i > 2) next = inputs_at(set, i - 1);  // on its way while this row is worked on
             x[2] = x[1], x[1] = x[0], x[0] = scheme.predicted(in.x, in.x_before, in.v);
-            v[2] = v[1], v[1] = v[0], v[0] = in.v;
+            v[2] = v[1], v[1] = v[0], v[0] = scheme.expected_velocity(in.v);
             upper2[0] = no_mat;
             mass[2] = in.mass, saturation[2] = in.saturation, touching[2] = in.touching;
             rest_length[1] = in.rest_length, limit_edge[1] = in.limit_edge, target[1] = in.target,
@@ -438,7 +438,7 @@ class StrandSweep {
                                         const Q& turn_after, bool last) const {
         const int n = m_.n;
         const V zero{T(0), T(0), T(0)};
-        const Bdf2<T> following(k_.dt, false);
+        const Bdf2<T> following(k_.dt, false, k_.share);
         Ahead ahead(following, turn_after);
         V d1 = zero, d2 = zero;  // solution of particles i-1 and i-2
         V x1 = zero;             // of particle i-1
@@ -448,7 +448,7 @@ class StrandSweep {
             const Outputs in = next;
             if (i + 1 < n) next = outputs_at(set, i + 1);
             const V expected = scheme.predicted(in.x, in.x_before, in.v);
-            V x = expected, v = in.v, x_old = in.x, v_old = in.v, d;
+            V x = expected, v = scheme.expected_velocity(in.v), x_old = in.x, v_old = in.v, d;
             if (i < 2) {
                 const V placed = placed_root(motion, i);
                 d = (T(1) / scheme.h) * (placed - x);
@@ -486,7 +486,8 @@ class StrandSweep {
                 frame = carried_frame(in.frame, x - x1);
                 if (last) of<Q>(m_.frame).set(i - 1, frame);
             }
-            look_ahead(set, ahead, i, following.predicted(x, x_old, v), v, in, frame);
+            look_ahead(set, ahead, i, following.predicted(x, x_old, v), following.expected_velocity(v), in,
+                       frame);
             x1 = x;
         }
         finish(set, ahead);

@@ -35,6 +35,12 @@ Presence presence_of(const Scene& scene) {
     return p;
 }
 
+// h² k / m of a spring of k.
+static double step_number(const Scene& scene, double k) {
+    const double h = 2.0 / 3 / (scene.fps * scene.integrator.substeps);
+    return h * h * k / (scene.linear_density * mean_segment(scene.groom));
+}
+
 // The largest of a strand's masses over its smallest, in the strand where that is largest.
 static double mass_ratio(const Scene& scene) {
     const auto volume = volumes_of(scene);
@@ -51,10 +57,15 @@ double stiffness_number(const Scene& scene) {
     for_each_present(scene.chain, [&](const auto& t) {
         if constexpr (requires { t.spring(); }) k = std::max(k, t.spring());
     });
-    const double h = 2.0 / 3 / (scene.fps * scene.integrator.substeps);
-    const double number = h * h * k / (scene.linear_density * mean_segment(scene.groom));
+    const double number = step_number(scene, k);
     const auto& limit = scene.term<StrainLimit>();
-    return limit ? std::max(number, h * h * limit->per_kg * mass_ratio(scene)) : number;
+    // 4/9 of per_kg dt².
+    return limit ? std::max(number, 4e4 / 9 * mass_ratio(scene)) : number;
+}
+
+double predictor_share(const Scene& scene) {
+    const auto& core = scene.term<Core>();
+    return core ? std::min(1.0, 1e5 / std::max(1.0, step_number(scene, core->k_c))) : 1;
 }
 
 std::string trusted_precision(const Scene& scene, const std::string& precision) {
@@ -117,7 +128,7 @@ class CpuSimulation final : public Simulation {
     ChainTerms terms_;
     const int strands_, n_, blocks_;
     const double dt_;
-    const T spring_sum_;
+    const T spring_sum_, share_;
     double time_ = 0;
     bool first_ = true;
     Pose head_;
@@ -159,6 +170,7 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
       blocks_((strands_ + lanes - 1) / lanes),
       dt_(1 / (scene.fps * scene.integrator.substeps)),
       spring_sum_(T(spring_sum(scene.chain))),
+      share_(T(predictor_share(scene))),
       head_(scene.motion.at(0)),
       state_(scene) {
     if (!touching_.empty()) {
@@ -248,7 +260,8 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
                       p.root_turn,
                       bend ? &frame_[k] : nullptr,
                       pushed_.empty() ? nullptr : &pushed_[k],
-                      external_.empty() ? nullptr : &external_[k]};
+                      external_.empty() ? nullptr : &external_[k],
+                      share_};
     WorkMeter<S>* meter = meters_.empty() ? nullptr : &meters_[size_t(block)];
     if (meter) step.reaction = meter->begin(step);
     const S* rest_depth = rest_depth_.empty() ? nullptr : &rest_depth_[k];

@@ -2,7 +2,8 @@
 // EQUATIONS: A (v - v^) = M (v~ - v^) + h f(x~ + h v^, v^), A = M + h C + h² H, x = x~ + h v, with the
 // history x~, v~ and step h of BDF2 (backward Euler in the first step) and the predictor v^ = v_n. Seen: the
 // higher-order predictor 2 v_n - v_{n-1} feeds energy in wherever H is a majoriser; none at all (v^ = 0)
-// kills a swing.
+// kills a swing. Where the core is so stiff that what its majoriser adds across the strand outweighs the
+// strand 1e5 times, the swing of that weight fills the bends with energy; there v^ is a share of v_n.
 #pragma once
 
 #include <vector>
@@ -17,19 +18,22 @@ namespace wetcurl {
 template <class S>
 struct Bdf2 {
     S h, now, before;  // x~ = x + before (x_before - x), v~ = now v + before v_before
-    WETCURL_HD Bdf2(Plain<S> dt, bool first)
+    S share;           // v^ = share v
+    WETCURL_HD Bdf2(Plain<S> dt, bool first, Plain<S> share = 1)
         : h(first ? dt : dt * Plain<S>(2) / 3),
           now(first ? Plain<S>(1) : Plain<S>(4) / 3),
-          before(first ? Plain<S>(0) : Plain<S>(-1) / 3) {}
-    // x~ + h v^ with v^ = v. Differences to x: positions far from the origin keep their digits.
+          before(first ? Plain<S>(0) : Plain<S>(-1) / 3),
+          share(share) {}
+    WETCURL_HD Vec3<S> expected_velocity(const Vec3<S>& v) const { return share * v; }
+    // x~ + h v^. Differences to x: positions far from the origin keep their digits.
     WETCURL_HD Vec3<S> predicted(const Vec3<S>& x, const Vec3<S>& x_before, const Vec3<S>& v) const {
-        return x + before * (x_before - x) + h * v;
+        return x + before * (x_before - x) + h * expected_velocity(v);
     }
-    // r = M (v~ - v^) + h f, and M on the diagonal.
-    WETCURL_HD Vec3<S> right_side(const S& mass, const Vec3<S>& v, const Vec3<S>& v_before,
+    // r = M (v~ - v^) + h f, and M on the diagonal. `expected`: v^.
+    WETCURL_HD Vec3<S> right_side(const S& mass, const Vec3<S>& expected, const Vec3<S>& v_before,
                                   const Vec3<S>& force) const {
-        const Vec3<S> history = now * v + before * v_before;
-        return mass * (history - v) + h * force;
+        const Vec3<S> history = (now / share) * expected + before * v_before;
+        return mass * (history - expected) + h * force;
     }
 };
 
@@ -47,6 +51,7 @@ struct BlockStep {
     Quat<S>* frame;            // (n-1) or null; the caller carries them on to where the step ends
     S* pushed;  // (n) [kg m/s] by surfaces in the step before, then in this one; null: no solids
     const Vec3<S>* external = nullptr;  // (n) [N] beside the terms', at the positions now; null: none
+    Plain<S> share = 1;                 // of v_n in the predictor
     Vec3<S>* reaction = nullptr;  // (2) [N] that moved particles 0 and 1 as prescribed; null: not asked for
 };
 
@@ -65,7 +70,7 @@ WETCURL_HD S hold_stiffness(Plain<S> spring_sum, const S& h, const S& mass) {
 // Buffers of one thread, for one block.
 template <class S>
 struct ChainScratch {
-    std::vector<Vec3<S>> predicted_x, force, core_pull, limit_edge;
+    std::vector<Vec3<S>> predicted_x, force, core_pull, limit_edge, expected_v;
     std::vector<Sym3<S>> diagonal;
     std::vector<Mat3<S>> upper1, upper2;
     std::vector<S> twist;
@@ -148,11 +153,16 @@ template <class S, class BeforeForces>
 void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
                    BeforeForces before_forces) {
     const int n = b.n;
-    const Bdf2<S> scheme(b.dt, b.first);
+    const Bdf2<S> scheme(b.dt, b.first, b.share);
     const S h = scheme.h;
     for (int i = 0; i < n; ++i) s.predicted_x[i] = scheme.predicted(b.x[i], b.x_before[i], b.v[i]);
     view.x = s.predicted_x.data();
     view.v = b.v;
+    if (b.share < 1) {
+        s.expected_v.resize(size_t(n));
+        for (int i = 0; i < n; ++i) s.expected_v[i] = scheme.expected_velocity(b.v[i]);
+        view.v = s.expected_v.data();
+    }
     view.chord = view.x[n - 1] - view.x[0];
     view.core_pull = s.core_pull.data();
     if (b.frame) {
@@ -181,7 +191,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
         add_external_forces(b, s.force.data());
         for (int i = 2; i < n; ++i) {
-            r[i] = scheme.right_side(view.mass[i], b.v[i], b.v_before[i], r[i]);
+            r[i] = scheme.right_side(view.mass[i], view.v[i], b.v_before[i], r[i]);
             s.diagonal[i] += identity_times(view.mass[i]);
             if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, s.diagonal[i], r[i]);
         }
@@ -214,10 +224,10 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         for (int i = 0; i < 2; ++i)
             b.reaction[i] =
                 (S(1) / h) * (row[i] + view.mass[i] * known[i] -
-                              scheme.right_side(view.mass[i], b.v[i], b.v_before[i], root_force[i]));
+                              scheme.right_side(view.mass[i], view.v[i], b.v_before[i], root_force[i]));
     }
     for (int i = 0; i < n; ++i) {
-        b.v_before[i] = b.v[i] + r[i];
+        b.v_before[i] = view.v[i] + r[i];
         b.x_before[i] = i < 2 ? b.root[i] : s.predicted_x[i] + h * r[i];
     }
     if (!b.pushed) return;
