@@ -196,6 +196,25 @@ TEST(Flow, two_particles_in_touch_relax_to_their_mean_at_the_rate) {
     EXPECT_NEAR(pass.water().balance(), 0, 1e-15 * pass.water().start);
 }
 
+TEST(Flow, many_in_touch_even_out_at_any_rate_and_none_takes_more_than_there_is) {
+    Flow flow = still();
+    flow.exchange = 1e4, flow.reach = 0.05;
+    const Strands p = hanging(12, 0.1, 9, 0.002);
+    std::vector<double> sigma(p.points.size(), 0.1);
+    for (size_t k = 0; k < sigma.size(); k += 5) sigma[k] = 0.9;
+    FlowPass pass = pass_of(flow, p, sigma);
+    double low = 0.1, high = 0.9;
+    for (int k = 0; k < 6; ++k) {
+        pass.step(p, 0, 1, nowhere, nullptr, nullptr);
+        const auto [least, most] = std::minmax_element(pass.exact().begin(), pass.exact().end());
+        EXPECT_GE(*least, low - 1e-15);
+        EXPECT_LE(*most, high + 1e-15);
+        low = *least, high = *most;
+    }
+    EXPECT_LT(high - low, 0.2);
+    EXPECT_EQ(pass.water().dripped, 0);
+}
+
 TEST(Flow, a_source_wets_what_is_inside_it_while_it_flows) {
     Flow flow = still();
     WaterSource plane{};
