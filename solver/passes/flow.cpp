@@ -138,18 +138,21 @@ void FlowPass::search(const Strands& p) {
 // Fluxes g_ij (sigma_j - sigma_i), the same number with the other sign on the other side. Where a particle's
 // neighbours together would take more than it has, its fluxes are scaled down, and with them theirs: every
 // new saturation is a mean of old ones.
-void FlowPass::exchange(const Strands& p, double dt, const NeighborGrid& grid, const NeighborList& list) {
+void FlowPass::exchange(double dt, const NeighborGrid& grid, const NeighborList& list) {
+    using S = Pack<float>;
     const auto& id = grid.order();
-    const float reach = float(flow_.reach);
+    const PointArrays& x = grid.points();
+    const S square(float(flow_.reach * flow_.reach));
     auto for_each_contact = [&](size_t k, auto visit) {
-        const size_t i = id[k];
+        const Vec3<S> own = cast<S>(x.at(k));
         list.visit_runs(k, [&](uint32_t first, uint32_t bits) {
-            for (; bits; bits &= bits - 1) {
-                const size_t j = id[first + uint32_t(std::countr_zero(bits))];
-                const Vec3f d = p.points[j] - p.points[i];
-                // The lists may hold neighbours much further away.
-                if (const float square = dot(d, d); square < reach * reach)
-                    visit(j, flow_.passed(mass_[i], mass_[j], std::sqrt(double(square)), dt));
+            // The lists may hold neighbours much further away.
+            const Vec3<S> d = x.load(first) - own;
+            const S r = dot(d, d);
+            for (bits &= bits_of(r < square); bits; bits &= bits - 1) {
+                const int lane = std::countr_zero(bits);
+                const size_t j = id[first + uint32_t(lane)];
+                visit(j, flow_.passed(mass_[id[k]], mass_[j], std::sqrt(double(r[lane])), dt));
             }
         });
     };
@@ -191,7 +194,7 @@ void FlowPass::step(const Strands& p, double time, double dt, const Vec3d& gravi
     wet(p, time, dt);
     run_along(p, dt, gravity);
     if (!grid) search(p), grid = &grid_, list = &list_;
-    exchange(p, dt, *grid, *list);
+    exchange(dt, *grid, *list);
     dry(dt);
     show();
 }

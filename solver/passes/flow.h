@@ -24,15 +24,16 @@ class FlowPass {
     FlowPass(const Flow& flow, const Strands& rest, double density, double absorbed,
              const std::vector<float>& saturation);
 
-    // dt [s] from `time` on, strands at p, under `gravity` [m/s²]. `grid` and `list` are of p and hold every
-    // neighbour within `reach`; null: they are searched here.
+    // dt [s] from `time` on, strands at p, under `gravity` [m/s²]. `grid` and `list` hold every neighbour
+    // within `reach` where the strands are, whatever else moved p out of solids since; null: they are
+    // searched here.
     void step(const Strands& p, double time, double dt, const Vec3d& gravity, const NeighborGrid* grid,
               const NeighborList* list);
 
     // Its stages.
     void wet(const Strands& p, double time, double dt);
     void run_along(const Strands& p, double dt, const Vec3d& gravity);
-    void exchange(const Strands& p, double dt, const NeighborGrid& grid, const NeighborList& list);
+    void exchange(double dt, const NeighborGrid& grid, const NeighborList& list);
     void dry(double dt);
 
     const std::vector<double>& exact() const { return sigma_; }      // (strand, particle)
