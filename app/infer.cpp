@@ -227,6 +227,10 @@ int infer_command(const InferOptions& given) {
     const RunHeader& low = run.header();
     Scene scene = target_scene(o, low);
     check_files(o, o.output, scene.files);
+    if (scene.flow)
+        throw Error(o.input +
+                    ": its scene moves the water ([wetness.flow]), allowed is wetness that stays; "
+                    "--wetness names a scene of it");
     const auto method = method_of(o, scene, low);
     require_nested(scene.groom, low.groom);
     std::optional<Display> display;

@@ -103,6 +103,8 @@ Json run_json(const InspectOptions& o) {
         json["displayed"] = last.displayed.count > 0;
         for (size_t k = 0; k < h.energy_kinds.size(); ++k)
             json["last_energy_joule"][h.energy_kinds[k]] = last.energy[k];
+        const char* water[] = {"held", "taken", "dripped", "dried"};
+        for (size_t k = 0; k < last.water.size(); ++k) json["last_water_kg"][water[k]] = last.water[k];
         for (size_t k = 0; k < h.stages.size(); ++k)
             json["last_stage_seconds"][h.stages[k]] = last.stage_seconds[k];
     }
@@ -186,6 +188,8 @@ Json terms_json() {
     const ChainTerms none;
     std::apply([&](const auto&... term) { (add_rows<std::decay_t<decltype(*term)>>(rows), ...); }, none);
     add_rows<Wetness>(rows);
+    add_rows<Flow>(rows);
+    add_rows<WaterSource>(rows);
     add_rows<Curl>(rows);
     add_rows<Cohesion>(rows);
     add_rows<Air>(rows);

@@ -66,7 +66,7 @@ class Reel {
         const bool wet =
             !header.saturation.empty() && (options_.saturation || header.method != "simulated dry");
         Panel panel;
-        panel.layers.push_back({&frame.seen(), wet ? &header.saturation : nullptr});
+        panel.layers.push_back({&frame.seen(), wet ? &frame.wetness(header) : nullptr});
         panel.solids = solids_of(header, frame, f / header.fps);
         Image image = draw_panel(panel, camera_, options_.saturation);
         if (options_.labels)

@@ -96,6 +96,13 @@ int simulate_command(const SimulateOptions& o) {
         {"peak_bytes", bytes},
         {"bytes_per_particle", double(bytes) / (double(scene.groom.rest.count) * scene.groom.rest.particles)},
         {"diverged", diverged.has_value()}};
+    const auto water = simulation->water();
+    if (water)
+        json["water"] = {{"held_kg", water->held},
+                         {"taken_kg", water->taken},
+                         {"dripped_kg", water->dripped},
+                         {"dried_kg", water->dried},
+                         {"balance_kg", water->balance()}};
     if (!errors.empty())
         json["error_mm"] = {
             {"mean", std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size())},
@@ -116,6 +123,11 @@ int simulate_command(const SimulateOptions& o) {
                     o.output, scene.groom.rest.count, scene.groom.rest.particles, done,
                     1000 * json["seconds_per_frame"]["median"].get<double>(),
                     json["bytes_per_particle"].get<double>(), fmt::join(presence.present, ", ")));
+    if (water)
+        log_info(fmt::format(
+            "water: {:.3g} kg held, of {:.3g} at the start and {:.3g} taken; {:.3g} dripped, "
+            "{:.3g} dried; balance {:.1e} kg",
+            water->held, water->start, water->taken, water->dripped, water->dried, water->balance()));
     return 0;
 }
 

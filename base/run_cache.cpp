@@ -22,6 +22,7 @@ std::vector<std::string> split_lines(const std::string& s) {
     for (std::string line; std::getline(in, line);) out.push_back(line);
     return out;
 }
+constexpr size_t water_columns = 4;  // of RunFrame::water
 size_t cells(const Strands& s) { return size_t(s.count) * size_t(s.particles); }
 const float* floats(const Strands& s) { return &s.points.data()->x; }
 
@@ -71,6 +72,8 @@ void RunWriter::append(const RunFrame& frame) {
     if (body_->energies) f.append("energy", frame.energy.data(), {body_->energies});
     if (body_->stages) f.append("stage_seconds", frame.stage_seconds.data(), {body_->stages});
     if (!frame.contact.empty()) f.append("contact", frame.contact.data(), {s, n});
+    if (!frame.saturation.empty()) f.append("living_saturation", frame.saturation.data(), {s, n});
+    if (!frame.water.empty()) f.append("water", frame.water.data(), {water_columns});
     const double head[7] = {frame.head.translation.x, frame.head.translation.y, frame.head.translation.z,
                             frame.head.rotation.w,    frame.head.rotation.x,    frame.head.rotation.y,
                             frame.head.rotation.z};
@@ -142,6 +145,10 @@ RunReader::RunReader(const std::string& path)
             throw Error(path + ": dataset 'displayed' must have the shape of 'positions'");
         if (f.has("contact") && f.shape("contact") != std::vector<size_t>{n, points[0], points[1]})
             throw Error(path + ": dataset 'contact' must be (frames, strands, particles)");
+        if (f.has("living_saturation") &&
+            f.shape("living_saturation") != std::vector<size_t>{n, points[0], points[1]})
+            throw Error(path + ": dataset 'living_saturation' must be (frames, strands, particles)");
+        if (f.has("water")) f.read<double>("water", {n, water_columns});
         if (!h.energy_kinds.empty()) f.read<float>("energy", {n, h.energy_kinds.size()});
         if (!h.stages.empty()) f.read<float>("stage_seconds", {n, h.stages.size()});
     }
@@ -183,6 +190,18 @@ RunFrame RunReader::frame(int index) const {
     if (f.has("contact")) {
         out.contact.resize(cells(rest));
         f.read_row("contact", row, out.contact.data());
+    }
+    if (f.has("living_saturation")) {
+        out.saturation.resize(cells(rest));
+        f.read_row("living_saturation", row, out.saturation.data());
+        for (float sigma : out.saturation)
+            if (!(sigma >= 0 && sigma <= 1))
+                throw Error(f.path() + ": dataset 'living_saturation', frame " + std::to_string(index) +
+                            ": found " + std::to_string(sigma) + ", allowed 0 to 1");
+    }
+    if (f.has("water")) {
+        out.water.resize(water_columns);
+        f.read_row("water", row, out.water.data());
     }
     const double* h = body_->head.data() + row * 7;
     out.head = {{h[3], h[4], h[5], h[6]}, {h[0], h[1], h[2]}};

@@ -26,7 +26,7 @@ struct RunHeader {
     unsigned long long seed = 0;
     Groom groom;     // rest strands, head frame
     int stride = 1;  // of this run's grid in the scene's full grid (2: every second root each way)
-    std::vector<float> saturation;            // (strand, particle); empty for a run without wetness
+    std::vector<float> saturation;            // (strand, particle) at the start; empty without wetness
     std::vector<std::string> energy_kinds;    // names of the columns of `energy`; empty: not recorded
     std::vector<std::string> stages;          // names of the columns of `stage_seconds`
     std::vector<std::string> inputs;          // "file hash" of what it was made from
@@ -39,10 +39,16 @@ struct RunFrame {
     Strands displayed;          // p^w of Eq 10; count 0 where the run has no cohesion
     std::vector<float> energy;  // one a kind [J]
     std::vector<float> stage_seconds;
-    std::vector<uint8_t> contact;  // (strand, particle), 1 in contact; may be empty
-    double seconds = 0;            // run time of this frame, file output left out
+    std::vector<uint8_t> contact;   // (strand, particle), 1 in contact; may be empty
+    std::vector<float> saturation;  // (strand, particle); empty where it stays as the header has it
+    std::vector<double> water;      // held, taken, dripped, dried so far [kg]; empty without flow
+    double seconds = 0;             // run time of this frame, file output left out
     // What is seen: p^w where there is one, p elsewhere.
     const Strands& seen() const { return displayed.count ? displayed : positions; }
+    // (strand, particle) now; empty without wetness.
+    const std::vector<float>& wetness(const RunHeader& header) const {
+        return saturation.empty() ? header.saturation : saturation;
+    }
 };
 
 class RunWriter {

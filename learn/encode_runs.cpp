@@ -61,6 +61,10 @@ static void for_each_frame(const RunPair& pair, const std::string& what, Visit v
 
 double encode_strands(const RunPair& pair, PairsWriter& out) {
     const RunHeader& wet_header = pair.wet->header();
+    if (!pair.wet->frame(0).saturation.empty())
+        throw Error(pair.wet->path() +
+                    ": its water moves ([wetness.flow]), allowed for the strand codec is "
+                    "wetness that stays; --codec root takes each frame's");
     StrandCodec codec(wet_header.groom, pair.dry->header().groom, wet_header.saturation);
     StrandPairs run;
     run.frames = pair.dry->frames();
@@ -113,7 +117,7 @@ void encode_roots(const std::vector<RunPair>& pairs, float support_radius, Pairs
         RootFramesOf& roots = all.emplace_back();
         for_each_frame(pair, "encode", [&](const FrameWindow& window, const RunFrame& wet) {
             roots.dry.push_back(shifted_roots(window.now().positions, {}, support_radius));
-            roots.wet.push_back(shifted_roots(wet.seen(), pair.wet->header().saturation, support_radius));
+            roots.wet.push_back(shifted_roots(wet.seen(), wet.wetness(pair.wet->header()), support_radius));
             grow(box, roots.dry.back());
             grow(box, roots.wet.back());
         });

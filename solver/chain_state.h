@@ -58,6 +58,29 @@ struct ChainState {
         put(to.w, lane, q.w), put(to.x, lane, q.x), put(to.y, lane, q.y), put(to.z, lane, q.z);
     }
 
+    // What follows the water of one strand: `rest` at the saturation (n), null where the scene has none. What
+    // is empty in `rest` stays.
+    void put_water(const Scene& scene, int block, int lane, const StrandRest& rest, const float* sigma) {
+        for (int i = 0; i < n; ++i) {
+            const size_t k = at(block, i);
+            put(mass[k], lane, rest.mass[size_t(i)]);
+            if (!saturation.empty()) put(saturation[k], lane, sigma[i]);
+            if (i + 1 == n) continue;
+            if (!rest.rest_core.empty()) put(rest_core[k], lane, rest.rest_core[size_t(i)]);
+            if (!target.empty() && !rest.target.empty()) put(target[k], lane, rest.target[size_t(i)]);
+            if (!push.empty()) {
+                const Curl& curl = *scene.curl;
+                const double r = *curl.radius,
+                             omega = helix_angle(r, *curl.pitch / (2 * M_PI), rest.rest_length[size_t(i)]);
+                put(push[k], lane,
+                    curl.w_h * sigma[i] *
+                        Vec3d{*curl.pitch / (2 * M_PI) * omega,
+                              r * (std::cos(omega * (i + 1)) - std::cos(omega * i)),
+                              r * (std::sin(omega * (i + 1)) - std::sin(omega * i))});
+            }
+        }
+    }
+
     // Calls f(name, buffer) for each.
     template <class Self, class F>
     static void for_each_buffer(Self& s, F f) {
@@ -80,27 +103,13 @@ struct ChainState {
             put(x[k], lane, world);
             put(x_before[k], lane, world);
             if (i < 2) put(root[size_t(block) * 2 + size_t(i)], lane, p);
-            put(mass[k], lane, rest.mass[size_t(i)]);
-            if (!saturation.empty()) put(saturation[k], lane, scene.saturation[drawn]);
             if (!rest_depth.empty()) put(rest_depth[k], lane, depth[drawn]);
             if (i + 1 == n) continue;
             put(rest_length[k], lane, rest.rest_length[size_t(i)]);
-            if (!rest_core.empty()) put(rest_core[k], lane, rest.rest_core[size_t(i)]);
-            if (!frame.empty()) {
-                put(target[k], lane, rest.target[size_t(i)]);
-                put(frame[k], lane, head.rotation * rest.frame[size_t(i)]);
-            }
-            if (!push.empty()) {
-                const Curl& curl = *scene.curl;
-                const double r = *curl.radius,
-                             omega = helix_angle(r, *curl.pitch / (2 * M_PI), rest.rest_length[size_t(i)]);
-                put(push[k], lane,
-                    curl.w_h * scene.saturation[drawn] *
-                        Vec3d{*curl.pitch / (2 * M_PI) * omega,
-                              r * (std::cos(omega * (i + 1)) - std::cos(omega * i)),
-                              r * (std::sin(omega * (i + 1)) - std::sin(omega * i))});
-            }
+            if (!frame.empty()) put(frame[k], lane, head.rotation * rest.frame[size_t(i)]);
         }
+        const size_t first = size_t(s) * size_t(n);
+        put_water(scene, block, lane, rest, scene.saturation.empty() ? nullptr : &scene.saturation[first]);
     }
 };
 

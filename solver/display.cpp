@@ -8,12 +8,18 @@
 
 namespace wetcurl {
 
-Display::Display(const Scene& scene)
+Display::Display(const Scene& scene, const std::vector<float>& saturation, double reach)
     : scene_(scene),
+      saturation_(saturation),
       volume_(volumes_of(scene)),
       rest_depth_(rest_depths_of(scene)),
-      cohesion_(*scene.cohesion, scene.groom.rest.count, scene.groom.rest.particles, volume_,
-                scene.saturation) {}
+      cohesion_(*scene.cohesion, scene.groom.rest.count, scene.groom.rest.particles, volume_, saturation,
+                float(reach)) {}
+
+void Display::take_up_water(const std::vector<double>& dry_mass) {
+    for (size_t k = 0; k < volume_.size(); ++k)
+        volume_[k] = float(scene_.wetness->wet_mass(dry_mass[k], saturation_[k]) / scene_.volume_density);
+}
 
 void Display::apply(Strands& p, const Pose& head, double time) {
     const double begin = omp_get_wtime();

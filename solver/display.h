@@ -13,10 +13,18 @@ namespace wetcurl {
 class Display {
   public:
     // For a scene with [cohesion]; the scene must outlive it.
-    explicit Display(const Scene& scene);
+    explicit Display(const Scene& scene) : Display(scene, scene.saturation, 0) {}
+    // The same where `saturation` (strand, particle) lives, which must outlive it too, and where others read
+    // the neighbour lists up to `reach` [m].
+    Display(const Scene& scene, const std::vector<float>& saturation, double reach);
+    // Volumes as `saturation` has them now; dry_mass (strand, particle) [kg].
+    void take_up_water(const std::vector<double>& dry_mass);
     // Positions p of all strands of the scene's groom become p^w, at a pose of the head and a time [s].
     void apply(Strands& p, const Pose& head, double time);
 
+    // Of the positions that were given last.
+    const NeighborGrid& grid() const { return cohesion_.grid(); }
+    const NeighborList& list() const { return cohesion_.list(); }
     double neighbours_mean() const { return cohesion_.neighbours_mean(); }
     double list_seconds() const { return cohesion_.list_seconds(); }
     double seconds() const { return seconds_; }  // of the last call, lists included
@@ -24,6 +32,7 @@ class Display {
 
   private:
     const Scene& scene_;
+    const std::vector<float>& saturation_;
     std::vector<float> volume_, rest_depth_;  // (strand, particle)
     CohesionPass cohesion_;
     double seconds_ = 0;

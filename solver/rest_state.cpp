@@ -16,6 +16,22 @@ std::vector<Quatd> frames_along(const std::vector<Vec3d>& p) {
     return frame;
 }
 
+std::vector<double> dry_masses(const std::vector<Vec3d>& p, double density) {
+    std::vector<double> mass(p.size(), 0);
+    for (size_t i = 0; i + 1 < p.size(); ++i) {
+        const double half = 0.5 * density * norm(p[i + 1] - p[i]);
+        mass[i] += half;
+        mass[i + 1] += half;
+    }
+    return mass;
+}
+
+std::vector<Vec3d> points_of(const Strands& strands, int s) {
+    std::vector<Vec3d> p;
+    for (int i = 0; i < strands.particles; ++i) p.push_back(cast<double>(strands.at(s, i)));
+    return p;
+}
+
 namespace {
 
 std::vector<double> core_lengths(const std::vector<Vec3d>& p, double beta) {
@@ -25,18 +41,21 @@ std::vector<double> core_lengths(const std::vector<Vec3d>& p, double beta) {
         [&](int i, const Vec3d& b) { out[size_t(i)] = norm(b); });
     return out;
 }
+// Of the strand that has the intrinsic shape `tbar`.
+std::vector<double> core_lengths_of(const std::vector<Vec3d>& tbar, double beta) {
+    return core_lengths(shape_from_intrinsic(tbar, {0, 0, 0}, Quatd::identity()), beta);
+}
 
-std::vector<double> masses(const Scene& scene, int s, const std::vector<Vec3d>& p) {
-    const size_t n = p.size();
-    std::vector<double> mass(n, 0);
-    for (size_t i = 0; i + 1 < n; ++i) {
-        const double half = 0.5 * scene.linear_density * norm(p[i + 1] - p[i]);
-        mass[i] += half;
-        mass[i + 1] += half;
-    }
+const float* saturation_along(const Scene& scene, int s) {
+    return scene.saturation.empty()
+               ? nullptr
+               : scene.saturation.data() + size_t(s) * size_t(scene.groom.rest.particles);
+}
+
+// `saturation` (n); read where the scene has [wetness].
+std::vector<double> wet_masses(const Scene& scene, std::vector<double> mass, const float* saturation) {
     if (scene.wetness)
-        for (size_t i = 0; i < n; ++i)
-            mass[i] *= 1 + scene.wetness->absorbed * scene.saturation[size_t(s) * n + i];
+        for (size_t i = 0; i < mass.size(); ++i) mass[i] = scene.wetness->wet_mass(mass[i], saturation[i]);
     return mass;
 }
 
@@ -91,39 +110,42 @@ double mean_segment(const Groom& groom) {
     return sum / (double(groom.rest.count) * (groom.rest.particles - 1));
 }
 
-StrandRest rest_state_of(const Scene& scene, int s) {
-    const int n = scene.groom.rest.particles;
-    std::vector<Vec3d> p;
-    for (int i = 0; i < n; ++i) p.push_back(cast<double>(scene.groom.rest.at(s, i)));
+void soak(const Scene& scene, const Soaking& soaking, const float* saturation, StrandRest& rest) {
+    rest.mass = wet_masses(scene, soaking.dry_mass, saturation);
+    if (soaking.helix.empty()) return;
+    rest.target = partly_curled(*scene.curl, soaking.target, soaking.helix, saturation);
+    if (soaking.core.empty()) return;
+    rest.rest_core = soaking.rest_core;
+    const auto after = core_lengths_of(rest.target, scene.term<Core>()->beta);
+    for (size_t i = 0; i < after.size(); ++i)
+        if (after[i] != soaking.core[i]) rest.rest_core[i] *= after[i] / soaking.core[i];
+}
+
+StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking) {
+    const std::vector<Vec3d> p = points_of(scene.groom.rest, s);
+    Soaking own;
+    Soaking& dry = soaking ? *soaking : own;
+    dry = {};
+    dry.dry_mass = dry_masses(p, scene.linear_density);
     StrandRest rest;
     rest.start = p;
-    rest.mass = masses(scene, s, p);
-    for (int i = 0; i + 1 < n; ++i) rest.rest_length.push_back(norm(p[size_t(i) + 1] - p[size_t(i)]));
+    for (size_t i = 0; i + 1 < p.size(); ++i) rest.rest_length.push_back(norm(p[i + 1] - p[i]));
     rest.target = intrinsic_shape(p);
-    std::vector<double> angle(size_t(n) - 1, 0);
-    if (scene.rest == "sag_free") {
-        Scene dry_weight;
-        dry_weight.linear_density = scene.linear_density;
-        angle = free_of_sag(scene, p, masses(dry_weight, s, p), rest);
-    }
+    std::vector<double> angle(p.size() - 1, 0);
+    if (scene.rest == "sag_free") angle = free_of_sag(scene, p, dry.dry_mass, rest);
     const auto& core = scene.term<Core>();
     if (core) rest.rest_core = core_lengths(p, core->beta);
-    const float* sigma = scene.saturation.empty() ? nullptr : scene.saturation.data() + size_t(s) * size_t(n);
+    const float* sigma = saturation_along(scene, s);
     if (scene.curl && !scene.curl->printed) {
-        const auto dry = rest.target;
-        rest.target = curled(*scene.curl, dry, sigma);
+        dry.target = rest.target;
+        dry.helix = fully_curled(*scene.curl, rest.target);
+        if (core) dry.rest_core = rest.rest_core, dry.core = core_lengths_of(rest.target, core->beta);
         // From the drawn shape a curl would tighten by whole turns at once, and end in a tangle. So the
         // strand begins as its wet curl.
         const Quatd root = root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0}));
         rest.start = shape_from_intrinsic(curled(*scene.curl, intrinsic_shape(p), sigma), p[0], root);
-        if (core) {
-            const Quatd frame = Quatd::identity();
-            const auto before = core_lengths(shape_from_intrinsic(dry, {0, 0, 0}, frame), core->beta);
-            const auto after = core_lengths(shape_from_intrinsic(rest.target, {0, 0, 0}, frame), core->beta);
-            for (size_t i = 0; i < before.size(); ++i)
-                if (after[i] != before[i]) rest.rest_core[i] *= after[i] / before[i];
-        }
     }
+    soak(scene, dry, sigma, rest);
     rest.frame = frames_along(rest.start);
     for (size_t i = 1; i < rest.frame.size(); ++i)
         rest.frame[i] = turned_about_itself(rest.frame[i], angle[i]);
@@ -143,11 +165,10 @@ std::vector<float> rest_depths_of(const Scene& scene) {
 
 std::vector<float> volumes_of(const Scene& scene) {
     std::vector<float> out;
-    const int n = scene.groom.rest.particles;
     for (int s = 0; s < scene.groom.rest.count; ++s) {
-        std::vector<Vec3d> p;
-        for (int i = 0; i < n; ++i) p.push_back(cast<double>(scene.groom.rest.at(s, i)));
-        for (double m : masses(scene, s, p)) out.push_back(float(m / scene.volume_density));
+        const auto dry = dry_masses(points_of(scene.groom.rest, s), scene.linear_density);
+        for (double m : wet_masses(scene, dry, saturation_along(scene, s)))
+            out.push_back(float(m / scene.volume_density));
     }
     return out;
 }

@@ -21,8 +21,24 @@ struct StrandRest {
 // Frames along p (n), n at least 2, without any twist, from the root's -> (n-1).
 std::vector<Quatd> frames_along(const std::vector<Vec3d>& p);
 
-// Strand `s` of the scene's groom.
-StrandRest rest_state_of(const Scene& scene, int s);
+// What of it follows the water in the hair, and from what.
+struct Soaking {
+    std::vector<double> dry_mass;      // (n) [kg]
+    std::vector<Vec3d> target, helix;  // (n-1) tbar_i dry, and fully curled; empty without a blended curl
+    std::vector<double> core,
+        rest_core;  // (n-1) |bbar_i| of the dry target, and as drawn; empty without both
+};
+
+// Strand `s` of the scene's groom; `soaking`, where given, receives what `soak` needs of it.
+StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking = nullptr);
+// Mass, target and core lengths of `rest` at another saturation (n) of the strand; the last two are left as
+// they are where no curl blends them.
+void soak(const Scene& scene, const Soaking& soaking, const float* saturation, StrandRest& rest);
+
+// Dry masses (n) [kg] of a strand p (n) [m]: half of each segment to either end. density [kg/m].
+std::vector<double> dry_masses(const std::vector<Vec3d>& p, double density);
+// A strand's points in double, (n).
+std::vector<Vec3d> points_of(const Strands& strands, int s);
 
 // Mean rest length of a segment over the whole groom [m].
 double mean_segment(const Groom& groom);

@@ -81,6 +81,10 @@ void check_baseline(Scene& scene, Table root) {
         scene.term<Twist>().reset();
         return;
     }
+    if (scene.flow)
+        root.table(Wetness::table)
+            .fail("flow", "[baseline] method = \"" + name + "\" reads the saturation once; leave " +
+                              std::string("[wetness.flow] out"));
     if (!scene.wetness)
         root.fail("baseline", "method = \"" + name + "\" acts on wet hair and needs a [wetness] table");
     if (std::holds_alternative<BoundaryParticles2013>(*scene.baseline)) {
@@ -89,6 +93,34 @@ void check_baseline(Scene& scene, Table root) {
     } else {
         takes_place_of("cohesion");
     }
+}
+
+WaterSource read_water_source(Table t) {
+    WaterSource source;
+    read_parameters(source, WaterSource::parameters, t);
+    if (source.until <= source.from)
+        t.fail(t.has("until") ? "until" : "from", "a source must end after it begins");
+    if (t.choice("shape", "plane", {"plane", "sphere"}) == "sphere")
+        source.shape = Sphere{t.number("radius", 0.1, 1e-4, 100)};
+    else
+        source.shape = Plane{};
+    source.center = vec3(t.numbers("center", {0, 0, 0}, -1000, 1000));
+    source.motion = Motion(t.table("motion"));
+    return source;
+}
+
+void read_flow(Scene& scene, Table root) {
+    if (!root.has(Wetness::table)) return;
+    const Table wetness = root.table(Wetness::table);
+    if (!wetness.has("flow")) {
+        if (wetness.has("source"))
+            wetness.fail("source", "[[wetness.source]] gives water that moves and needs [wetness.flow]");
+        return;
+    }
+    scene.flow.emplace();
+    read_parameters(*scene.flow, Flow::parameters, wetness.table("flow"));
+    for (const Table& source : wetness.tables("source"))
+        scene.flow->sources.push_back(read_water_source(source));
 }
 
 void read_wet(Scene& scene, Table root) {
@@ -101,6 +133,7 @@ void read_wet(Scene& scene, Table root) {
         if (scene.wetness->pattern == "file" && scene.wetness->file.empty())
             t.fail("pattern", "'file' needs file = \"RUN.h5\", whose saturation is taken");
     }
+    read_flow(scene, root);
     read_term(scene.curl, root);
     if (scene.curl) {
         const Table t = root.table("curl");
@@ -257,6 +290,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::s
 
 void make_dry(Scene& scene) {
     scene.wetness.reset();
+    scene.flow.reset();
     scene.curl.reset();
     scene.cohesion.reset();
     scene.adhesion_model.clear();

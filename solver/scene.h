@@ -14,6 +14,7 @@
 #include "solver/motion.h"
 #include "solver/terms/cohesion.h"
 #include "solver/terms/curl.h"
+#include "solver/terms/flow.h"
 #include "solver/terms/list.h"
 #include "solver/terms/wetness.h"
 
@@ -46,6 +47,7 @@ struct Scene {
     Integrator integrator;
     ChainTerms chain;
     std::optional<Wetness> wetness;
+    std::optional<Flow> flow;  // of the water
     std::optional<Curl> curl;
     std::optional<Cohesion> cohesion;
     std::optional<Air> air;
@@ -56,7 +58,7 @@ struct Scene {
 
     Groom groom;  // of this run: the full groom, thinned by `stride`
     int stride = 1;
-    std::vector<float> saturation;   // (strand, particle); empty without wetness
+    std::vector<float> saturation;   // (strand, particle) at the start; empty without wetness
     std::string text, folder;        // the resolved TOML, and where its relative paths start
     std::vector<std::string> files;  // what it was read from: scene, includes, hair, meshes, networks
 

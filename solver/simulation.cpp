@@ -23,6 +23,7 @@ Presence presence_of(const Scene& scene) {
         [&](const auto&... term) { (note(term.has_value(), std::decay_t<decltype(*term)>::name), ...); },
         scene.chain);
     note(scene.wetness.has_value(), Wetness::name);
+    note(scene.flow.has_value(), Flow::name);
     note(scene.curl.has_value(), Curl::name);
     note(scene.cohesion.has_value(), Cohesion::name);
     note(scene.air.has_value(), Air::name);
@@ -75,6 +76,12 @@ std::string trusted_precision(const Scene& scene, const std::string& precision) 
 
 namespace {
 
+// A run that blew up has no neighbours to find; the caller asks `divergence` next.
+bool is_finite(const Strands& p) {
+    return std::all_of(p.points.begin(), p.points.end(),
+                       [](const Vec3f& x) { return std::abs(x.x + x.y + x.z) < 1e6f; });
+}
+
 template <class T>
 class CpuSimulation final : public Simulation {
     using S = Pack<T>;
@@ -92,6 +99,9 @@ class CpuSimulation final : public Simulation {
         return display_ ? display_->neighbours_mean() : forces_ ? forces_->neighbours_mean() : 0;
     }
     long limited_edges() const override { return limited_; }
+    std::optional<WaterBalance> water() const override {
+        return flow_ ? std::optional(flow_->water()) : std::nullopt;
+    }
     void use_adhesion_model(AdhesionModel* model) override { model_ = model; }
     void record_adhesion(std::vector<AdhesionRecord>* records) override { records_ = records; }
     SimulationState state() const override;
@@ -115,6 +125,8 @@ class CpuSimulation final : public Simulation {
     int lanes_of_block(int block) const { return std::min(lanes, strands_ - block * lanes); }
     ChainView<S> view_of(int block) const;
     void evaluate_adhesion();
+    void move_water();
+    void soak_strands();
     void move_air();
     void sample_air();
     void gather_hair_in_air();
@@ -142,6 +154,10 @@ class CpuSimulation final : public Simulation {
     Buffer<Quat<S>>& frame_ = state_.frame;
     Buffer<S> phi_, given_;
     Buffer<Vec3<S>> normal_, surface_velocity_;
+    std::optional<FlowPass> flow_;
+    std::vector<Soaking> soaking_;  // (strand), with flow
+    size_t flow_stage_ = 0;
+    double water_work_ = 0;
     std::optional<Display> display_;
     Strands displayed_;
     std::vector<ChainScratch<S>> scratch_;
@@ -152,7 +168,8 @@ class CpuSimulation final : public Simulation {
     Buffer<Vec3<S>> external_;
     std::vector<Vec3d> force_x_, force_;  // (strand, particle): what it sees and gives
     const Iben2013* iben_ = nullptr;
-    std::vector<double> stage_;  // chain, then what the scene names of neighbours and cohesion, air, baseline
+    std::vector<double>
+        stage_;  // chain, then what the scene names: neighbours and cohesion, saturation, air…
     double frame_seconds_ = 0;
     long limited_ = 0;
     AdhesionModel* model_ = nullptr;
@@ -180,9 +197,23 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
     }
     energy_kinds = kinds_of_energy(terms_);
     stages = {"chain"};
+    if (scene.flow) {
+        flow_.emplace(*scene.flow, scene.groom.rest, scene.linear_density, scene.wetness->absorbed,
+                      scene.saturation);
+        soaking_.resize(size_t(strands_));
+#pragma omp parallel for schedule(static)
+        for (int s = 0; s < strands_; ++s) rest_state_of(scene, s, &soaking_[size_t(s)]);
+    }
     if (scene.cohesion) {
         stages.insert(stages.end(), {"neighbours", "cohesion"});
-        display_.emplace(scene);
+        if (flow_)
+            display_.emplace(scene, flow_->saturation(), scene.flow->reach);
+        else
+            display_.emplace(scene);
+    }
+    if (flow_) {
+        flow_stage_ = stages.size();
+        stages.push_back("saturation");
     }
     if (scene.air) {
         air_stage_ = stages.size();
@@ -411,6 +442,42 @@ void CpuSimulation<T>::evaluate_adhesion() {
     if (records_) records_->insert(records_->end(), near.begin(), near.end());
 }
 
+// All that follows the saturation.
+template <class T>
+void CpuSimulation<T>::soak_strands() {
+    const float* saturation = flow_->saturation().data();
+#pragma omp parallel for schedule(static)
+    for (int block = 0; block < blocks_; ++block)
+        for (int lane = 0; lane < lanes; ++lane) {
+            const int s = std::min(block * lanes + lane, strands_ - 1);
+            const float* sigma = saturation + size_t(s) * size_t(n_);
+            StrandRest rest;
+            for (int i = 0; !push_.empty() && i + 1 < n_; ++i)
+                rest.rest_length.push_back(double(rest_length_[at(block, i)][lane]));
+            soak(scene_, soaking_[size_t(s)], sigma, rest);
+            state_.put_water(scene_, block, lane, rest, sigma);
+        }
+    if (display_) display_->take_up_water(flow_->dry_mass());
+}
+
+// Once a frame, since a block goes through all substeps of a frame at once, from where strands are seen: wet
+// strands that are drawn together touch, and a surface wets what is seen to cross it. Water that comes takes
+// on the velocity of the hair that it comes to. BDF2 goes on with its history: seen with masses that
+// quadruple within a few frames, no energy comes of it, and a restart each frame loses up to a fifth more.
+template <class T>
+void CpuSimulation<T>::move_water() {
+    const double begin = omp_get_wtime();
+    if (!display_) unpack(x_, displayed_);
+    if (!is_finite(displayed_)) return;
+    const auto before = meters_.empty() ? std::vector<double>{} : energy();
+    flow_->step(displayed_, time_, 1 / scene_.fps, scene_.integrator.gravity,
+                display_ ? &display_->grid() : nullptr, display_ ? &display_->list() : nullptr);
+    soak_strands();
+    const auto after = meters_.empty() ? std::vector<double>{} : energy();
+    for (size_t kind = 0; kind < after.size(); ++kind) water_work_ += after[kind] - before[kind];
+    stage_[flow_stage_] = omp_get_wtime() - begin;
+}
+
 // What the strands feel of the air, where they are now.
 template <class T>
 void CpuSimulation<T>::sample_air() {
@@ -487,6 +554,7 @@ void CpuSimulation<T>::advance() {
     double begin = omp_get_wtime();
     const double start = begin;
     std::fill(stage_.begin(), stage_.end(), 0.0);
+    if (flow_) move_water(), begin = omp_get_wtime();
     if (air_) move_air(), begin = omp_get_wtime();
     // What answers for all strands at once needs them at the same substep.
     const bool together = model_ || records_ || forces_;
@@ -510,10 +578,7 @@ template <class T>
 void CpuSimulation<T>::display() {
     if (!display_) return;
     unpack(x_, displayed_);
-    // A run that blew up has no neighbours to find; the caller asks `divergence` next.
-    const bool finite = std::all_of(displayed_.points.begin(), displayed_.points.end(),
-                                    [](const Vec3f& x) { return std::abs(x.x + x.y + x.z) < 1e6f; });
-    if (!finite) return;
+    if (!is_finite(displayed_)) return;
     display_->apply(displayed_, head_, time_);
     stage_[1] = display_->list_seconds();
     stage_[2] = display_->seconds() - stage_[1];
@@ -550,7 +615,7 @@ std::vector<double> CpuSimulation<T>::energy() const {
 
 template <class T>
 void CpuSimulation<T>::count_work() {
-    meters_.clear();
+    meters_.clear(), water_work_ = 0;
     for (int block = 0; block < blocks_; ++block)
         meters_.emplace_back(terms_, scene_.integrator.gravity, n_, lanes_of_block(block));
 }
@@ -559,6 +624,7 @@ template <class T>
 Work CpuSimulation<T>::work() const {
     Work sum;
     for (const auto& meter : meters_) sum += meter.work();
+    sum.water = water_work_;
     return sum;
 }
 
@@ -587,6 +653,7 @@ template <class T>
 SimulationState CpuSimulation<T>::state() const {
     SimulationState out;
     out.time = time_, out.first = first_;
+    if (flow_) out.saturation = flow_->exact();
     for_each_pair(state_, out, [&](const auto& from, auto& to) {
         for (int s = 0; !from.empty() && s < strands_; ++s)
             for (int i = 0; i < n_; ++i) to.push_back(lane_of(from[at(s / lanes, i)], s % lanes));
@@ -604,6 +671,7 @@ void CpuSimulation<T>::restore(const SimulationState& from) {
                 ChainState<S>::put(to[at(s / lanes, i)], s % lanes,
                                    values[size_t(std::min(s, strands_ - 1)) * size_t(n_) + size_t(i)]);
     });
+    if (flow_ && !from.saturation.empty()) flow_->restore(from.saturation), soak_strands();
     display();
 }
 
@@ -616,6 +684,9 @@ void CpuSimulation<T>::snapshot(RunFrame& frame) const {
     frame.stage_seconds.assign(stage_.begin(), stage_.end());
     const auto sum = energy();
     frame.energy.assign(sum.begin(), sum.end());
+    frame.saturation = flow_ ? flow_->saturation() : std::vector<float>{};
+    frame.water.clear();
+    if (const auto w = water()) frame.water = {w->held, w->taken, w->dripped, w->dried};
     frame.contact.clear();
     if (!touching_.empty())
         for (int s = 0; s < strands_; ++s)
@@ -657,6 +728,15 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
         add("adhesion answers", answers_);
     add("baseline forces", external_), add("baseline particles", force_x_), add("baseline answers", force_);
     if (forces_) out.push_back({"baseline lists", forces_->bytes()});
+    if (flow_) {
+        out.push_back({"flow of water", flow_->bytes()});
+        size_t numbers = 0;
+        for (const auto& s : soaking_)
+            numbers += s.dry_mass.capacity() + s.core.capacity() + s.rest_core.capacity() +
+                       3 * (s.target.capacity() + s.helix.capacity());
+        out.push_back({"rest states dry", numbers * sizeof(double)});
+        if (!display_) add("positions of the flow", displayed_.points);
+    }
     if (display_) {
         out.push_back({"cohesion lists", display_->bytes()});
         add("displayed positions", displayed_.points);

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/run_cache.h"
+#include "solver/passes/flow.h"
 #include "solver/passes/work.h"
 #include "solver/scene.h"
 
@@ -46,6 +47,7 @@ struct SimulationState {
     std::vector<Vec3d> x, x_before, v, v_before;
     std::vector<Quatd> frame;              // last of a strand unused; empty without bend
     std::vector<double> touching, pushed;  // empty without adhesion, without solids
+    std::vector<double> saturation;        // empty without flow; who takes it over counts its water anew
 };
 
 class Simulation {
@@ -61,6 +63,8 @@ class Simulation {
     virtual double neighbours_mean() const = 0;
     virtual long limited_edges() const = 0;  // by the strain limiter, so far
     virtual void use_adhesion_model(AdhesionModel* model) = 0;
+    // Of the flow, where the scene has one.
+    virtual std::optional<WaterBalance> water() const { return std::nullopt; }
     // From now on every substep's particles near solids are appended to `records` (null: stop).
     virtual void record_adhesion(std::vector<AdhesionRecord>* records) = 0;
     // These throw Error where the device does not offer them.

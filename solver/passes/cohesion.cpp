@@ -12,18 +12,25 @@ namespace wetcurl {
 using S = Pack<float>;
 
 CohesionPass::CohesionPass(const Cohesion& term, int strands, int particles, const std::vector<float>& volume,
-                           const std::vector<float>& saturation)
-    : term_(term), strands_(strands), particles_(particles), volume_(volume), saturation_(saturation) {
+                           const std::vector<float>& saturation, float reach)
+    : term_(term),
+      strands_(strands),
+      particles_(particles),
+      reach_(reach),
+      volume_(volume),
+      saturation_(saturation) {
     const size_t count = size_t(strands) * size_t(particles), padded = count + size_t(S::lanes);
     next_.resize(count);
     sorted_volume_.resize(padded), sorted_wet_volume_.resize(padded), strand_.resize(padded);
     rank_.resize(count);
+    if (reach > 0) any_.assign(padded, 1.f);
     segment_.resize(size_t(strands)), own_weight_.resize(size_t(strands));
 }
 
 void CohesionPass::build_lists(const Strands& p) {
     const double begin = omp_get_wtime();
-    grid_.build(p.points.data(), p.points.size(), float(term_.h_c));
+    const float radius = std::max(float(term_.h_c), reach_);
+    grid_.build(p.points.data(), p.points.size(), radius);
     const long count = long(grid_.size());
 #pragma omp parallel
     {
@@ -41,7 +48,7 @@ void CohesionPass::build_lists(const Strands& p) {
             rank_[id] = uint32_t(k);
         }
     }
-    list_.build(grid_, strand_, sorted_wet_volume_, float(term_.h_c));
+    list_.build(grid_, strand_, any_.empty() ? sorted_wet_volume_ : any_, radius);
     list_seconds_ = omp_get_wtime() - begin;
 }
 
@@ -129,7 +136,7 @@ void CohesionPass::smooth_displacements() {
 
 size_t CohesionPass::bytes() const {
     const size_t floats = sorted_volume_.capacity() + sorted_wet_volume_.capacity() + segment_.capacity() +
-                          own_weight_.capacity();
+                          own_weight_.capacity() + any_.capacity();
     return floats * sizeof(float) + (strand_.capacity() + rank_.capacity()) * sizeof(uint32_t) +
            next_.bytes() + grid_.bytes() + list_.bytes();
 }

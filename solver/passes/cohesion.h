@@ -14,12 +14,16 @@ namespace wetcurl {
 class CohesionPass {
   public:
     // `volume`, `saturation` (strand, particle): V_j = m_j / rho [m^3] and sigma_j.
+    // `reach` [m]: others read the lists too, which hold all neighbours up to there, dry ones among them; 0:
+    // only those that Eq 10 asks for.
     CohesionPass(const Cohesion& term, int strands, int particles, const std::vector<float>& volume,
-                 const std::vector<float>& saturation);
+                 const std::vector<float>& saturation, float reach = 0);
 
     // Positions p become displayed positions p^w. Roots stay.
     void apply(Strands& p);
 
+    const NeighborGrid& grid() const { return grid_; }
+    const NeighborList& list() const { return list_; }
     double neighbours_mean() const { return list_.neighbours_mean(); }
     double list_seconds() const { return list_seconds_; }  // of the last call, building lists
     size_t bytes() const;
@@ -31,12 +35,14 @@ class CohesionPass {
     void smooth_displacements();
     Cohesion term_;
     int strands_, particles_;
+    const float reach_;
     const std::vector<float>&volume_, &saturation_;
     NeighborGrid grid_;  // its points are the positions of the pass at hand
     NeighborList list_;
     // In the grid's order, a vector longer than there are points.
     PointArrays next_;
     std::vector<float> sorted_volume_, sorted_wet_volume_;  // V_j, sigma_j V_j
+    std::vector<float> any_;                                // ones; empty where the lists are Eq 10's alone
     std::vector<uint32_t> strand_;
     std::vector<uint32_t> rank_;               // of each particle (strand, particle) in the grid's order
     std::vector<float> segment_, own_weight_;  // (strand) mean segment length [m], own_weight of it

@@ -12,10 +12,11 @@ struct Work {
     double roots = 0;    // of the forces that move particles 0 and 1 as prescribed
     double solids = 0;   // of moving surfaces: a still one may take energy, never give it
     double terms = 0;    // of forces that keep no energy: adhesion, and drag by the root's rigid motion
+    double water = 0;    // of water that comes, goes and runs on, and of what follows it
     double limiter = 0;  // of the strain limiter: no cause outside, so not in `given`
-    double given() const { return roots + solids + terms; }
+    double given() const { return roots + solids + terms + water; }
     Work& operator+=(const Work& b) {
-        roots += b.roots, solids += b.solids, terms += b.terms, limiter += b.limiter;
+        roots += b.roots, solids += b.solids, terms += b.terms, water += b.water, limiter += b.limiter;
         return *this;
     }
 };

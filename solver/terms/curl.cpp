@@ -149,9 +149,13 @@ std::vector<Vec3d> fitted_helix(const std::vector<Vec3d>& tbar, double radius, d
 
 }  // namespace
 
-std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, const float* saturation) {
-    const std::vector<Vec3d> helix = curl.radius ? fitted_helix(tbar, *curl.radius, *curl.pitch)
-                                                 : tightened(tbar, curl.contraction, curl.tightening);
+std::vector<Vec3d> fully_curled(const Curl& curl, const std::vector<Vec3d>& tbar) {
+    return curl.radius ? fitted_helix(tbar, *curl.radius, *curl.pitch)
+                       : tightened(tbar, curl.contraction, curl.tightening);
+}
+
+std::vector<Vec3d> partly_curled(const Curl& curl, const std::vector<Vec3d>& tbar,
+                                 const std::vector<Vec3d>& helix, const float* saturation) {
     std::vector<Vec3d> out = tbar;
     for (size_t i = 1; i < tbar.size(); ++i) {
         const double s = curl.w_h * saturation[i];
@@ -160,6 +164,10 @@ std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, cons
         out[i] = norm(tbar[i]) * normalized(mixed, normalized(tbar[i], Vec3d{1, 0, 0}));
     }
     return out;
+}
+
+std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, const float* saturation) {
+    return partly_curled(curl, tbar, fully_curled(curl, tbar), saturation);
 }
 
 Mat3<double> helix_rotation(const Vec3d& h, const Vec3d& p, const Vec3d& axis) {

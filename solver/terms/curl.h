@@ -38,7 +38,12 @@ std::vector<Vec3d> intrinsic_shape(const std::vector<Vec3d>& points);
 std::vector<Vec3d> shape_from_intrinsic(const std::vector<Vec3d>& tbar, const Vec3d& root,
                                         const Quatd& frame);
 
-// tbar of the wet strand; `saturation` (n). Entries where saturation is 0 are returned as they were.
+// tbar (n-1) of the strand at saturation and weight 1.
+std::vector<Vec3d> fully_curled(const Curl& curl, const std::vector<Vec3d>& tbar);
+// The blend of Eq 9 between the two; `saturation` (n). Entries where it is 0 are returned as they were.
+std::vector<Vec3d> partly_curled(const Curl& curl, const std::vector<Vec3d>& tbar,
+                                 const std::vector<Vec3d>& helix, const float* saturation);
+// tbar of the wet strand.
 std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, const float* saturation);
 
 // Rotation M that turns unit h to unit p (Eq 7, 8): I + Psi + Psi²/(1+c), gamma = h x p, c = h.p.

@@ -217,6 +217,8 @@ RunFrame small_frame(int f) {
     frame.energy = {float(f), 2};
     frame.stage_seconds = {0.1f, 0.2f, float(f)};
     frame.contact.assign(12, uint8_t(f % 2));
+    frame.saturation.assign(12, 0.125f * float(f));
+    frame.water = {1e-6, 2e-6, 3e-6 * f, 4e-7};
     frame.seconds = 0.5 * f;
     return frame;
 }
@@ -270,6 +272,8 @@ TEST(RunCache, frames_come_back_to_the_bit_in_any_order) {
         EXPECT_EQ(found.energy, wanted.energy);
         EXPECT_EQ(found.stage_seconds, wanted.stage_seconds);
         EXPECT_EQ(found.contact, wanted.contact);
+        EXPECT_EQ(found.saturation, wanted.saturation);
+        EXPECT_EQ(found.water, wanted.water);
         EXPECT_EQ(found.seconds, wanted.seconds);
         EXPECT_EQ(norm(found.head.translation - wanted.head.translation), 0);
         EXPECT_EQ(found.head.rotation.w, wanted.head.rotation.w);
@@ -289,7 +293,8 @@ TEST(RunCache, holds_nothing_that_the_run_did_not_have) {
         w.commit();
     }
     const H5Reader file(scratch.path("run.h5"), run_format, run_version);
-    for (const char* absent : {"displayed", "saturation", "energy", "stage_seconds", "contact"})
+    for (const char* absent :
+         {"displayed", "saturation", "energy", "stage_seconds", "contact", "living_saturation", "water"})
         EXPECT_FALSE(file.has(absent)) << absent;
     const RunFrame f = RunReader(scratch.path("run.h5")).frame(0);
     EXPECT_EQ(f.displayed.count, 0);

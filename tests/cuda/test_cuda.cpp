@@ -127,6 +127,7 @@ TEST_F(Cuda, cohesion_of_a_dense_groom_is_the_cpus) {
 
 TEST_F(Cuda, what_is_not_covered_is_refused) {
     EXPECT_THROW(make_cuda_simulation(scene_of(dry_scene + "[air]\n"), "float", 0), Error);
+    EXPECT_THROW(make_cuda_simulation(scene_of(wet_scene + "[wetness.flow]\n"), "float", 0), Error);
     expect_error([] { make_cuda_simulation(scene_of(dry_scene, {"baseline.method='iben'"}), "float", 0); },
                  {"--device cpu", "iben"});
     EXPECT_THROW(make_cuda_simulation(scene_of(dry_scene, {"integrator.kind='explicit'"}), "float", 0),

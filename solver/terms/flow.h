@@ -1,0 +1,98 @@
+// Water that lives: it runs along the strand, passes to strands in contact, drips, dries, and is taken up
+// from sources. The paper's title speaks of porous flow and prints no equation; this one is ours: unsaturated
+// flow (Richards 1931) along a line, with the cubic mobility of films (Nusselt 1916) and of Irmay 1954. That
+// wet hair hands on water, drips and dries is after Rungjiratananon 2012.
+//
+// A strand holds the water mu m_absorbed sigma on each length, mu its dry mass a length. Along it runs
+//   Q = mu m_absorbed K sigma³ (t.g / |g_0| - H d sigma / ds)    [kg/s], toward the tip,
+// K the conductivity, H the suction, t the tangent, g_0 = 9.81 m/s². At rest sigma rises downward by 1/H.
+#pragma once
+
+#include <vector>
+
+#include "base/geometry/kernels.h"
+#include "base/geometry/shapes.h"
+#include "base/parameters.h"
+#include "solver/motion.h"
+
+namespace wetcurl {
+
+// A body of water, or a ball of spray: hair inside its surface takes up water, sigma' = rate (1 - sigma).
+struct WaterSource {
+    static constexpr const char* table = "wetness.source";
+    double rate, from, until;
+    Shape shape;            // a plane wets what lies below it
+    Vec3d center{0, 0, 0};  // of the shape where its motion begins [m]
+    Motion motion;
+    static constexpr Parameter<WaterSource> parameters[] = {
+        {"rate", &WaterSource::rate, "1/s", 5, 0, 1e6, "at which dry hair takes up water in it (ours)"},
+        {"from", &WaterSource::from, "s", 0, 0, 1e6, "when it begins to wet"},
+        {"until", &WaterSource::until, "s", 1e6, 0, 1e6, "when it ends"},
+    };
+    bool flows_at(double time) const { return time >= from && time < until; }
+    // x [m] in the world, `pose` that of its motion.
+    bool holds(const Vec3d& x, const Pose& pose) const {
+        return distance(shape, pose.inverse(x) - center).phi < 0;
+    }
+};
+
+// Masses of water here are those of dry hair that holds as much when full: the water's own is m_absorbed
+// times it.
+struct Flow {
+    static constexpr const char *name = "flow", *table = "wetness.flow";
+    double K, H, dripping, drying, exchange, reach;
+    std::vector<WaterSource> sources;
+    static constexpr Parameter<Flow> parameters[] = {
+        {"conductivity", &Flow::K, "m/s", 3e-3, 0, 1,
+         "K: speed at which a full strand drains; rho g d^2 / (3 mu) of a film, d = 30 um (Nusselt 1916)"},
+        {"suction", &Flow::H, "m", 0.05, 0, 10,
+         "H: height that dry hair draws water to; 2 gamma / (rho g r), r = 0.3 mm between hairs (Jurin "
+         "1718)"},
+        {"dripping", &Flow::dripping, "1", 1, 0, 1,
+         "share of the water that runs to the tip which falls off it (1: free drainage)"},
+        {"drying", &Flow::drying, "1/s", 2e-3, 0, 1e3, "rate at which saturation dries away (ours)"},
+        {"exchange", &Flow::exchange, "1/s", 2, 0, 1e4,
+         "rate at which two particles that touch even out (ours, after Rungjiratananon 2012)"},
+        {"reach", &Flow::reach, "m", 0.002, 1e-5, 1, "distance at which strands no longer touch"},
+    };
+
+    // What runs over an edge [kg/s] for each unit of saturation at its upper end, and back for each at its
+    // lower end, with the mobilities of the saturations `a` and `b` at those ends: linear, and never
+    // negative.
+    struct Rates {
+        double down, up;
+    };
+    // `fall`: t.g / |g_0| of the edge; `length` of it [m]; `density`: mu [kg/m].
+    Rates edge_rates(double a, double b, double fall, double length, double density) const {
+        if (fall < 0) {
+            const Rates mirrored = edge_rates(b, a, -fall, length, density);
+            return {mirrored.up, mirrored.down};
+        }
+        const double spread = H / length * 0.5 * (a * a * a + b * b * b);
+        // The falling part takes the mean of both ends where suction is strong enough to keep `up` positive,
+        // so that the profile at rest is met exactly, and the upper end elsewhere.
+        const double half = 0.5 * fall * b * b;
+        const double central = spread > half ? 1 : half > 0 ? spread / half : 0;
+        const double scale = density * K;
+        return {scale * (spread + fall * a * a * (1 - 0.5 * central)), scale * (spread - half * central)};
+    }
+    // From the tip [kg/s] for each unit of its saturation, taken as `a`.
+    double tip_rate(double a, double fall, double density) const {
+        return fall > 0 ? dripping * density * K * fall * a * a : 0;
+    }
+    // Substeps of dt [s] in which a front passes no more than half of the shortest cell [m], so that lagged
+    // mobilities overfill nothing. More than `most` would only sharpen fronts: the solve is stable at any.
+    int substeps(double dt, double shortest) const {
+        constexpr double most = 64;
+        const double cells = 2 * K * dt * (1 + H / shortest) / shortest;
+        return cells < most ? std::max(1, int(std::ceil(cells))) : int(most);
+    }
+    // Water that passes between two particles r [m] apart within dt for each unit that their saturations
+    // differ by, exact for the two alone; m: their dry masses [kg].
+    double passed(double m_a, double m_b, double r, double dt) const {
+        const double shared = m_a * m_b / (m_a + m_b);
+        return -std::expm1(-exchange * dt * kernel_shape(r, reach)) * shared;
+    }
+};
+
+}  // namespace wetcurl
