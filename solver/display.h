@@ -15,7 +15,8 @@ class Display {
     // For a scene with [cohesion]; the scene must outlive it.
     explicit Display(const Scene& scene);
     // Positions p of all strands of the scene's groom become p^w, at a pose of the head and a time [s].
-    void apply(Strands& p, const Pose& head, double time);
+    // `surfaces`: of each deforming solid, in the scene's order; null: there is none.
+    void apply(Strands& p, const Pose& head, double time, const MovingGrid* surfaces = nullptr);
 
     double neighbours_mean() const { return cohesion_.neighbours_mean(); }
     double list_seconds() const { return cohesion_.list_seconds(); }
