@@ -4,14 +4,15 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <random>
-#include <thread>
 #ifdef WETCURL_HAVE_NANOFLANN
 #include <nanoflann.hpp>
 #endif
@@ -21,7 +22,6 @@
 #include "base/geometry/neighbor_list.h"
 #include "base/interrupt.h"
 #include "base/log.h"
-#include "base/progress.h"
 #include "solver/passes/solid_tree.h"
 
 namespace wetcurl {
@@ -30,16 +30,16 @@ namespace {
 
 // --- what an entry is
 
-// One measurement. What `prepare` returns is timed; a repetition works on `items` things.
+// One measurement. What `prepare` returns is timed.
 struct Entry {
     std::string name;
     std::string series;  // entries over which an exponent of time in `size` is fitted; "": none
     double size = 0;
-    std::string item;                                // what is counted
-    std::function<std::function<void()>()> prepare;  // null: not in this build
+    std::string item;  // a repetition works on `items` of them
     double items = 0;
-    size_t bytes = 0;    // touched by a repetition at least: read once, written once; 0: not known
-    std::string absent;  // why
+    size_t bytes = 0;                                // that a repetition reads or writes at least, once
+    std::function<std::function<void()>()> prepare;  // null: not in this build, `absent` says why
+    std::string absent = "";
 };
 
 struct Measured {
@@ -47,21 +47,24 @@ struct Measured {
     double median, min, max;  // [s]
 };
 
-// Repetitions until they have taken this long [s], three at least and as many again as steady the median.
+// Repetitions until they have taken `budget` [s], or one that takes far longer.
 constexpr double budget = 0.5;
-constexpr int fewest = 3, most = 200;
+constexpr size_t fewest = 3, most = 200;
 
 Measured measure(const Entry& entry) {
     const auto act = entry.prepare();
-    act();  // memory is touched, caches are warm
-    std::vector<double> seconds;
-    double spent = 0;
-    while (int(seconds.size()) < fewest || (spent < budget && int(seconds.size()) < most)) {
+    const auto timed = [&] {
         const double begin = omp_get_wtime();
         act();
-        seconds.push_back(omp_get_wtime() - begin);
+        return omp_get_wtime() - begin;
+    };
+    std::vector<double> seconds{timed()};
+    double spent = seconds[0];
+    // The first one warms up and counts only where it is long.
+    if (spent < 2 * budget) seconds.clear();
+    while (spent < 4 * budget && seconds.size() < most && (seconds.size() < fewest || spent < budget)) {
+        seconds.push_back(timed());
         spent += seconds.back();
-        if (spent > 4 * budget) break;  // a slow one is measured once or twice
     }
     std::sort(seconds.begin(), seconds.end());
     const size_t n = seconds.size();
@@ -74,13 +77,13 @@ Measured measure(const Entry& entry) {
 double copy_bandwidth() {
     constexpr size_t chunk = size_t(1) << 20, chunks = 128;
     std::vector<char> from(chunk * chunks, 1), to(chunk * chunks);
-    const Entry copy{"copy", "", 0, "", [&] {
-                         return [&] {
+    Entry copy;
+    copy.prepare = [&] {
+        return [&] {
 #pragma omp parallel for schedule(static)
-                             for (size_t c = 0; c < chunks; ++c)
-                                 std::memcpy(&to[c * chunk], &from[c * chunk], chunk);
-                         };
-                     }};
+            for (size_t c = 0; c < chunks; ++c) std::memcpy(&to[c * chunk], &from[c * chunk], chunk);
+        };
+    };
     return 2.0 * double(from.size()) / measure(copy).min;
 }
 
@@ -108,38 +111,44 @@ Mesh sphere_mesh() { return triangulated(Sphere{sphere_radius}, 64); }  // 3968 
 // Level set of a sphere, so many cells across.
 Entry level_set_build(int cells) {
     const double nodes = std::pow(cells + 9, 3);
-    return {fmt::format("level set build {}³", cells),
-            "level set build",
-            double(cells) * cells * cells,
-            "node",
-            [cells] { return [mesh = sphere_mesh(), cells] { LevelSet(mesh, 2 * sphere_radius / cells); }; },
-            nodes,
-            size_t(nodes) * sizeof(float)};
+    Entry entry{fmt::format("level set build {}³", cells),
+                "level set build",
+                std::pow(cells, 3),
+                "node",
+                nodes,
+                size_t(nodes) * sizeof(float),
+                {}};
+    entry.prepare = [cells] {
+        return [mesh = sphere_mesh(), cells] { LevelSet(mesh, 2 * sphere_radius / cells); };
+    };
+    return entry;
 }
 
 // The same for a sphere that breathes, rebuilt in its band.
 Entry level_set_rebuild(int cells) {
     const double nodes = std::pow(std::ceil((cells + 8) / 8.0) * 8 + 1, 3);
-    return {fmt::format("level set rebuild {}³", cells),
-            "level set rebuild",
-            double(cells) * cells * cells,
-            "node",
-            [cells] {
-                auto mesh = sphere_mesh();
-                auto level_set =
-                    std::make_shared<MovingLevelSet>(mesh, bounding_box(mesh), 2 * sphere_radius / cells, 0);
-                auto smaller = mesh.vertices;
-                for (auto& v : smaller) v = 0.98f * v;
-                return [level_set, large = mesh.vertices, smaller, in = false]() mutable {
-                    in = !in;
-                    level_set->advance(in ? smaller : large, 1.0 / 24);
-                };
-            },
-            nodes,
-            size_t(nodes) * (2 * sizeof(float) + sizeof(Vec3f))};
+    Entry entry{fmt::format("level set rebuild {}³", cells),
+                "level set rebuild",
+                std::pow(cells, 3),
+                "node",
+                nodes,
+                size_t(nodes) * (2 * sizeof(float) + sizeof(Vec3f)),
+                {}};
+    entry.prepare = [cells] {
+        const Mesh mesh = sphere_mesh();
+        auto level_set =
+            std::make_shared<MovingLevelSet>(mesh, bounding_box(mesh), 2 * sphere_radius / cells, 0);
+        auto small = mesh.vertices;
+        for (auto& v : small) v = 0.98f * v;
+        return [level_set, large = mesh.vertices, small, in = false]() mutable {
+            in = !in;
+            level_set->advance(in ? small : large, 1.0 / 24);
+        };
+    };
+    return entry;
 }
 
-// Level sets of small heads on the corners of a lattice, and strands through all of it.
+// Solids of one shape on the corners of a lattice, and strands through all of it.
 struct Queries {
     using S = Pack<float>;
     std::vector<Shape> shapes;
@@ -150,9 +159,8 @@ struct Queries {
 
     static constexpr size_t packs = 2000;  // 32000 particles
 
-    explicit Queries(int count) : normal(packs), velocity(packs), phi(packs) {
-        const auto head = std::make_shared<const LevelSet>(sphere_mesh(), 2 * sphere_radius / 32);
-        shapes.assign(size_t(count), head);
+    Queries(const Shape& shape, int count)
+        : shapes(size_t(count), shape), normal(packs), velocity(packs), phi(packs) {
         const int side = int(std::ceil(std::cbrt(double(count)) - 1e-9));
         for (int k = 0; k < count; ++k)
             solids.push_back({&shapes[size_t(k)],
@@ -180,27 +188,31 @@ struct Queries {
     }
 };
 
-Entry level_set_query(int count, bool by_tree) {
-    const char* way = by_tree ? "tree" : "loop";
-    return {fmt::format("level set query, {} solids by {}", count, way),
-            fmt::format("level set query by {}", way),
-            double(count),
-            "particle",
-            [count, by_tree] {
-                auto q = std::make_shared<Queries>(count);
-                return [q, by_tree] {
+// The nearest of so many solids at every particle.
+Entry query(const std::string& shape_name, const std::function<Shape()>& shape, int count, bool by_tree) {
+    const std::string series = fmt::format("{} query by {}", shape_name, by_tree ? "tree" : "loop");
+    Entry entry{fmt::format("{}, {} solids", series, count),
+                series,
+                double(count),
+                "particle",
+                double(Queries::packs * Queries::S::lanes),
+                Queries::packs * 10 * sizeof(Queries::S),
+                {}};
+    entry.prepare = [shape, count, by_tree] {
+        auto q = std::make_shared<Queries>(shape(), count);
+        return [q, by_tree] {
 #pragma omp parallel for schedule(static)
-                    for (size_t k = 0; k < Queries::packs; ++k)
-                        if (by_tree)
-                            sample_nearest(*q->tree, q->solids, q->x[k], q->phi[k], q->normal[k],
-                                           q->velocity[k]);
-                        else
-                            sample_nearest(q->solids, q->x[k], q->phi[k], q->normal[k], q->velocity[k]);
-                };
-            },
-            double(Queries::packs * Queries::S::lanes),
-            Queries::packs * 10 * sizeof(Queries::S)};
+            for (size_t k = 0; k < Queries::packs; ++k)
+                if (by_tree)
+                    sample_nearest(*q->tree, q->solids, q->x[k], q->phi[k], q->normal[k], q->velocity[k]);
+                else
+                    sample_nearest(q->solids, q->x[k], q->phi[k], q->normal[k], q->velocity[k]);
+        };
+    };
+    return entry;
 }
+Shape small_sphere() { return Sphere{sphere_radius}; }
+Shape small_level_set() { return std::make_shared<const LevelSet>(sphere_mesh(), 2 * sphere_radius / 32); }
 
 // --- neighbour search, Table 4
 
@@ -292,14 +304,9 @@ const char* const kd_tree_absent = "built without nanoflann (libnanoflann-dev; s
 #endif
 
 Entry neighbour_search(const char* way, const Search& search, size_t count, const char* absent = "") {
-    Entry entry{fmt::format("neighbour search by {}, {}", way, count),
-                fmt::format("neighbour search by {}", way),
-                double(count),
-                "particle",
-                nullptr,
-                double(count),
-                count * (sizeof(Vec3f) + sizeof(uint32_t)),
-                absent};
+    const std::string series = fmt::format("neighbour search by {}", way);
+    Entry entry{fmt::format("{}, {}", series, count),       series, double(count), "particle", double(count),
+                count * (sizeof(Vec3f) + sizeof(uint32_t)), {},     absent};
     if (search)
         entry.prepare = [search, count] {
             auto cloud = std::make_shared<const Cloud>(count);
@@ -315,7 +322,11 @@ std::vector<Entry> entries() {
     for (int cells : {16, 32, 64, 128}) all.push_back(level_set_build(cells));
     for (int cells : {16, 32, 64, 128}) all.push_back(level_set_rebuild(cells));
     for (bool by_tree : {false, true})
-        for (int count : {1, 2, 4, 8, 16, 32, 64}) all.push_back(level_set_query(count, by_tree));
+        for (int count : {1, 2, 4, 8, 16, 32, 64})
+            all.push_back(query("level set", small_level_set, count, by_tree));
+    for (bool by_tree : {false, true})
+        for (int count : {1, 2, 4, 8, 16, 32, 64})
+            all.push_back(query("sphere", small_sphere, count, by_tree));
     for (size_t count : {1000, 4000, 16000, 64000})
         all.push_back(neighbour_search("brute force", by_brute_force, count));
     for (size_t count : {1000, 10000, 100000, 1000000})
@@ -327,11 +338,12 @@ std::vector<Entry> entries() {
 
 // --- results
 
-// Slope of log time over log size by least squares.
+// Slope of log time over log size by least squares; of the shortest times, which other programs' load and
+// the threads' waiting for one another hardly reach.
 double exponent(const std::vector<Measured>& series) {
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
     for (const auto& m : series) {
-        const double x = std::log(m.entry->size), y = std::log(m.median);
+        const double x = std::log(m.entry->size), y = std::log(m.min);
         ++n, sx += x, sy += y, sxx += x * x, sxy += x * y;
     }
     return (n * sxy - sx * sy) / (n * sxx - sx * sx);
