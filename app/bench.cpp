@@ -188,7 +188,7 @@ struct Queries {
     }
 };
 
-// The nearest of so many solids at every particle.
+// The nearest of so many solids at every particle, on one thread: what a block of strands pays.
 Entry query(const std::string& shape_name, const std::function<Shape()>& shape, int count, bool by_tree) {
     const std::string series = fmt::format("{} query by {}", shape_name, by_tree ? "tree" : "loop");
     Entry entry{fmt::format("{}, {} solids", series, count),
@@ -201,7 +201,6 @@ Entry query(const std::string& shape_name, const std::function<Shape()>& shape, 
     entry.prepare = [shape, count, by_tree] {
         auto q = std::make_shared<Queries>(shape(), count);
         return [q, by_tree] {
-#pragma omp parallel for schedule(static)
             for (size_t k = 0; k < Queries::packs; ++k)
                 if (by_tree)
                     sample_nearest(*q->tree, q->solids, q->x[k], q->phi[k], q->normal[k], q->velocity[k]);

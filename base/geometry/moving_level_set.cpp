@@ -91,13 +91,13 @@ void MovingLevelSet::for_lattice(int step, bool coarsest, Visit visit) {
         }
 }
 
-void MovingLevelSet::take_exact(const MeshDistance& surface, const Node& node, int guess) {
+void MovingLevelSet::take_exact(const MeshDistance& surface, const Node& node, int guess, bool alike) {
     const auto nearest = surface.closest(node.x, guess);
     const float distance = float(nearest.distance);
-    // No way that is shorter than both distances together meets a closed surface: the sign is the same at its
-    // ends. An open one changes it where nothing is met.
+    // No way that is shorter than both distances together meets the surface, so that the sign is the same at
+    // its ends. That of an open mesh changes without it, but between parents that differ.
     float sign = 0;
-    for (int p = 0; closed_ && sign == 0 && p < node.parents; ++p) {
+    for (int p = 0; (closed_ || alike) && sign == 0 && p < node.parents; ++p) {
         const float there = phi_[node.parent[p]];
         if (double(std::abs(there)) + nearest.distance > 1.00001 * node.apart) sign = there < 0 ? -1 : 1;
     }
@@ -138,7 +138,7 @@ void MovingLevelSet::build() {
             }
             // Where an open mesh lacks a surface the sign jumps far from it: no mean across.
             if (farthest <= reach || (inside && outside)) {
-                take_exact(surface, node, triangle);
+                take_exact(surface, node, triangle, !(inside && outside));
 #pragma omp atomic
                 ++count;
                 return;

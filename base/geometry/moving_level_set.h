@@ -80,7 +80,7 @@ class MovingLevelSet {
     void build();
     template <class Visit>
     void for_lattice(int step, bool coarsest, Visit visit);
-    void take_exact(const MeshDistance& surface, const Node& node, int guess);
+    void take_exact(const MeshDistance& surface, const Node& node, int guess, bool alike);
 
     Mesh mesh_;
     DistanceGrid layout_;
