@@ -10,13 +10,10 @@ namespace wetcurl {
 
 template <class T>
 ChainConstants<T> chain_constants(const Scene& scene, double dt) {
-    return {scene.chain, T(dt), T(scene.integrator.limiter), T(spring_sum(scene.chain)),
-            cast<T>(scene.integrator.gravity)};
+    return {scene.chain, T(dt), T(spring_sum(scene.chain)), cast<T>(scene.integrator.gravity)};
 }
 
-inline unsigned set_of(const Scene& scene) {
-    return set_of(scene.chain, !scene.solids.empty(), scene.integrator.limiter > 0);
-}
+inline unsigned set_of(const Scene& scene) { return set_of(scene.chain, !scene.solids.empty()); }
 
 // `shapes`: the scene's solids in the device's memory; the motion's solids are appended to `solids`, its
 // pointer to them is the caller's to set.

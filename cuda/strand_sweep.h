@@ -15,7 +15,7 @@
 
 namespace wetcurl {
 
-// What is there of a scene, by its place in ChainTerms; contact and limiter after them. A kernel for one set
+// What is there of a scene, by its place in ChainTerms; contact after them. A kernel for one set
 // knows it at compile time; the general one asks at each use.
 namespace present {
 template <class Term, size_t k = 0>
@@ -25,7 +25,7 @@ constexpr int place_of() {
     else
         return place_of<Term, k + 1>();
 }
-inline constexpr int contact = int(std::tuple_size_v<ChainTerms>), limiter = contact + 1;
+inline constexpr int contact = int(std::tuple_size_v<ChainTerms>);
 template <class... Term>
 inline constexpr unsigned these = (0u | ... | (1u << place_of<Term>()));
 }  // namespace present
@@ -38,8 +38,8 @@ struct AnySet {
     unsigned bits;
     WETCURL_HD bool has(int place) const { return (bits >> place) & 1; }
 };
-inline unsigned set_of(const ChainTerms& terms, bool contact, bool limiter) {
-    unsigned bits = unsigned(contact) << present::contact | unsigned(limiter) << present::limiter;
+inline unsigned set_of(const ChainTerms& terms, bool contact) {
+    unsigned bits = unsigned(contact) << present::contact;
     int place = 0;
     std::apply([&](const auto&... term) { ((bits |= unsigned(term.has_value()) << place++), ...); }, terms);
     return bits;
@@ -62,6 +62,7 @@ struct StrandMemory {
     T *frame, *ahead;  // at the positions now, and at those at which the next forces are taken
     T* twist;          // (block, particle, 2) rows of the twists' elimination
     T* core;           // (block, particle, 3) the core's force on the smoothed edge, before the adjoint
+    T* limit_edge;     // (block, particle, 3) edges at which the strain limit is taken
     T* factors;        // (block, particle, 3 or 12 or 21) the substitution's y, u1, u2
     const T *root, *mass, *rest_length, *rest_core, *target, *saturation, *rest_depth, *push;
 };
@@ -70,7 +71,7 @@ struct StrandMemory {
 template <class T>
 struct ChainConstants {
     ChainTerms terms;
-    T dt, limiter, spring_sum;
+    T dt, spring_sum;
     Vec3<T> gravity;
 };
 
@@ -113,12 +114,17 @@ class StrandSweep {
     }
 
     // One substep, `first` of a run (no history) or not; over the one after it the root turns by
-    // `turn_after`. `last`: someone looks at the frames then. Returns how many edges the limiter shortened.
+    // `turn_after`. `last`: someone looks at the frames then. Returns how many edges were held at their
+    // strain limit.
     template <class Set>
     WETCURL_HD int step(const Set& set, const SubstepMotion<T>& motion, const Q& turn_after, bool first,
                         bool last) {
         const Bdf2<T> scheme(k_.dt, first);
-        eliminate_from_tip(set, motion, scheme);
+        if (has<StrainLimit>(set)) {
+            solve_within_limit(set, motion, scheme);
+        } else {
+            eliminate_from_tip(set, motion, scheme);
+        }
         const int limited = substitute_from_root(set, motion, scheme, turn_after, last);
         // What was written over the older state is the newer one.
         const auto x = x_, v = v_;
@@ -153,6 +159,27 @@ class StrandSweep {
         return m_.factors + ((block_ * size_t(m_.n) + size_t(i)) * size_t(rows)) * Lanes<T>::lanes + lane_;
     }
 
+    template <class Set>
+    WETCURL_HD Factors factors_at(const Set& set, int i) const {
+        T* row = factors_of(set, i);
+        Factors f{};
+        f.y = LaneArray<V, T>{row}[0];
+        f.u1 = LaneArray<M, T>{row + 3 * Lanes<T>::lanes}[0];
+        if (penta(set)) f.u2 = LaneArray<M, T>{row + 12 * Lanes<T>::lanes}[0];
+        return f;
+    }
+    // The solution of a row from those of the particle before and of the one before that.
+    template <class Set>
+    WETCURL_HD static V substituted(const Set& set, const Factors& row, const V& d1, const V& d2) {
+        V d = row.y - row.u1 * d1;
+        if (penta(set)) d -= row.u2 * d2;
+        return d;
+    }
+    WETCURL_HD V placed_root(const SubstepMotion<T>& motion, int i) const {
+        const LaneArray<V, const T> root{m_.root + block_ * 2 * 3 * Lanes<T>::lanes + lane_};
+        return rotate(motion.head_rotation, root[i]) + motion.head_translation;
+    }
+
     // What an element whose last particle is i reads from memory.
     struct Inputs {
         V x, x_before, v;  // of particle i-2
@@ -160,6 +187,7 @@ class StrandSweep {
         T pivot, right;
         V v_before;  // of particle i, and so on
         T mass, saturation, touching, pushed;
+        V limit_edge;          // of edge i-1
         V core, target, push;  // of edge i-1
         T rest_length;
     };
@@ -177,6 +205,7 @@ class StrandSweep {
         if (has<CurlPush>(set)) in.push = of<const V>(m_.push)[i - 1];
         if (has<Adhesion>(set)) in.touching = of<T>(m_.touching)[i];
         if (set.has(present::contact)) in.pushed = of<T>(m_.pushed)[i];
+        if (has<StrainLimit>(set)) in.limit_edge = of<V>(m_.limit_edge)[i - 1];
         if ((has<Adhesion>(set) || has<Stiffness>(set)) && m_.saturation)
             in.saturation = of<const T>(m_.saturation)[i];
         return in;
@@ -211,7 +240,7 @@ class StrandSweep {
         V x[3], v[3], force[3] = {zero, zero, zero}, r[3] = {zero, zero, zero};
         Sym3<T> diagonal[3] = {no_sym, no_sym, no_sym};
         M upper1[2] = {no_mat, no_mat}, upper2[1];
-        V target[2], core[2], push[2], normal[3], surface_velocity[3];
+        V target[2], core[2], push[2], limit_edge[2], normal[3], surface_velocity[3];
         Q frame[2];
         T mass[3], rest_length[2], saturation[3], touching[3], phi[3];
         normal[2] = {T(0), T(1), T(0)}, surface_velocity[2] = zero;
@@ -219,6 +248,7 @@ class StrandSweep {
         ChainView<T> view{};
         view.n = 3;
         view.x = x, view.v = v, view.mass = mass, view.rest_length = rest_length;
+        view.limit_edge = limit_edge;
         view.target = target, view.frame = frame, view.core_pull = core, view.push = push;
         view.saturation = saturation, view.touching = touching, view.phi = phi, view.normal = normal;
         view.surface_velocity = surface_velocity;
@@ -244,7 +274,8 @@ class StrandSweep {
             v[2] = v[1], v[1] = v[0], v[0] = in.v;
             upper2[0] = no_mat;
             mass[2] = in.mass, saturation[2] = in.saturation, touching[2] = in.touching;
-            rest_length[1] = in.rest_length, target[1] = in.target, push[1] = in.push;
+            rest_length[1] = in.rest_length, limit_edge[1] = in.limit_edge, target[1] = in.target,
+            push[1] = in.push;
             if (has<Bend>(set)) frame[1] = frame[0], frame[0] = in.frame;
             if (has<Twist>(set) && i > 2) {
                 const T stiffness = get<Twist>(k_.terms).stiffness(in.rest_length);
@@ -255,7 +286,7 @@ class StrandSweep {
             if (has<Core>(set)) core[1] = get<Core>(k_.terms).printed ? in.core : adjoint(in.core);
             if (has<Adhesion>(set)) sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
             assemble_present(set, view, system, std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
-            if (has<Adhesion>(set)) touch(i, phi[2]);
+            if (has<Adhesion>(set) && !has<StrainLimit>(set)) touch(i, phi[2]);
 
             // Row i is whole.
             r[2] += scheme.right_side(mass[2], v[2], in.v_before, force[2] + mass[2] * k_.gravity);
@@ -275,11 +306,53 @@ class StrandSweep {
             force[2] = force[1], force[1] = force[0], force[0] = zero;
             r[2] = r[1], r[1] = r[0], r[0] = zero;
         }
-        if (has<Adhesion>(set))
-            for (int i = 0; i < 2; ++i) {
-                sample_nearest(motion, x[i], phi[2], normal[2], surface_velocity[2]);
-                touch(i, phi[2]);
+        if (has<Adhesion>(set) && !has<StrainLimit>(set)) touch_before(2, motion, scheme);
+    }
+    // What adhesion needs to know of the first `count` particles.
+    WETCURL_HD void touch_before(int count, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) const {
+        for (int i = 0; i < count; ++i) {
+            T phi;
+            V normal, surface_velocity;
+            sample_nearest(motion, at_first(scheme, i), phi, normal, surface_velocity);
+            touch(i, phi);
+        }
+    }
+
+    // Eliminates until the edges at their strain limit are found, as the reference does.
+    template <class Set>
+    WETCURL_HD void solve_within_limit(const Set& set, const SubstepMotion<T>& motion,
+                                       const Bdf2<T>& scheme) const {
+        const StrainLimit& limit = get<StrainLimit>(k_.terms);
+        const auto at = of<V>(m_.limit_edge);
+        const auto rest_length = of<const T>(m_.rest_length);
+        // Calls f(i, edge after the step) for edges 1 .. n-2.
+        auto for_each_edge = [&](bool solved, auto f) {
+            const V zero{T(0), T(0), T(0)};
+            V d1 = zero, d2 = zero, x1 = zero;
+            for (int i = 0; i < m_.n; ++i) {
+                const V x = at_first(scheme, i);
+                V d = zero;
+                if (solved)
+                    d = i < 2 ? (T(1) / scheme.h) * (placed_root(motion, i) - x)
+                              : substituted(set, factors_at(set, i), d1, d2);
+                if (i >= 2) f(i - 1, (x - x1) + scheme.h * (d - d1));
+                d2 = d1, d1 = d, x1 = x;
             }
+        };
+        for_each_edge(false, [&](int i, const V& e) { at.set(i, e); });
+        for (int solves = 0; solves < limit.most_solves; ++solves) {
+            if (solves > 0) for_each_edge(true, [&](int i, const V& e) { at.set(i, e); });
+            eliminate_from_tip(set, motion, scheme);
+            // The twists' turns are done.
+            for (int i = 1; has<Twist>(set) && i + 1 < m_.n; ++i) of<T>(m_.twist, 2).set(2 * i + 1, T(0));
+            T farthest(0);
+            for_each_edge(true, [&](int i, const V& e) {
+                farthest = maximum(farthest, limit.unsettled(e, at[i], rest_length[i]));
+            });
+            if (!(farthest > T(0))) break;
+        }
+        // Only now: every solve is to see the same contacts.
+        if (has<Adhesion>(set)) touch_before(m_.n, motion, scheme);
     }
 
     // What particle i needs on the way from the root.
@@ -296,17 +369,13 @@ class StrandSweep {
         Outputs in{};
         in.x = x_[i], in.x_before = x_before_[i], in.v = v_[i];
         if (i >= 2) {
-            T* row = factors_of(set, i);
-            in.row.y = LaneArray<V, T>{row}[0];
-            in.row.u1 = LaneArray<M, T>{row + 3 * Lanes<T>::lanes}[0];
-            if (penta(set)) in.row.u2 = LaneArray<M, T>{row + 12 * Lanes<T>::lanes}[0];
+            in.row = factors_at(set, i);
         }
         if (i >= 1) {
             if (has<Bend>(set)) in.frame = of<Q>(m_.ahead)[i - 1], in.target = of<const V>(m_.target)[i - 1];
             if (has<Twist>(set) && i >= 2) in.mass = of<const T>(m_.mass)[i - 2];
             if (has<Core>(set)) in.rest_core = of<const T>(m_.rest_core)[i - 1];
-            if (has<Twist>(set) || set.has(present::limiter))
-                in.rest_length = of<const T>(m_.rest_length)[i - 1];
+            if (has<Twist>(set) || has<StrainLimit>(set)) in.rest_length = of<const T>(m_.rest_length)[i - 1];
         }
         if (set.has(present::contact) && m_.rest_depth) in.rest_depth = of<const T>(m_.rest_depth)[i];
         return in;
@@ -371,32 +440,32 @@ class StrandSweep {
         const V zero{T(0), T(0), T(0)};
         const Bdf2<T> following(k_.dt, false);
         Ahead ahead(following, turn_after);
-        const LaneArray<V, const T> root{m_.root + block_ * 2 * 3 * Lanes<T>::lanes + lane_};
-        V d1 = zero, d2 = zero;    // solution of particles i-1 and i-2
-        V x1 = zero, kept = zero;  // of particle i-1; `kept`: before its contacts
+        V d1 = zero, d2 = zero;  // solution of particles i-1 and i-2
+        V x1 = zero;             // of particle i-1
         int limited = 0;
         Outputs next = outputs_at(set, 0);
         for (int i = 0; i < n; ++i) {
             const Outputs in = next;
             if (i + 1 < n) next = outputs_at(set, i + 1);
-            V x = scheme.predicted(in.x, in.x_before, in.v), v = in.v, x_old = in.x, v_old = in.v, d;
+            const V expected = scheme.predicted(in.x, in.x_before, in.v);
+            V x = expected, v = in.v, x_old = in.x, v_old = in.v, d;
             if (i < 2) {
-                const V placed = rotate(motion.head_rotation, root[i]) + motion.head_translation;
+                const V placed = placed_root(motion, i);
                 d = (T(1) / scheme.h) * (placed - x);
                 x = placed;
             } else {
-                d = in.row.y - in.row.u1 * d1;
-                if (penta(set)) d -= in.row.u2 * d2;
+                d = substituted(set, in.row, d1, d2);
                 x += scheme.h * d;
             }
             v += d;
+            if (has<StrainLimit>(set) && i >= 2)
+                limited += get<StrainLimit>(k_.terms).holds(of<V>(m_.limit_edge)[i - 1], in.rest_length);
             d2 = d1, d1 = d;
             bool moved = false;
             T pushed(0), mass(0);
             if (set.has(present::contact) && i >= 2) {
                 pushed = of<T>(m_.pushed)[i], mass = of<const T>(m_.mass)[i];
                 if (pushed > 0) {
-                    const V expected = scheme.predicted(in.x, in.x_before, in.v);
                     const Hold<T> hold = hold_of(i, motion, pushed, scheme.h, mass, expected);
                     pushed = pushed_by(hold, scheme.h, d);
                     const V dv = friction_of(hold, pushed, mass, v);
@@ -404,23 +473,12 @@ class StrandSweep {
                     moved = true;
                 }
             }
-            if (i >= 2) {
-                if (set.has(present::limiter)) {
-                    bool over;
-                    const V end = limited_end(kept, x, in.rest_length, k_.limiter, over);
-                    const V dx = end - x, dv = (T(1) / k_.dt) * dx;
-                    x = end, x_old += dx, v += dv, v_old += dv;
-                    moved |= over, limited += over;
-                }
-                kept = x;
-                if (set.has(present::contact))
-                    for (const auto& solid : motion)
-                        moved |= resolve_contact(solid, solid.attached ? in.rest_depth : T(0), k_.dt, mass,
-                                                 pushed, x, x_old, v, v_old);
-            } else {
-                kept = x;
+            if (set.has(present::contact) && i >= 2) {
+                for (const auto& solid : motion)
+                    moved |= resolve_contact(solid, solid.attached ? in.rest_depth : T(0), k_.dt, mass,
+                                             pushed, x, x_old, v, v_old);
+                of<T>(m_.pushed).set(i, pushed);
             }
-            if (set.has(present::contact) && i >= 2) of<T>(m_.pushed).set(i, pushed);
             x_before_.set(i, x), v_before_.set(i, v);
             if (moved) x_.set(i, x_old), v_.set(i, v_old);
             Q frame{};

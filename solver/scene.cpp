@@ -36,6 +36,10 @@ void read_chain(Scene& scene, Table root) {
         twist->k_b = scene.term<Bend>()->k_b;
         if (!(twist->torsion * twist->k_b > 0)) twist.reset();
     }
+    auto& limit = scene.term<StrainLimit>();
+    if (scene.integrator.kind == "explicit" && !root.table("integrator").has("limiter")) limit = {0.1};
+    if (limit && !(limit->most > 0)) limit.reset();
+    if (limit) limit->stiffen(1 / (scene.fps * scene.integrator.substeps), spring_sum(scene.chain));
     if (scene.term<Adhesion>()) scene.adhesion_model = root.table("adhesion").path("model");
 }
 
@@ -210,7 +214,6 @@ Scene read_scene(Config config, const SceneOptions& options) {
     Integrator& in = scene.integrator;
     in.kind = t.choice("kind", is_iben(scene) ? "explicit" : "implicit", {"implicit", "explicit"});
     in.substeps = int(t.integer("substeps", 10, 1, 1'000'000));
-    in.limiter = t.number("limiter", in.kind == "explicit" ? 0.1 : 0, 0, 10);
     in.settle = t.number("settle", 0, 0, 1000);
     in.gravity = vec3(t.numbers("gravity", {0, -9.81, 0}, -1e5, 1e5));
 

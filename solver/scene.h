@@ -23,7 +23,6 @@ namespace wetcurl {
 struct Integrator {
     std::string kind = "implicit";  // implicit: BDF2; explicit: symplectic Euler, the paper's
     int substeps = 10;              // a frame
-    double limiter = 0;             // allowed strain of an edge; 0: no limiter
     double settle = 0;              // [s] simulated before frame 0 with everything held at its first pose
     Vec3d gravity{0, -9.81, 0};
 };

@@ -29,12 +29,22 @@ Presence presence_of(const Scene& scene) {
     note(scene.air.has_value(), Air::name);
     note(!scene.solids.empty(), "contact");
     note(!scene.adhesion_model.empty(), "adhesion network");
-    note(scene.integrator.limiter > 0, "limiter");
     if (scene.baseline)
         p.present.push_back("baseline " + name_of(*scene.baseline));
     else
         p.absent.push_back("baseline");
     return p;
+}
+
+// The largest of a strand's masses over its smallest, in the strand where that is largest.
+static double mass_ratio(const Scene& scene) {
+    const auto volume = volumes_of(scene);
+    double most = 1;
+    for (auto v = volume.begin(); v != volume.end(); v += scene.groom.rest.particles) {
+        const auto [light, heavy] = std::minmax_element(v, v + scene.groom.rest.particles);
+        most = std::max(most, double(*heavy) / double(*light));
+    }
+    return most;
 }
 
 double stiffness_number(const Scene& scene) {
@@ -43,7 +53,9 @@ double stiffness_number(const Scene& scene) {
         if constexpr (requires { t.spring(); }) k = std::max(k, t.spring());
     });
     const double h = 2.0 / 3 / (scene.fps * scene.integrator.substeps);
-    return h * h * k / (scene.linear_density * mean_segment(scene.groom));
+    const double number = h * h * k / (scene.linear_density * mean_segment(scene.groom));
+    const auto& limit = scene.term<StrainLimit>();
+    return limit ? std::max(number, h * h * limit->per_kg * mass_ratio(scene)) : number;
 }
 
 std::string trusted_precision(const Scene& scene, const std::string& precision) {
@@ -284,25 +296,33 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
     Vec3<S>*x = now.x_before, *x_old = now.x, *v = now.v_before, *v_old = now.v;
     if (iben_) iben_->limit_velocities(n_, T(dt_), x, v);
     view.x = x, view.v = v;
-    if (meter) meter->add_step(step, view, turn_left, now.x, scratch.hold, scratch.force.data());
+    if (meter) meter->add_step(step, view, turn_left, now.x, scratch);
+    int limited = 0;
     auto counted = [&](double Work::*kind, auto act) {
         if (meter)
             meter->add_change(kind, step, view, turn_left, act);
         else
             act();
     };
-    if (scene_.integrator.limiter > 0)
+    const auto& limit = std::get<std::optional<StrainLimit>>(terms_);
+    if (limit && !scratch.limit_edge.empty())
+        for (int i = 1; i + 1 < n_; ++i)
+            limited +=
+                count_lanes<S>(limit->holds(scratch.limit_edge[size_t(i)], rest_length_[k + size_t(i)]));
+    else if (limit)
         counted(&Work::limiter, [&] {
             auto* unlimited = scratch.predicted_x.data();
             std::copy_n(x, n_, unlimited);
-            const int limited = limit_strain(n_, &rest_length_[k], T(scene_.integrator.limiter), x);
+            limited = limit_strain(n_, &rest_length_[k], T(limit->most), x);
             for (int i = 2; i < n_; ++i) {
                 const Vec3<S> dx = x[i] - unlimited[i], dv = S(T(1 / dt_)) * dx;
                 x_old[i] += dx, v[i] += dv, v_old[i] += dv;
             }
-#pragma omp atomic
-            limited_ += limited;
         });
+    if (limited > 0) {
+#pragma omp atomic
+        limited_ += limited;
+    }
     auto meet = [&](const auto& solid, bool deforms) {
         bool met = false;
         auto resolve = [&] {
@@ -669,7 +689,8 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
     if (air_) out.push_back({"air", air_->bytes()}), add("hair in the air", hair_in_air_);
     size_t scratch = 0;
     for (const auto& s : scratch_)
-        scratch += (s.predicted_x.size() + s.force.size() + s.core_pull.size()) * sizeof(Vec3<S>) +
+        scratch += (s.predicted_x.size() + s.force.size() + s.core_pull.size() + s.limit_edge.size()) *
+                       sizeof(Vec3<S>) +
                    s.diagonal.size() * sizeof(Sym3<S>) +
                    (s.upper1.size() + s.upper2.size()) * sizeof(Mat3<S>) + s.twist.size() * sizeof(S) +
                    s.hold.size() * sizeof(Hold<S>);

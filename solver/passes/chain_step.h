@@ -65,7 +65,7 @@ WETCURL_HD S hold_stiffness(Plain<S> spring_sum, const S& h, const S& mass) {
 // Buffers of one thread, for one block.
 template <class S>
 struct ChainScratch {
-    std::vector<Vec3<S>> predicted_x, force, core_pull;
+    std::vector<Vec3<S>> predicted_x, force, core_pull, limit_edge;
     std::vector<Sym3<S>> diagonal;
     std::vector<Mat3<S>> upper1, upper2;
     std::vector<S> twist;
@@ -79,6 +79,7 @@ struct ChainScratch {
         if (implicit) diagonal.resize(m), upper1.resize(m);
         if (implicit && couples_two_edges(terms)) upper2.resize(m);
         if (std::get<std::optional<Twist>>(terms)) twist.resize(2 * m);
+        if (implicit && std::get<std::optional<StrainLimit>>(terms)) limit_edge.resize(m);
     }
 };
 
@@ -103,27 +104,40 @@ WETCURL_HD void relax_frames(const ChainTerms& terms, const ChainView<S>& view, 
         relax_twist(*std::get<std::optional<Bend>>(terms), *twist, view, view.x, h, scratch, frame);
 }
 
-// The end of an edge e from x0, which is moved where the edge is longer than (1 + limiter) of its rest length
-// (Selle 2008). `over`: whether it was.
-template <class S, class Mask>
-WETCURL_HD Vec3<S> limited_end(const Vec3<S>& x0, const Vec3<S>& x1, const S& rest_length, Plain<S> limiter,
-                               Mask& over) {
-    const Vec3<S> e = x1 - x0;
-    const S length = norm(e), most = S(1 + limiter) * rest_length;
-    over = length > most;
-    return select(over, x0 + (most / maximum(length, S(tiny_length<S>))) * e, x1);
-}
-// Root to tip. Returns how many edges were shortened.
+// The edges after a step h that changes velocities by dv (n), of strands whose strain limit must be solved
+// for again; the others' stay, and so does their solution. Returns whether there are any.
 template <class S>
-int limit_strain(int n, const S* rest_length, Plain<S> limiter, Vec3<S>* x) {
+bool update_limit_edges(const StrainLimit& limit, const ChainView<S>& c, const S& h, const Vec3<S>* dv,
+                        Vec3<S>* at) {
+    S farthest(0);
+    auto edge_after = [&](int i) { return edge(c, i) + h * (dv[i + 1] - dv[i]); };
+    for (int i = 1; i + 1 < c.n; ++i)
+        farthest = maximum(farthest, limit.unsettled(edge_after(i), at[i], c.rest_length[i]));
+    if (!any_positive(farthest)) return false;
+    for (int i = 1; i + 1 < c.n; ++i) at[i] = select(farthest > S(0), edge_after(i), at[i]);
+    return true;
+}
+
+// How many of `over`'s lanes hold.
+template <class S, class Mask>
+int count_lanes(const Mask& over) {
+    if constexpr (std::is_same_v<S, Plain<S>>) return over;
+    int count = 0;
+    if constexpr (!std::is_same_v<S, Plain<S>>)
+        for (int lane = 0; lane < S::lanes; ++lane) count += over[lane] != 0;
+    return count;
+}
+// Moves the end of each edge that is longer than (1 + most) of its rest length, root to tip (Selle 2008).
+// Returns how many were.
+template <class S>
+int limit_strain(int n, const S* rest_length, Plain<S> most, Vec3<S>* x) {
     int limited = 0;
     for (int i = 1; i + 1 < n; ++i) {
-        decltype(S(0) > S(0)) over;
-        x[i + 1] = limited_end(x[i], x[i + 1], rest_length[i], limiter, over);
-        if constexpr (std::is_same_v<S, Plain<S>>)
-            limited += over;
-        else
-            for (int lane = 0; lane < S::lanes; ++lane) limited += over[lane] != 0;
+        const Vec3<S> e = x[i + 1] - x[i];
+        const S length = norm(e), allowed = S(1 + most) * rest_length[i];
+        const auto over = length > allowed;
+        x[i + 1] = select(over, x[i] + (allowed / maximum(length, S(tiny_length<S>))) * e, x[i + 1]);
+        limited += count_lanes<S>(over);
     }
     return limited;
 }
@@ -151,33 +165,44 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     const Sym3<S> no_sym = identity_times(S(0));
     const Mat3<S> no_mat = to_mat3(no_sym);
     const Vec3<S> gravity = cast<S>(b.gravity);
-    for (int i = 0; i < n; ++i) {
-        s.force[i] = view.mass[i] * gravity;
-        s.diagonal[i] = no_sym;
-        s.upper1[i] = no_mat;
-        if (penta) s.upper2[i] = no_mat;
-    }
     const ChainSystem<S> system{h, s.force.data(), s.diagonal.data(), s.upper1.data(), s.upper2.data()};
-    for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
-    add_external_forces(b, s.force.data());
-
-    // The force's place takes the right side, and then the solution v - v^.
-    Vec3<S>* r = s.force.data();
-    for (int i = 2; i < n; ++i) {
-        r[i] = scheme.right_side(view.mass[i], b.v[i], b.v_before[i], r[i]);
-        s.diagonal[i] += identity_times(view.mass[i]);
-        if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, s.diagonal[i], r[i]);
-    }
-    Vec3<S> known[2];
+    Vec3<S> known[2], root_force[2];
     for (int i = 0; i < 2; ++i)
         known[i] = (S(1) / h) * (b.root[i] - s.predicted_x[i]);  // v - v^ that takes the root to its place
-    if (n > 2) r[2] -= transposed_times(s.upper1[1], known[1]);
-    if (penta && n > 2) r[2] -= transposed_times(s.upper2[0], known[0]);
-    if (penta && n > 3) r[3] -= transposed_times(s.upper2[1], known[1]);
-    if (penta)
-        solve_blocks<true>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
-    else
-        solve_blocks<false>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
+    // The force's place takes the right side, and then the solution v - v^.
+    Vec3<S>* r = s.force.data();
+    auto solve = [&] {
+        for (int i = 0; i < n; ++i) {
+            s.force[i] = view.mass[i] * gravity;
+            s.diagonal[i] = no_sym;
+            s.upper1[i] = no_mat;
+            if (penta) s.upper2[i] = no_mat;
+        }
+        for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
+        add_external_forces(b, s.force.data());
+        for (int i = 2; i < n; ++i) {
+            r[i] = scheme.right_side(view.mass[i], b.v[i], b.v_before[i], r[i]);
+            s.diagonal[i] += identity_times(view.mass[i]);
+            if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, s.diagonal[i], r[i]);
+        }
+        if (n > 2) r[2] -= transposed_times(s.upper1[1], known[1]);
+        if (penta && n > 2) r[2] -= transposed_times(s.upper2[0], known[0]);
+        if (penta && n > 3) r[3] -= transposed_times(s.upper2[1], known[1]);
+        if (penta)
+            solve_blocks<true>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
+        else
+            solve_blocks<false>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
+        for (int i = 0; i < 2; ++i) root_force[i] = r[i], r[i] = known[i];
+    };
+    if (const auto& limit = std::get<std::optional<StrainLimit>>(terms)) {
+        view.limit_edge = s.limit_edge.data();
+        for (int i = 0; i + 1 < n; ++i) s.limit_edge[i] = edge(view, i);
+        int solves = 0;
+        do solve();
+        while (update_limit_edges(*limit, view, h, r, s.limit_edge.data()) && ++solves < limit->most_solves);
+    } else {
+        solve();
+    }
     if (b.reaction) {
         // What rows 0 and 1 lack: h R = A d - r.
         const Vec3<S>*d0 = known, *d1 = known + 1;
@@ -187,11 +212,10 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         if (penta && n > 2) row[0] += s.upper2[0] * r[2];
         if (penta && n > 3) row[1] += s.upper2[1] * r[3];
         for (int i = 0; i < 2; ++i)
-            b.reaction[i] = (S(1) / h) * (row[i] + view.mass[i] * known[i] -
-                                          scheme.right_side(view.mass[i], b.v[i], b.v_before[i], s.force[i]));
+            b.reaction[i] =
+                (S(1) / h) * (row[i] + view.mass[i] * known[i] -
+                              scheme.right_side(view.mass[i], b.v[i], b.v_before[i], root_force[i]));
     }
-    r[0] = known[0];
-    r[1] = known[1];
     for (int i = 0; i < n; ++i) {
         b.v_before[i] = b.v[i] + r[i];
         b.x_before[i] = i < 2 ? b.root[i] : s.predicted_x[i] + h * r[i];

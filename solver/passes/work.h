@@ -83,6 +83,17 @@ S work_of_holds(const BlockStep<S>& step, const std::vector<Hold<S>>& hold) {
     return sum;
 }
 
+// Of the strain limit's springs, along the way from `from`.
+template <class S>
+S work_of_limit(const StrainLimit& limit, const ChainView<S>& c, const Vec3<S>* from) {
+    S sum(0);
+    for (int i = 1; i + 1 < c.n; ++i) {
+        const S length = norm(edge(c, i)), over = maximum(limit.excess(length, c.rest_length[i]), S(0));
+        sum -= limit.stiffness(c.mass[i + 1]) * over * (length - norm(from[i + 1] - from[i]));
+    }
+    return sum;
+}
+
 // Counts the work on one block of strands, of which the first `lanes` are real.
 template <class S>
 class WorkMeter {
@@ -99,9 +110,9 @@ class WorkMeter {
         if (with_frames_) root_frame_ = step.frame[0];
         return reaction_;
     }
-    // The step took particles from `from` to view.x; `turn_left`: of its frames. `force` (n) is scratch.
+    // The step took particles from `from` to view.x; `turn_left`: of its frames.
     void add_step(const BlockStep<S>& step, ChainView<S> view, const Quat<Plain<S>>& turn_left,
-                  const Vec3<S>* from, const std::vector<Hold<S>>& hold, Vec3<S>* force) {
+                  const Vec3<S>* from, ChainScratch<S>& scratch) {
         if (step.first) std::copy_n(reaction_, 2, reaction_before_);
         work_.roots += sum_of_lanes(work_of_roots(reaction_before_, reaction_, from, view.x), lanes_);
         std::copy_n(reaction_, 2, reaction_before_);
@@ -113,8 +124,11 @@ class WorkMeter {
                 sum_of_lanes(S(0.5) * (torque_before_ + torque) * root_spin(root_frame_, frame_[0]), lanes_);
             torque_before_ = torque;
         }
-        work_.terms += sum_of_lanes(work_of_terms(terms_, view, step.dt, from, force), lanes_);
-        work_.solids += sum_of_lanes(work_of_holds(step, hold), lanes_);
+        work_.terms += sum_of_lanes(work_of_terms(terms_, view, step.dt, from, scratch.force.data()), lanes_);
+        work_.solids += sum_of_lanes(work_of_holds(step, scratch.hold), lanes_);
+        const auto& limit = std::get<std::optional<StrainLimit>>(terms_);
+        if (limit && !scratch.limit_edge.empty())
+            work_.limiter += sum_of_lanes(work_of_limit(*limit, view, from), lanes_);
     }
     // What `act`, which moves particles at the end of the step, adds to the energy is its work.
     template <class Act>

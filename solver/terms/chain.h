@@ -29,6 +29,7 @@ struct ChainView {
     const S* touching;                // (n) 1 where the particle has been in contact and not let go, else 0
     const S* given_adhesion;          // (n) F.n / (sigma m a_max) from a network in Eq 11's place, or null
     const Vec3<S>* air;               // (n) velocity of the air there
+    const Vec3<S>* limit_edge;        // (n-1) edges at which the strain limit is taken
     Vec3<S> turn, turn_center,
         drift;           // the root's rigid motion: angular velocity, centre, velocity of the centre
     Vec3<S> chord;       // x_{n-1} - x_0

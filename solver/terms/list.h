@@ -10,6 +10,7 @@
 #include "solver/terms/core.h"
 #include "solver/terms/curl_push.h"
 #include "solver/terms/stiffness.h"
+#include "solver/terms/strain_limit.h"
 #include "solver/terms/stretch.h"
 #include "solver/terms/twist.h"
 
@@ -17,7 +18,7 @@ namespace wetcurl {
 
 using ChainTerms = std::tuple<std::optional<Stretch>, std::optional<Bend>, std::optional<Twist>,
                               std::optional<Core>, std::optional<CurlPush>, std::optional<Adhesion>,
-                              std::optional<Stiffness>, std::optional<AirDrag>>;
+                              std::optional<Stiffness>, std::optional<AirDrag>, std::optional<StrainLimit>>;
 
 // Calls f(term) for each term that the scene names, in the order of the list.
 template <class Terms, class F>
