@@ -81,5 +81,6 @@ int render_command(const RenderOptions&);
 int import_command(const ImportOptions&);
 int inspect_command(const InspectOptions&);
 int stability_command(const StabilityCommandOptions&);
+int bench_command(const BenchOptions&);
 
 }  // namespace wetcurl

@@ -13,6 +13,7 @@
 #include "learn/quad_transform.h"
 #include "learn/root_codec.h"
 #include "learn/strand_codec.h"
+#include "solver/deforming_solids.h"
 #include "solver/display.h"
 
 namespace wetcurl {
@@ -234,7 +235,11 @@ int infer_command(const InferOptions& given) {
     const auto method = method_of(o, scene, low);
     require_nested(scene.groom, low.groom);
     std::optional<Display> display;
-    if (method->before_cohesion() && scene.cohesion) display.emplace(scene);
+    std::optional<DeformingSolids> surfaces;
+    if (method->before_cohesion() && scene.cohesion) {
+        display.emplace(scene);
+        if (scene.has_deforming_solid()) surfaces.emplace(scene);
+    }
 
     RunHeader header = low;
     header.method = method->name();
@@ -263,7 +268,9 @@ int infer_command(const InferOptions& given) {
         const double reconstructed = omp_get_wtime();
         if (display) {
             out.displayed = out.positions;
-            display->apply(out.displayed, frame.head, done / low.fps);
+            if (surfaces) surfaces->hold(done / low.fps);
+            display->apply(out.displayed, frame.head, done / low.fps,
+                           surfaces ? surfaces->at_end() : nullptr);
         }
         const double end = omp_get_wtime();
         if (const Strands* plain = method->without_network()) {

@@ -194,6 +194,10 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"}));
     c->add_flag("--quick", stability.quick, "fewer values of each parameter: under a minute");
 
+    BenchOptions bench;
+    c = command("bench", "measure the parts of the program on this machine", bench, bench_command);
+    c->add_option("--filter", bench.filter, "only entries whose name holds this text");
+
     try {
         std::vector<std::string> known;
         for (const CLI::App* sub : app.get_subcommands({})) known.push_back(sub->get_name());
@@ -202,8 +206,9 @@ int main(int argc, char** argv) {
             throw Misuse("found command '" + name + "', allowed: " + CLI::detail::join(known, ", ") +
                          did_you_mean(name, known));
         app.parse(argc, argv);
-        for (CommonOptions* o : std::initializer_list<CommonOptions*>{
-                 &simulate, &encode, &train, &infer, &compare, &render, &import, &inspect, &stability})
+        for (CommonOptions* o :
+             std::initializer_list<CommonOptions*>{&simulate, &encode, &train, &infer, &compare, &render,
+                                                   &import, &inspect, &stability, &bench})
             apply(shared, *o);
         return flushed(run());
     } catch (const CLI::ParseError& e) {

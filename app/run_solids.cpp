@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 
-#include "solver/scene.h"
+#include "solver/deforming_solids.h"
 
 namespace wetcurl {
 
@@ -24,18 +24,25 @@ static std::shared_ptr<const Scene> scene_of(const RunHeader& header) {
 std::vector<PosedMesh> solids_of(const RunHeader& header, const RunFrame& frame, double time) {
     std::vector<PosedMesh> out;
     for (const auto& solid : scene_of(header)->solids)
-        out.push_back({triangulated(solid.shape), solid.at(time, frame.head)});
+        out.push_back({solid.deformation ? solid.deformation->at(time) : triangulated(solid.shape),
+                       solid.at(time, frame.head)});
     return out;
 }
 
 std::function<float(const Vec3f&, const Pose&, double)> solid_distance_of(const RunHeader& header) {
     const auto scene = scene_of(header);
     if (scene->solids.empty()) return {};
-    return [scene](const Vec3f& x, const Pose& head, double time) {
+    std::shared_ptr<DeformingSolids> surfaces;
+    if (scene->has_deforming_solid()) surfaces = std::make_shared<DeformingSolids>(*scene);
+    return [scene, surfaces, held = 0.0](const Vec3f& x, const Pose& head, double time) mutable {
+        if (surfaces && time != held) surfaces->hold(held = time);
+        const MovingGrid* surface = surfaces ? surfaces->at_end() : nullptr;
         float nearest = 1e9f;
         for (const auto& solid : scene->solids) {
-            const Vec3d local = solid.at(time, head).inverse(cast<double>(x));
-            nearest = std::min(nearest, distance(solid.shape, cast<float>(local)).phi);
+            const Vec3f local = cast<float>(solid.at(time, head).inverse(cast<double>(x)));
+            const float phi =
+                solid.deformation ? distance(*surface++, local).phi : distance(solid.shape, local).phi;
+            nearest = std::min(nearest, phi);
         }
         return nearest;
     };

@@ -47,6 +47,15 @@ template <class M, class S>
 WETCURL_HD Vec3<S> select(M m, const Vec3<S>& a, const Vec3<S>& b) {
     return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
 }
+// Of each coordinate.
+template <class S>
+WETCURL_HD Vec3<S> lower(const Vec3<S>& a, const Vec3<S>& b) {
+    return {minimum(a.x, b.x), minimum(a.y, b.y), minimum(a.z, b.z)};
+}
+template <class S>
+WETCURL_HD Vec3<S> upper(const Vec3<S>& a, const Vec3<S>& b) {
+    return {maximum(a.x, b.x), maximum(a.y, b.y), maximum(a.z, b.z)};
+}
 // a / |a|, or `otherwise` where |a| is zero for all purposes.
 template <class S>
 WETCURL_HD Vec3<S> normalized(const Vec3<S>& a, const Vec3<S>& otherwise) {

@@ -21,31 +21,27 @@ void Display::take_up_water(const std::vector<double>& dry_mass) {
         volume_[k] = float(scene_.wetness->wet_mass(dry_mass[k], saturation_[k]) / scene_.volume_density);
 }
 
-void Display::apply(Strands& p, const Pose& head, double time) {
+void Display::apply(Strands& p, const Pose& head, double time, const MovingGrid* surfaces) {
     const double begin = omp_get_wtime();
     cohesion_.apply(p);
-    std::vector<PosedSolid<float>> solids;
-    for (const auto& solid : scene_.solids) {
+    auto project = [&](const auto* shape, const Solid& solid) {
         const Pose pose = solid.at(time, head);
-        solids.push_back({&solid.shape,
-                          cast<float>(pose.rotation),
-                          cast<float>(pose.translation),
-                          {},
-                          {},
-                          0.f,
-                          solid.attached});
-    }
-    const long count = solids.empty() ? 0 : long(p.points.size());
+        const PosedSolid<float, std::decay_t<decltype(*shape)>> posed{
+            shape, cast<float>(pose.rotation), cast<float>(pose.translation), {}, {}, 0.f, solid.attached};
 #pragma omp parallel for schedule(static)
-    for (long k = 0; k < count; ++k) {
-        if (k % p.particles == 0) continue;
-        Vec3f& x = p.points[size_t(k)];
-        for (const auto& solid : solids) {
-            const auto d = distance_in_world(solid, x);
-            const float allowed = solid.attached ? rest_depth_[size_t(k)] : 0.f;
+        for (size_t k = 0; k < p.points.size(); ++k) {
+            if (k % size_t(p.particles) == 0) continue;
+            Vec3f& x = p.points[k];
+            const auto d = distance_in_world(posed, x);
+            const float allowed = solid.attached ? rest_depth_[k] : 0.f;
             if (d.phi < allowed) x += (allowed - d.phi) * d.normal;
         }
-    }
+    };
+    for (const auto& solid : scene_.solids)
+        if (solid.deformation)
+            project(surfaces++, solid);
+        else
+            project(&solid.shape, solid);
     seconds_ = omp_get_wtime() - begin;
 }
 

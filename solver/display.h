@@ -20,7 +20,8 @@ class Display {
     // Volumes as `saturation` has them now; dry_mass (strand, particle) [kg].
     void take_up_water(const std::vector<double>& dry_mass);
     // Positions p of all strands of the scene's groom become p^w, at a pose of the head and a time [s].
-    void apply(Strands& p, const Pose& head, double time);
+    // `surfaces`: of each deforming solid, in the scene's order; null: there is none.
+    void apply(Strands& p, const Pose& head, double time, const MovingGrid* surfaces = nullptr);
 
     // Of the positions that were given last.
     const NeighborGrid& grid() const { return cohesion_.grid(); }

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "solver/spline.h"
+
 namespace wetcurl {
 
 using std::numbers::pi;
@@ -56,7 +58,6 @@ void Motion::read_file(Table t, const std::string& path) {
     if (keys_.empty()) t.fail("file", "'" + path + "' holds no keyframe");
 }
 
-// Slopes of Fritsch and Carlson 1980: C1, and no overshoot beyond the keys.
 void Motion::finish(Table t) {
     for (size_t k = 1; k < keys_.size(); ++k)
         if (!(keys_[k].time > keys_[k - 1].time))
@@ -67,7 +68,7 @@ void Motion::finish(Table t) {
             const double h0 = keys_[k].time - keys_[k - 1].time, h1 = keys_[k + 1].time - keys_[k].time;
             const double d0 = (keys_[k].value[c] - keys_[k - 1].value[c]) / h0,
                          d1 = (keys_[k + 1].value[c] - keys_[k].value[c]) / h1;
-            if (d0 * d1 > 0) slopes_[k].value[c] = 3 * (h0 + h1) / ((2 * h1 + h0) / d0 + (h1 + 2 * h0) / d1);
+            slopes_[k].value[c] = monotone_slope(h0, d0, h1, d1);
         }
 }
 
@@ -83,11 +84,10 @@ Pose Motion::at(double time) const {
         } else {
             const size_t k = size_t(after - keys_.begin()) - 1;
             const double h = keys_[k + 1].time - keys_[k].time, s = (time - keys_[k].time) / h;
+            const HermiteWeights w = hermite_weights(s, h);
             for (int c = 0; c < 6; ++c)
-                v[c] = (1 + 2 * s) * (1 - s) * (1 - s) * keys_[k].value[c] +
-                       s * (1 - s) * (1 - s) * h * slopes_[k].value[c] +
-                       s * s * (3 - 2 * s) * keys_[k + 1].value[c] +
-                       s * s * (s - 1) * h * slopes_[k + 1].value[c];
+                v[c] = w.from * keys_[k].value[c] + w.from_slope * slopes_[k].value[c] +
+                       w.to * keys_[k + 1].value[c] + w.to_slope * slopes_[k + 1].value[c];
         }
     }
     Vec3d r{v[0], v[1], v[2]};

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "solver/passes/contact.h"
+#include "solver/passes/solid_tree.h"
 #include "solver/scene.h"
 
 namespace wetcurl {
@@ -12,31 +12,76 @@ namespace wetcurl {
 template <class T>
 struct Placement {
     Pose head;
-    Quat<T> root_turn;                 // rotation of the head over the substep
-    Vec3<T> turn, turn_center, drift;  // the head's angular velocity, place and velocity
-    std::vector<PosedSolid<T>> solids;
+    Quat<T> root_turn;                  // rotation of the head over the substep
+    Vec3<T> turn, turn_center, drift;   // the head's angular velocity, place and velocity
+    std::vector<PosedSolid<T>> solids;  // rigid ones
+    std::vector<PosedSolid<T, MovingGrid>> deforming;
+    std::optional<SolidTree<T>> tree;  // of `solids`, where they are many
+    // Whether a plain loop over `solids` is all there is to do.
+    bool few() const { return !tree && deforming.empty(); }
 };
+
+// expected_contact and sample_nearest where the solids are not few.
+template <class S>
+Hold<S> expected_contact_of_all(const Placement<Plain<S>>& p, const S& rest_depth, const S& pushed,
+                                const S& stiff, const Vec3<S>& x) {
+    Hold<S> hold = p.tree ? deepest_contact(*p.tree, p.solids, rest_depth, x)
+                          : expected_contact(p.solids, rest_depth, pushed, stiff, x);
+    for (const auto& solid : p.deforming) take_deeper(solid, rest_depth, x, hold);
+    weigh(pushed, stiff, hold);
+    return hold;
+}
+template <class S>
+void sample_nearest_of_all(const Placement<Plain<S>>& p, const Vec3<S>& x, S& phi, Vec3<S>& normal,
+                           Vec3<S>& surface_velocity) {
+    if (p.tree)
+        sample_nearest(*p.tree, p.solids, x, phi, normal, surface_velocity);
+    else
+        sample_nearest(p.solids, x, phi, normal, surface_velocity);
+    for (const auto& solid : p.deforming) take_nearer(solid, x, phi, normal, surface_velocity);
+}
+// Of n particles, whatever the solids are.
+template <class S>
+void sample_nearest(const Placement<Plain<S>>& p, int n, const Vec3<S>* x, S* phi, Vec3<S>* normal,
+                    Vec3<S>* surface_velocity) {
+    if (p.few()) return sample_nearest(p.solids, n, x, phi, normal, surface_velocity);
+    for (int i = 0; i < n; ++i) sample_nearest_of_all(p, x[i], phi[i], normal[i], surface_velocity[i]);
+}
 
 // Rotation vector of the way from one rotation to the other, over dt [rad/s].
 Vec3d angular_velocity(const Quatd& before, const Quatd& after, double dt);
 
-// At `time`, coming from where all was dt earlier. `moving` = false: all is held as it is.
+// At `time`, coming from where all was dt earlier. `moving` = false: all is held as it is. `surfaces`: of
+// each deforming solid in the scene's order, at that time; null: the scene has none.
 template <class T>
-Placement<T> placement_at(const Scene& scene, double time, double dt, bool moving = true) {
+Placement<T> placement_at(const Scene& scene, double time, double dt, bool moving = true,
+                          const MovingGrid* surfaces = nullptr) {
     const Pose head = scene.motion.at(time), head_before = moving ? scene.motion.at(time - dt) : head;
     Placement<T> p{head,
                    cast<T>(head.rotation * conjugate(head_before.rotation)),
                    cast<T>(angular_velocity(head_before.rotation, head.rotation, dt)),
                    cast<T>(head.translation),
                    cast<T>((1 / dt) * (head.translation - head_before.translation)),
+                   {},
+                   {},
                    {}};
     for (const auto& solid : scene.solids) {
         const Pose now = solid.at(time, head), before = moving ? solid.at(time - dt, head_before) : now;
-        p.solids.push_back({&solid.shape, cast<T>(now.rotation), cast<T>(now.translation),
-                            cast<T>((1 / dt) * (now.translation - before.translation)),
-                            cast<T>(angular_velocity(before.rotation, now.rotation, dt)), T(solid.friction),
-                            solid.attached});
+        auto posed = [&]<class Body>(const Body* body) {
+            return PosedSolid<T, Body>{body,
+                                       cast<T>(now.rotation),
+                                       cast<T>(now.translation),
+                                       cast<T>((1 / dt) * (now.translation - before.translation)),
+                                       cast<T>(angular_velocity(before.rotation, now.rotation, dt)),
+                                       T(solid.friction),
+                                       solid.attached};
+        };
+        if (solid.deformation)
+            p.deforming.push_back(posed(surfaces++));
+        else
+            p.solids.push_back(posed(&solid.shape));
     }
+    if (p.solids.size() > most_solids_in_a_loop) p.tree.emplace(p.solids);
     return p;
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/geometry/filter.h"
 #include "base/geometry/frames.h"
+#include "solver/deforming_solids.h"
 
 namespace wetcurl {
 
@@ -155,11 +156,22 @@ StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking) {
 std::vector<float> rest_depths_of(const Scene& scene) {
     const auto& points = scene.groom.rest.points;
     std::vector<float> depth(scene.has_attached_solid() ? points.size() : 0, 0.f);
+    auto deepen = [&](const auto& shape) {
 #pragma omp parallel for schedule(static)
-    for (size_t k = 0; k < depth.size(); ++k)
-        for (const auto& solid : scene.solids)
-            if (solid.attached)
-                depth[k] = std::min(depth[k], float(distance(solid.shape, cast<double>(points[k])).phi));
+        for (size_t k = 0; k < depth.size(); ++k)
+            depth[k] = std::min(depth[k], float(distance(shape, cast<double>(points[k])).phi));
+    };
+    for (const auto& solid : scene.solids)
+        if (solid.attached && !solid.deformation) deepen(solid.shape);
+    if (depth.empty() || !scene.has_deforming_solid()) return depth;
+    // By the level sets that contact will see.
+    const DeformingSolids surfaces(scene);
+    const MovingGrid* surface = surfaces.at_end();
+    for (const auto& solid : scene.solids) {
+        if (!solid.deformation) continue;
+        if (solid.attached) deepen(*surface);
+        ++surface;
+    }
     return depth;
 }
 

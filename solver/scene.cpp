@@ -90,6 +90,8 @@ void check_baseline(Scene& scene, Table root) {
     if (std::holds_alternative<BoundaryParticles2013>(*scene.baseline)) {
         takes_place_of("adhesion");
         if (scene.solids.empty()) root.fail("baseline", "boundary particles need a [[solid]] to lie on");
+        if (scene.has_deforming_solid())
+            root.fail("baseline", "boundary particles lie on rigid solids; leave [[solid.mesh]] out");
     } else {
         takes_place_of("cohesion");
     }
@@ -169,9 +171,18 @@ Solid read_solid(Table t, size_t index) {
     if (shape == "box") solid.shape = Box{vec3(t.numbers("half", {0.1, 0.1, 0.1}, 1e-4, 100))};
     if (shape == "plane") solid.shape = Plane{};
     if (shape == "mesh") {
-        const std::string file = t.path("file");
-        if (file.empty()) t.fail("shape", "'mesh' needs file = \"….obj\" or \"….ply\"");
-        solid.shape = LevelSet::cached(read_mesh(file, units_of(t)), t.number("spacing", 0, 0, 1));
+        solid.spacing = t.number("spacing", 0, 0, 1);
+        if (t.has("mesh")) {
+            if (t.has("file"))
+                t.fail("file",
+                       "is the mesh of a solid that keeps its shape; [[solid.mesh]] are one's that deforms");
+            solid.deformation = std::make_shared<const Deformation>(t, units_of(t));
+        } else if (t.has("file")) {
+            solid.shape = LevelSet::cached(mesh_of(t, units_of(t)), solid.spacing);
+        } else {
+            t.fail("shape",
+                   "'mesh' needs file = \"….obj\" or \"….ply\", or [[solid.mesh]] tables to deform between");
+        }
     }
     const std::string attached = t.choice("attached", "none", {"none", "head"});
     solid.attached = attached == "head";

@@ -11,6 +11,7 @@
 #include "base/geometry/strands.h"
 #include "solver/air/air.h"
 #include "solver/baselines/list.h"
+#include "solver/deformation.h"
 #include "solver/motion.h"
 #include "solver/terms/cohesion.h"
 #include "solver/terms/curl.h"
@@ -29,7 +30,9 @@ struct Integrator {
 
 struct Solid {
     std::string name;
-    Shape shape;
+    Shape shape;                                     // of a rigid one
+    std::shared_ptr<const Deformation> deformation;  // in its place; null: rigid
+    double spacing = 0;                              // [m] of a mesh's level set; 0: the usual one
     Motion motion;
     bool attached = false;  // to the head
     double friction = 0.3;  // Coulomb
@@ -69,6 +72,11 @@ struct Scene {
     template <class Term>
     const std::optional<Term>& term() const {
         return std::get<std::optional<Term>>(chain);
+    }
+    bool has_deforming_solid() const {
+        for (const auto& s : solids)
+            if (s.deformation) return true;
+        return false;
     }
     bool has_attached_solid() const {
         for (const auto& s : solids)

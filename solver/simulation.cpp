@@ -10,6 +10,7 @@
 #include "solver/air/air.h"
 #include "solver/baselines/particle_forces.h"
 #include "solver/chain_state.h"
+#include "solver/deforming_solids.h"
 #include "solver/display.h"
 #include "solver/passes/chain_step.h"
 #include "solver/placement.h"
@@ -124,9 +125,12 @@ class CpuSimulation final : public Simulation {
     void set_root(int block, const Pose& head, Vec3<S>* root) const;
     int lanes_of_block(int block) const { return std::min(lanes, strands_ - block * lanes); }
     ChainView<S> view_of(int block) const;
-    void evaluate_adhesion();
     void move_water();
     void soak_strands();
+    void evaluate_adhesion(int done);
+    // Where all is after `done` substeps of a frame.
+    Placement<T> placement(double time, int done, bool moving = true) const;
+    void move_surfaces();
     void move_air();
     void sample_air();
     void gather_hair_in_air();
@@ -163,7 +167,8 @@ class CpuSimulation final : public Simulation {
     std::vector<ChainScratch<S>> scratch_;
     std::optional<AirField> air_;
     std::vector<DragPoint> hair_in_air_;  // (strand, particle), where hair brakes the air
-    size_t air_stage_ = 0;
+    std::optional<DeformingSolids> surfaces_;
+    size_t air_stage_ = 0, surface_stage_ = 0;
     std::unique_ptr<ParticleForces> forces_;  // of a compared method
     Buffer<Vec3<S>> external_;
     std::vector<Vec3d> force_x_, force_;  // (strand, particle): what it sees and gives
@@ -222,6 +227,11 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
         if (scene.air->two_way) hair_in_air_.resize(scene.groom.rest.points.size());
         sample_air();
     }
+    if (scene.has_deforming_solid()) {
+        surface_stage_ = stages.size();
+        stages.push_back("level set");
+        surfaces_.emplace(scene);
+    }
     if (scene.baseline) iben_ = std::get_if<Iben2013>(&*scene.baseline);
     if ((forces_ = make_particle_forces(scene))) {
         stages.push_back("baseline");
@@ -233,11 +243,16 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
     for (auto& s : scratch_) s.resize(n_, terms_, scene.integrator.kind == "implicit", !scene.solids.empty());
     if (scene.integrator.settle > 0) {
         const long steps = std::lround(scene.integrator.settle / dt_);
-        const auto held = placement_at<T>(scene_, 0, dt_, false);
+        const auto held = placement(0, 0, false);
         for (long k = 0; forces_ && k < steps; ++k) evaluate_forces(), run({held});
         if (!forces_) run(std::vector<Placement<T>>(size_t(steps), held));
     }
     display();
+}
+
+template <class T>
+Placement<T> CpuSimulation<T>::placement(double time, int done, bool moving) const {
+    return placement_at<T>(scene_, time, dt_, moving, surfaces_ ? surfaces_->after(done) : nullptr);
 }
 
 template <class T>
@@ -302,13 +317,19 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
     view.drift = cast<S>(p.drift);
     auto sample = [&](const Vec3<S>* x) {
         if (adhesion && given_.empty())
-            sample_nearest(p.solids, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
+            sample_nearest(p, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
         const S h = Bdf2<S>(step.dt, first).h;
-        for (int i = 2; i < int(scratch.hold.size()); ++i)
-            if (any_positive(step.pushed[i]))
-                scratch.hold[size_t(i)] =
-                    expected_contact(p.solids, rest_depth ? rest_depth[i] : S(0), step.pushed[i],
-                                     hold_stiffness(spring_sum_, h, mass_[k + size_t(i)]), x[i]);
+        auto hold = [&](auto contact) {
+            for (int i = 2; i < int(scratch.hold.size()); ++i)
+                if (any_positive(step.pushed[i]))
+                    scratch.hold[size_t(i)] =
+                        contact(rest_depth ? rest_depth[i] : S(0), step.pushed[i],
+                                hold_stiffness(spring_sum_, h, mass_[k + size_t(i)]), x[i]);
+        };
+        if (p.few())
+            hold([&](const auto&... a) { return expected_contact(p.solids, a...); });
+        else
+            hold([&](const auto&... a) { return expected_contact_of_all(p, a...); });
     };
     Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
     if (scene_.integrator.kind == "implicit")
@@ -346,15 +367,22 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
 #pragma omp atomic
         limited_ += limited;
     }
-    for (const auto& solid : p.solids) {
+    auto meet = [&](const auto& solid, bool deforms) {
+        bool met = false;
         auto resolve = [&] {
-            resolve_contact(solid, n_, rest_depth, T(dt_), &mass_[k], step.pushed, x, x_old, v, v_old);
+            met = resolve_contact(solid, n_, rest_depth, T(dt_), &mass_[k], step.pushed, x, x_old, v, v_old);
         };
-        if (norm(solid.velocity) + norm(solid.spin) > 0)
+        if (deforms || norm(solid.velocity) + norm(solid.spin) > 0)
             counted(&Work::solids, resolve);
         else
             resolve();
-    }
+        return met;
+    };
+    if (p.tree)
+        p.tree->for_each_met(n_, x, [&](size_t solid) { return meet(p.solids[solid], false); });
+    else
+        for (const auto& solid : p.solids) meet(solid, false);
+    for (const auto& solid : p.deforming) meet(solid, true);
     if (adhesion) update_touching(n_, &phi_[k], T(adhesion->h_a), &touching_[k]);
     if (bend) transport_frames(n_, step.frame, turn_left, x, step.frame);
 }
@@ -385,15 +413,15 @@ void CpuSimulation<T>::run(const std::vector<Placement<T>>& path) {
 // The twelve inputs of every particle near a solid, from the state as it is; the network's answers hold for
 // the substep that follows.
 template <class T>
-void CpuSimulation<T>::evaluate_adhesion() {
+void CpuSimulation<T>::evaluate_adhesion(int done) {
     const Adhesion& term = *std::get<std::optional<Adhesion>>(terms_);
-    const Placement<T> p = placement_at<T>(scene_, time_, dt_);
+    const Placement<T> p = placement(time_, done);
     const size_t cells = at(blocks_, 0);
     if (answers_.empty()) answers_.assign(cells * lanes, 0.f);
     if (model_ && given_.empty()) given_.assign(cells, S(0));
     for (int block = 0; block < blocks_; ++block) {
         const size_t k = at(block, 0);
-        sample_nearest(p.solids, n_, &x_[k], &phi_[k], &normal_[k], &surface_velocity_[k]);
+        sample_nearest(p, n_, &x_[k], &phi_[k], &normal_[k], &surface_velocity_[k]);
     }
     std::vector<AdhesionRecord> near;
     std::vector<std::array<int, 3>> where;
@@ -523,6 +551,14 @@ void CpuSimulation<T>::move_air() {
     stage_[air_stage_] = omp_get_wtime() - begin;
 }
 
+template <class T>
+void CpuSimulation<T>::move_surfaces() {
+    const double begin = omp_get_wtime();
+    const int substeps = scene_.integrator.substeps;
+    surfaces_->advance(time_, time_ + substeps * dt_, substeps);
+    stage_[surface_stage_] = omp_get_wtime() - begin;
+}
+
 // A compared method's forces at the positions as they are, for the substep that follows.
 template <class T>
 void CpuSimulation<T>::evaluate_forces() {
@@ -556,14 +592,15 @@ void CpuSimulation<T>::advance() {
     std::fill(stage_.begin(), stage_.end(), 0.0);
     if (flow_) move_water(), begin = omp_get_wtime();
     if (air_) move_air(), begin = omp_get_wtime();
+    if (surfaces_) move_surfaces(), begin = omp_get_wtime();
     // What answers for all strands at once needs them at the same substep.
     const bool together = model_ || records_ || forces_;
     std::vector<Placement<T>> path;
     for (int k = 0; k < scene_.integrator.substeps; ++k) {
-        if (model_ || records_) evaluate_adhesion();
+        if (model_ || records_) evaluate_adhesion(k);
         if (forces_) evaluate_forces();
         time_ += dt_;
-        path.push_back(placement_at<T>(scene_, time_, dt_));
+        path.push_back(placement(time_, k + 1));
         if (!together && k + 1 < scene_.integrator.substeps) continue;
         run(path);
         path.clear();
@@ -579,7 +616,7 @@ void CpuSimulation<T>::display() {
     if (!display_) return;
     unpack(x_, displayed_);
     if (!is_finite(displayed_)) return;
-    display_->apply(displayed_, head_, time_);
+    display_->apply(displayed_, head_, time_, surfaces_ ? surfaces_->at_end() : nullptr);
     stage_[1] = display_->list_seconds();
     stage_[2] = display_->seconds() - stage_[1];
 }
@@ -665,6 +702,7 @@ template <class T>
 void CpuSimulation<T>::restore(const SimulationState& from) {
     time_ = from.time, first_ = from.first;
     head_ = scene_.motion.at(time_);
+    if (surfaces_) surfaces_->hold(time_);
     for_each_pair(state_, from, [&](auto& to, const auto& values) {
         for (int s = 0; !to.empty() && !values.empty() && s < blocks_ * lanes; ++s)
             for (int i = 0; i < n_; ++i)
@@ -753,6 +791,7 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
     for (const auto& solid : scene_.solids)
         if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape))
             out.push_back({"level set of " + solid.name, (*level_set)->bytes()});
+    if (surfaces_) out.push_back({"level sets of deforming solids", surfaces_->bytes()});
     return out;
 }
 

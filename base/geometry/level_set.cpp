@@ -35,27 +35,38 @@ std::string cache_folder() {
     return "";
 }
 
-// Lays the grid; the values come by build() or load().
-LevelSet::LevelSet(Mesh mesh, double spacing, Unbuilt) : mesh_(std::move(mesh)) {
-    const Bounds box = bounding_box(mesh_);
+double usual_spacing(const Bounds& box) {
+    const Vec3d size = box.high - box.low;
+    return std::max({size.x, size.y, size.z}) / default_cells;
+}
+
+DistanceGrid laid_over(const Bounds& box, double spacing, const std::string& what, int multiple) {
     const Vec3d size = box.high - box.low;
     const double longest = std::max({size.x, size.y, size.z});
-    if (mesh_.triangles.empty() || !(longest > 0) || !std::isfinite(longest))
-        throw Error("level set: the mesh of " + std::to_string(mesh_.triangles.size()) +
-                    " triangles has no extent");
-    if (spacing == 0) spacing = longest / default_cells;
+    if (!(longest > 0) || !std::isfinite(longest)) throw Error("level set: " + what + " has no extent");
+    if (spacing == 0) spacing = usual_spacing(box);
     if (!(spacing > 0) || !std::isfinite(spacing))
         throw Error("level set: a spacing of " + std::to_string(spacing) + " m, allowed above 0");
-    spacing_ = float(spacing);
-    const auto nodes = [&](double side) { return std::ceil(side / double(spacing_)) + 1 + 2 * padding; };
+    const float h = float(spacing);
+    const auto nodes = [&](double side) {
+        const double cells = std::ceil(side / double(h)) + 2 * padding;
+        return std::ceil(cells / multiple) * multiple + 1;
+    };
     const double nx = nodes(size.x), ny = nodes(size.y), nz = nodes(size.z);
     if (!(nx * ny * nz <= most_nodes))
         throw Error("level set: a spacing of " + std::to_string(spacing * 1000) +
                     " mm makes more than 2^27 nodes of a mesh of " + std::to_string(longest) +
                     " m; take a spacing of " + std::to_string(longest / 400 * 1000) + " mm or more");
-    nx_ = int(nx), ny_ = int(ny), nz_ = int(nz);
-    const double pad = padding * double(spacing_);
-    origin_ = cast<float>(box.low - Vec3d{pad, pad, pad});
+    const double pad = padding * double(h);
+    return {cast<float>(box.low - Vec3d{pad, pad, pad}), h, int(nx), int(ny), int(nz), nullptr};
+}
+
+// Lays the grid; the values come by build() or load().
+LevelSet::LevelSet(Mesh mesh, double spacing, Unbuilt) : mesh_(std::move(mesh)) {
+    const DistanceGrid grid = laid_over(
+        bounding_box(mesh_), spacing, "the mesh of " + std::to_string(mesh_.triangles.size()) + " triangles");
+    origin_ = grid.origin, spacing_ = grid.spacing;
+    nx_ = grid.nx, ny_ = grid.ny, nz_ = grid.nz;
 }
 
 LevelSet::LevelSet(Mesh mesh, double spacing) : LevelSet(std::move(mesh), spacing, Unbuilt{}) { build(); }

@@ -25,6 +25,7 @@ struct DistanceGrid {
     float spacing;   // [m]
     int nx, ny, nz;  // each at least 2
     const float* phi;
+    WETCURL_HD float at(size_t node) const { return phi[node]; }
 };
 
 namespace detail {
@@ -43,17 +44,29 @@ WETCURL_HD CellPlace<T> cell_place(T x, T origin, T per_metre, int n) {
     return {node, g - T(node)};
 }
 
-// Trilinear interpolant and its own gradient, x inside the grid.
+// The cell that x falls in: its lowest node, the steps to the next row and slab, the fractions beyond.
 template <class T>
-WETCURL_HD DistanceSample<T> sample_inside(const DistanceGrid& grid, const Vec3<T>& x) {
+struct Cell {
+    size_t node, row, slab;
+    T u, v, w;
+};
+template <class T>
+WETCURL_HD Cell<T> cell_of(const DistanceGrid& grid, const Vec3<T>& x) {
     const T per_metre = T(1) / T(grid.spacing);
     const auto [i, u] = cell_place(x.x, T(grid.origin.x), per_metre, grid.nx);
     const auto [j, v] = cell_place(x.y, T(grid.origin.y), per_metre, grid.ny);
     const auto [k, w] = cell_place(x.z, T(grid.origin.z), per_metre, grid.nz);
     const size_t row = size_t(grid.nx), slab = row * size_t(grid.ny);
-    const float* p = grid.phi + size_t(k) * slab + size_t(j) * row + size_t(i);
-    const T p000 = p[0], p100 = p[1], p010 = p[row], p110 = p[row + 1];
-    const T p001 = p[slab], p101 = p[slab + 1], p011 = p[slab + row], p111 = p[slab + row + 1];
+    return {size_t(k) * slab + size_t(j) * row + size_t(i), row, slab, u, v, w};
+}
+
+// Trilinear interpolant and its own gradient, x inside the grid. Grid: a DistanceGrid or one made of it.
+template <class T, class Grid>
+WETCURL_HD DistanceSample<T> sample_inside(const Grid& grid, const Vec3<T>& x) {
+    const auto [p, row, slab, u, v, w] = cell_of(grid, x);
+    const T p000 = grid.at(p), p100 = grid.at(p + 1), p010 = grid.at(p + row), p110 = grid.at(p + row + 1);
+    const T p001 = grid.at(p + slab), p101 = grid.at(p + slab + 1), p011 = grid.at(p + slab + row),
+            p111 = grid.at(p + slab + row + 1);
     // Along x, then y, then z; differences are those of the corner values times spacing.
     const T q00 = p000 + u * (p100 - p000), q10 = p010 + u * (p110 - p010);
     const T q01 = p001 + u * (p101 - p001), q11 = p011 + u * (p111 - p011);
@@ -70,8 +83,8 @@ WETCURL_HD DistanceSample<T> sample_inside(const DistanceGrid& grid, const Vec3<
 // phi and normal at x [m] in body coordinates, T float or double. Outside the grid the surface point nearest
 // to the border of the grid stands for the nearest one: an upper bound of the distance, right at
 // the border and up to a quarter too far beyond (measured on a head).
-template <class T>
-WETCURL_HD DistanceSample<T> sample(const DistanceGrid& grid, const Vec3<T>& x) {
+template <class T, class Grid>
+WETCURL_HD DistanceSample<T> sample(const Grid& grid, const Vec3<T>& x) {
     const Vec3<T> low = cast<T>(grid.origin);
     const T h = T(grid.spacing);
     const Vec3<T> high = low + h * Vec3<T>{T(grid.nx - 1), T(grid.ny - 1), T(grid.nz - 1)};
@@ -83,6 +96,13 @@ WETCURL_HD DistanceSample<T> sample(const DistanceGrid& grid, const Vec3<T>& x) 
     const Vec3<T> from_surface = beyond + at_border.phi * at_border.normal;
     return {norm(from_surface), normalized(from_surface, at_border.normal)};
 }
+
+// The spacing [m] that gives the longest side of `box` 96 cells.
+double usual_spacing(const Bounds& box);
+// Where the nodes of a grid lie (phi is null): `box` [m] and four cells around it, along each axis a multiple
+// of `multiple` cells. `spacing` [m]; 0: the usual one. Throws Error for a box without extent or more than
+// 2^27 nodes; `what` stands for the mesh in its message.
+DistanceGrid laid_over(const Bounds& box, double spacing, const std::string& what, int multiple = 1);
 
 // `$XDG_CACHE_HOME/wetcurl`, else `~/.cache/wetcurl`; "" where neither variable is set.
 std::string cache_folder();

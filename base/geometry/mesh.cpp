@@ -11,12 +11,6 @@ namespace wetcurl {
 namespace {
 
 double component(const Vec3d& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-Vec3d lower(const Vec3d& a, const Vec3d& b) {
-    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
-}
-Vec3d upper(const Vec3d& a, const Vec3d& b) {
-    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
-}
 
 Bounds empty_bounds() {
     constexpr double inf = std::numeric_limits<double>::infinity();

@@ -19,6 +19,22 @@ ShapeView view_of(const Shape& shape) {
 
 namespace {
 
+Bounds around_origin(const Vec3d& half) { return {-half, half}; }
+Bounds bounds_of(const Sphere& s) { return around_origin({s.radius, s.radius, s.radius}); }
+Bounds bounds_of(const Capsule& c) { return around_origin({c.radius, c.half_length + c.radius, c.radius}); }
+Bounds bounds_of(const Box& box) { return around_origin(box.half); }
+Bounds bounds_of(const Plane&) {
+    constexpr double all = std::numeric_limits<double>::infinity();
+    return around_origin({all, all, all});
+}
+// The whole grid: beyond its border distances are upper bounds, within it the trilinear interpolant of
+// something farther from the mesh than a convex box is from any of its nodes.
+Bounds bounds_of(const std::shared_ptr<const LevelSet>& l) {
+    const DistanceGrid g = l->grid();
+    const Vec3d low = cast<double>(g.origin);
+    return {low, low + double(g.spacing) * Vec3d{g.nx - 1.0, g.ny - 1.0, g.nz - 1.0}};
+}
+
 // The surface of a capsule as rings about y, from the lower pole to the upper one; a sphere where half_length
 // is 0.
 Mesh round_mesh(double half_length, double radius, int around) {
@@ -81,6 +97,10 @@ Mesh triangles_of(const Box& box, int) {
 }
 
 }  // namespace
+
+Bounds bounds_of(const Shape& shape) {
+    return std::visit([](const auto& s) { return bounds_of(s); }, shape);
+}
 
 Mesh triangulated(const Shape& shape, int around) {
     return std::visit([around](const auto& s) { return triangles_of(s, std::max(3, around)); }, shape);

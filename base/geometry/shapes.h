@@ -5,7 +5,7 @@
 #include <memory>
 #include <variant>
 
-#include "base/geometry/level_set.h"
+#include "base/geometry/moving_level_set.h"
 
 namespace wetcurl {
 
@@ -63,9 +63,8 @@ DistanceSample<S> distance(const std::shared_ptr<const LevelSet>& level_set, con
     return sample(level_set->grid(), x);
 }
 // A grid is gathered from lane by lane.
-template <class T>
-DistanceSample<Pack<T>> distance(const std::shared_ptr<const LevelSet>& level_set, const Vec3<Pack<T>>& x) {
-    const DistanceGrid grid = level_set->grid();
+template <class T, class Grid>
+DistanceSample<Pack<T>> sample_lanes(const Grid& grid, const Vec3<Pack<T>>& x) {
     DistanceSample<Pack<T>> out;
     for (int lane = 0; lane < Pack<T>::lanes; ++lane) {
         const auto s = sample(grid, Vec3<T>{x.x[lane], x.y[lane], x.z[lane]});
@@ -75,6 +74,19 @@ DistanceSample<Pack<T>> distance(const std::shared_ptr<const LevelSet>& level_se
         out.normal.z.set(lane, s.normal.z);
     }
     return out;
+}
+template <class T>
+DistanceSample<Pack<T>> distance(const std::shared_ptr<const LevelSet>& level_set, const Vec3<Pack<T>>& x) {
+    return sample_lanes(level_set->grid(), x);
+}
+
+template <class T>
+DistanceSample<T> distance(const MovingGrid& grid, const Vec3<T>& x) {
+    return sample(grid, x);
+}
+template <class T>
+DistanceSample<Pack<T>> distance(const MovingGrid& grid, const Vec3<Pack<T>>& x) {
+    return sample_lanes(grid, x);
 }
 
 // Signed distance [m] and unit outward normal at x [m], S float, double or a Pack of them.
@@ -91,6 +103,10 @@ struct ShapeView {
     DistanceGrid grid{};
 };
 ShapeView view_of(const Shape& shape);
+
+// A box in body coordinates whose distance is nowhere above the shape's sampled one; a plane's is all of
+// space.
+Bounds bounds_of(const Shape& shape);
 
 template <class S>
 WETCURL_HD DistanceSample<S> distance(const ShapeView& shape, const Vec3<S>& x) {

@@ -29,10 +29,25 @@ WETCURL_HD DistanceSample<S> distance_in_world(const PosedSolid<Plain<S>, Body>&
     return d;
 }
 
+// Of the surface at x: rigid motion, and what a deforming one adds.
 template <class S, class Body>
 WETCURL_HD Vec3<S> velocity_at(const PosedSolid<Plain<S>, Body>& solid, const Vec3<S>& x) {
-    return cast<S>(solid.velocity) + cross(cast<S>(solid.spin), x - cast<S>(solid.translation));
+    const Vec3<S> arm = x - cast<S>(solid.translation);
+    const Vec3<S> v = cast<S>(solid.velocity) + cross(cast<S>(solid.spin), arm);
+    if constexpr (std::is_same_v<Body, MovingGrid>) {
+        const Quat<S> r = cast<S>(solid.rotation);
+        return v + rotate(r, surface_velocity(*solid.shape, rotate(conjugate(r), arm)));
+    }
+    return v;
 }
+
+// Which of two solids counts: the nearer one, the earlier where both are as near.
+struct Nearer {
+    template <class S>
+    WETCURL_HD auto operator()(const S& distance, const S& so_far) const {
+        return distance < so_far;
+    }
+};
 
 // A contact within the implicit step: where the particle is expected, `gap` [m] beyond what is allowed along
 // the normal.
@@ -42,23 +57,36 @@ struct Hold {
     S gap, friction;
     S weight;  // [kg] of the spring that closes the gap; 0: not held
 };
+template <class S>
+WETCURL_HD Hold<S> no_contact() {
+    const Vec3<S> zero{S(0), S(0), S(0)};
+    return {zero, zero, S(1e9), S(0), S(0)};
+}
+// The hold becomes that of `solid` where its gap is the smaller one.
+template <class S, class Solid, class Counts = Nearer>
+WETCURL_HD void take_deeper(const Solid& solid, const S& rest_depth, const Vec3<S>& x, Hold<S>& hold,
+                            Counts counts = {}) {
+    const DistanceSample<S> d = distance_in_world(solid, x);
+    const S gap = d.phi - (solid.attached ? rest_depth : S(0));
+    const auto nearer = counts(gap, hold.gap);
+    hold.normal = select(nearer, d.normal, hold.normal);
+    hold.surface_velocity = select(nearer, velocity_at(solid, x), hold.surface_velocity);
+    hold.friction = select(nearer, S(solid.friction), hold.friction);
+    hold.gap = select(nearer, gap, hold.gap);
+}
+// A particle on its way out is let go.
+template <class S>
+WETCURL_HD void weigh(const S& pushed, const S& stiff, Hold<S>& hold) {
+    hold.weight = select(hold.gap < S(Plain<S>(1e-5)), select(pushed > S(0), stiff, S(0)), S(0));
+}
 // Of a particle at x that a surface `pushed` in the step before: the solid that it is deepest in, and a
-// spring of `stiff` [kg] that closes the gap. A particle on its way out is let go.
+// spring of `stiff` [kg] that closes the gap.
 template <class S, class Solids>
 WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, const S& pushed,
                                     const S& stiff, const Vec3<S>& x) {
-    const Vec3<S> zero{S(0), S(0), S(0)};
-    Hold<S> hold{zero, zero, S(1e9), S(0), S(0)};
-    for (const auto& solid : solids) {
-        const DistanceSample<S> d = distance_in_world(solid, x);
-        const S gap = d.phi - (solid.attached ? rest_depth : S(0));
-        const auto nearer = gap < hold.gap;
-        hold.normal = select(nearer, d.normal, hold.normal);
-        hold.surface_velocity = select(nearer, velocity_at(solid, x), hold.surface_velocity);
-        hold.friction = select(nearer, S(solid.friction), hold.friction);
-        hold.gap = select(nearer, gap, hold.gap);
-    }
-    hold.weight = select(hold.gap < S(Plain<S>(1e-5)), select(pushed > S(0), stiff, S(0)), S(0));
+    Hold<S> hold = no_contact<S>();
+    for (const auto& solid : solids) take_deeper(solid, rest_depth, x, hold);
+    weigh(pushed, stiff, hold);
     return hold;
 }
 // Adds the spring to a particle's row, A d = r.
@@ -113,26 +141,32 @@ WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, const S
     return true;
 }
 // The same for n particles; 0 and 1 are prescribed.
-template <class S>
-void resolve_contact(const PosedSolid<Plain<S>>& solid, int n, const S* rest_depth, Plain<S> dt,
+template <class S, class Body>
+bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, int n, const S* rest_depth, Plain<S> dt,
                      const S* mass, S* pushed, Vec3<S>* x, Vec3<S>* x_before, Vec3<S>* v, Vec3<S>* v_before) {
+    bool met = false;
     for (int i = 2; i < n; ++i)
-        resolve_contact(solid, solid.attached ? rest_depth[i] : S(0), dt, mass[i], pushed[i], x[i],
-                        x_before[i], v[i], v_before[i]);
+        met |= resolve_contact(solid, solid.attached ? rest_depth[i] : S(0), dt, mass[i], pushed[i], x[i],
+                               x_before[i], v[i], v_before[i]);
+    return met;
 }
 
+// What adhesion sees becomes `solid`'s where that is nearer than `phi`.
+template <class S, class Solid, class Counts = Nearer>
+WETCURL_HD void take_nearer(const Solid& solid, const Vec3<S>& x, S& phi, Vec3<S>& normal,
+                            Vec3<S>& surface_velocity, Counts counts = {}) {
+    const DistanceSample<S> d = distance_in_world(solid, x);
+    const auto nearer = counts(d.phi, phi);
+    normal = select(nearer, d.normal, normal);
+    surface_velocity = select(nearer, velocity_at(solid, x), surface_velocity);
+    phi = select(nearer, d.phi, phi);
+}
 // The nearest solid at a particle, as adhesion sees it; normal and velocity stay where there is none.
 template <class S, class Solids>
 WETCURL_HD void sample_nearest(const Solids& solids, const Vec3<S>& x, S& phi, Vec3<S>& normal,
                                Vec3<S>& surface_velocity) {
     phi = S(1e9);
-    for (const auto& solid : solids) {
-        const DistanceSample<S> d = distance_in_world(solid, x);
-        const auto nearer = d.phi < phi;
-        normal = select(nearer, d.normal, normal);
-        surface_velocity = select(nearer, velocity_at(solid, x), surface_velocity);
-        phi = select(nearer, d.phi, phi);
-    }
+    for (const auto& solid : solids) take_nearer(solid, x, phi, normal, surface_velocity);
 }
 template <class S>
 void sample_nearest(const std::vector<PosedSolid<Plain<S>>>& solids, int n, const Vec3<S>* x, S* phi,

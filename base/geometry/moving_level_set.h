@@ -1,0 +1,97 @@
+// The signed distance to a mesh whose vertices move: level sets at both ends of a span of time on one grid,
+// rebuilt in a narrow band. A node within the band has its exact distance; the others take the mean of the
+// nodes around them on ever coarser lattices. Sign and distance as in LevelSet. Ours.
+#pragma once
+
+#include <vector>
+
+#include "base/geometry/level_set.h"
+#include "base/pack.h"
+
+namespace wetcurl {
+
+// A view of both level sets at a time between them: phi is linear in time, so that a surface comes smoothly
+// though it is found but once a span.
+struct MovingGrid : DistanceGrid {  // phi: at the end of the span
+    const float* phi_before;        // at its begin
+    const Vec3f* velocity;          // [m/s] of the nearest point of the surface, mean over the span
+    float share;                    // of the span that is over
+    float per_second;               // 1 / span; 0: the surface rests
+    // Exactly the one and the other at the ends.
+    float at(size_t node) const { return (1 - share) * phi_before[node] + share * phi[node]; }
+};
+
+namespace detail {
+
+// The trilinear interpolant of value(node), a number or a vector.
+template <class T, class Value>
+auto interpolated(const DistanceGrid& grid, const Vec3<T>& x, Value value) {
+    const auto [node, row, slab, u, v, w] = cell_of(grid, x);
+    const auto between = [](const auto& a, const auto& b, T share) { return a + share * (b - a); };
+    const auto along_x = [&](size_t k) { return between(value(k), value(k + 1), u); };
+    const auto in_slab = [&](size_t k) { return between(along_x(k), along_x(k + row), v); };
+    return between(in_slab(node), in_slab(node + slab), w);
+}
+
+}  // namespace detail
+
+// Of the surface near x [m], in body coordinates [m/s]: along the normal what the level set itself does,
+// -dphi/dt, so that contact and velocity never disagree; across it that of the mesh's nearest point.
+template <class T>
+Vec3<T> surface_velocity(const MovingGrid& grid, const Vec3<T>& x) {
+    const Vec3<T> n = sample(grid, x).normal;
+    const T rate = T(grid.per_second) * detail::interpolated(grid, x, [&](size_t k) {
+                       return T(grid.phi[k]) - T(grid.phi_before[k]);
+                   });
+    const Vec3<T> u = detail::interpolated(grid, x, [&](size_t k) { return cast<T>(grid.velocity[k]); });
+    return u - (rate + dot(u, n)) * n;
+}
+template <class T>
+Vec3<Pack<T>> surface_velocity(const MovingGrid& grid, const Vec3<Pack<T>>& x) {
+    Vec3<Pack<T>> out;
+    for (int lane = 0; lane < Pack<T>::lanes; ++lane) {
+        const Vec3<T> u = surface_velocity(grid, Vec3<T>{x.x[lane], x.y[lane], x.z[lane]});
+        out.x.set(lane, u.x), out.y.set(lane, u.y), out.z.set(lane, u.z);
+    }
+    return out;
+}
+
+class MovingLevelSet {
+  public:
+    // At rest as `mesh`. `box` [m]: where distances are wanted, padded as LevelSet's. Within `band` [m] of
+    // the surface they are LevelSet's. Throws Error as LevelSet does.
+    MovingLevelSet(Mesh mesh, const Bounds& box, double spacing, double band);
+
+    // The span that ended is followed by one of `seconds` that ends with `vertices` (vertex) [m], of the
+    // number that the mesh has. The same bits for any number of threads.
+    void advance(const std::vector<Vec3f>& vertices, double seconds);
+    // At rest as `vertices` say.
+    void hold(const std::vector<Vec3f>& vertices);
+
+    // `share` of the span is over, 0 to 1. Valid until the next advance or hold.
+    MovingGrid grid(double share) const;
+    const Mesh& mesh() const { return mesh_; }     // at the end of the span
+    size_t exact_nodes() const { return exact_; }  // of the last rebuilding
+    size_t nodes() const { return phi_.size(); }
+    size_t bytes() const;
+
+  private:
+    struct Node;
+    void build();
+    template <class Visit>
+    void for_lattice(int step, bool coarsest, Visit visit);
+    void take_exact(const MeshDistance& surface, const Node& node, int guess, bool alike);
+
+    Mesh mesh_;
+    DistanceGrid layout_;
+    double band_;  // [m]
+    bool closed_;
+    double seconds_ = 0;                   // of the span; 0: at rest
+    std::vector<Vec3f> before_;            // vertices at the begin of the span
+    std::vector<float> phi_before_, phi_;  // (nz, ny, nx) [m]
+    std::vector<Vec3f> velocity_;          // (nz, ny, nx) [m/s]
+    std::vector<int> triangle_;            // (nz, ny, nx) nearest one, or one near it
+    size_t exact_ = 0;
+};
+
+}  // namespace wetcurl
