@@ -120,11 +120,7 @@ class StrandSweep {
     WETCURL_HD int step(const Set& set, const SubstepMotion<T>& motion, const Q& turn_after, bool first,
                         bool last) {
         const Bdf2<T> scheme(k_.dt, first, k_.share);
-        if (has<StrainLimit>(set)) {
-            solve_within_limit(set, motion, scheme);
-        } else {
-            eliminate_from_tip(set, motion, scheme);
-        }
+        solve(set, motion, scheme);
         const int limited = substitute_from_root(set, motion, scheme, turn_after, last);
         // What was written over the older state is the newer one.
         const auto x = x_, v = v_;
@@ -211,15 +207,15 @@ class StrandSweep {
         return in;
     }
 
-    // Of particle i, which a solid has pushed, where it is expected.
+    // Of particle i, which a solid has pushed, where it is expected. Held while `pushed` is above 0; below it
+    // the surface may hold it again.
     WETCURL_HD Hold<T> hold_of(int i, const SubstepMotion<T>& motion, T pushed, T h, T mass,
                                const V& x) const {
         const T rest_depth = m_.rest_depth ? of<const T>(m_.rest_depth)[i] : T(0);
-        return expected_contact(motion, rest_depth, pushed, hold_stiffness(k_.spring_sum, h, mass), x);
-    }
-    WETCURL_HD void touch(int i, T phi) const {
-        const auto touching = of<T>(m_.touching);
-        touching.set(i, updated_touching(touching[i], phi, T(get<Adhesion>(k_.terms).h_a)));
+        Hold<T> hold = expected_contact(motion, rest_depth, pushed < 0 ? -pushed : pushed,
+                                        hold_stiffness(k_.spring_sum, h, mass), x);
+        hold.weight = pushed > 0 ? hold.stiff : T(0);
+        return hold;
     }
 
     template <class Set, size_t... place>
@@ -286,7 +282,6 @@ class StrandSweep {
             if (has<Core>(set)) core[1] = get<Core>(k_.terms).printed ? in.core : adjoint(in.core);
             if (has<Adhesion>(set)) sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
             assemble_present(set, view, system, std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
-            if (has<Adhesion>(set) && !has<StrainLimit>(set)) touch(i, phi[2]);
 
             // Row i is whole.
             r[2] += scheme.right_side(mass[2], v[2], in.v_before, force[2] + mass[2] * k_.gravity);
@@ -306,26 +301,36 @@ class StrandSweep {
             force[2] = force[1], force[1] = force[0], force[0] = zero;
             r[2] = r[1], r[1] = r[0], r[0] = zero;
         }
-        if (has<Adhesion>(set) && !has<StrainLimit>(set)) touch_before(2, motion, scheme);
     }
-    // What adhesion needs to know of the first `count` particles.
-    WETCURL_HD void touch_before(int count, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) const {
-        for (int i = 0; i < count; ++i) {
+    // What adhesion needs to know.
+    WETCURL_HD void touch(const SubstepMotion<T>& motion, const Bdf2<T>& scheme) const {
+        const auto touching = of<T>(m_.touching);
+        for (int i = 0; i < m_.n; ++i) {
             T phi;
             V normal, surface_velocity;
             sample_nearest(motion, at_first(scheme, i), phi, normal, surface_velocity);
-            touch(i, phi);
+            touching.set(i, updated_touching(touching[i], phi, T(get<Adhesion>(k_.terms).h_a)));
         }
     }
 
-    // Eliminates until the edges at their strain limit are found, as the reference does.
+    // Eliminates until the edges at their strain limit and the particles that surfaces hold are found, as the
+    // reference does.
     template <class Set>
-    WETCURL_HD void solve_within_limit(const Set& set, const SubstepMotion<T>& motion,
-                                       const Bdf2<T>& scheme) const {
-        const StrainLimit& limit = get<StrainLimit>(k_.terms);
+    WETCURL_HD void solve(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) const {
         const auto at = of<V>(m_.limit_edge);
-        const auto rest_length = of<const T>(m_.rest_length);
-        // Calls f(i, edge after the step) for edges 1 .. n-2.
+        const auto pushed = of<T>(m_.pushed);
+        const auto rest_length = of<const T>(m_.rest_length), mass = of<const T>(m_.mass);
+        auto hold_at = [&](int i, const V& x) { return hold_of(i, motion, pushed[i], scheme.h, mass[i], x); };
+        bool contacts = false;
+        for (int i = 2; set.has(present::contact) && i < m_.n; ++i) {
+            if (!(pushed[i] > 0)) continue;
+            contacts = true;
+            Hold<T> hold = hold_at(i, at_first(scheme, i));
+            weigh(pushed[i], hold.stiff, hold);
+            if (!(hold.weight > 0)) pushed.set(i, -pushed[i]);
+        }
+        // Calls f(i, edge after the step, its particle's solution and where that was expected) for edges
+        // 1 .. n-2.
         auto for_each_edge = [&](bool solved, auto f) {
             const V zero{T(0), T(0), T(0)};
             V d1 = zero, d2 = zero, x1 = zero;
@@ -335,24 +340,36 @@ class StrandSweep {
                 if (solved)
                     d = i < 2 ? (T(1) / scheme.h) * (placed_root(motion, i) - x)
                               : substituted(set, factors_at(set, i), d1, d2);
-                if (i >= 2) f(i - 1, (x - x1) + scheme.h * (d - d1));
+                if (i >= 2) f(i - 1, (x - x1) + scheme.h * (d - d1), d, x);
                 d2 = d1, d1 = d, x1 = x;
             }
         };
-        for_each_edge(false, [&](int i, const V& e) { at.set(i, e); });
-        for (int solves = 0; solves < limit.most_solves; ++solves) {
-            if (solves > 0) for_each_edge(true, [&](int i, const V& e) { at.set(i, e); });
+        auto take_edge = [&](int i, const V& e, const V&, const V&) { at.set(i, e); };
+        if (has<StrainLimit>(set)) for_each_edge(false, take_edge);
+        for (int solves = 1;; ++solves) {
             eliminate_from_tip(set, motion, scheme);
+            if (!has<StrainLimit>(set) && !contacts) break;
             // The twists' turns are done.
             for (int i = 1; has<Twist>(set) && i + 1 < m_.n; ++i) of<T>(m_.twist, 2).set(2 * i + 1, T(0));
-            T farthest(0);
-            for_each_edge(true, [&](int i, const V& e) {
-                farthest = maximum(farthest, limit.unsettled(e, at[i], rest_length[i]));
+            T farthest(0), changed(0);
+            const bool limit = has<StrainLimit>(set) && solves < StrainLimit::most_solves,
+                       holds = contacts && solves < most_contact_solves;
+            for_each_edge(true, [&](int i, const V& e, const V& d, const V& x) {
+                if (limit)
+                    farthest =
+                        maximum(farthest, get<StrainLimit>(k_.terms).unsettled(e, at[i], rest_length[i]));
+                if (holds && pushed[i + 1] != 0) {
+                    Hold<T> hold = hold_at(i + 1, x);
+                    const T change = weigh_again(scheme.h, d, hold);
+                    changed += change;
+                    if (change > 0) pushed.set(i + 1, -pushed[i + 1]);
+                }
             });
-            if (!(farthest > T(0))) break;
+            if (farthest > 0) for_each_edge(true, take_edge);
+            if (!(farthest > 0) && !(changed > 0)) break;
         }
         // Only now: every solve is to see the same contacts.
-        if (has<Adhesion>(set)) touch_before(m_.n, motion, scheme);
+        if (has<Adhesion>(set)) touch(motion, scheme);
     }
 
     // What particle i needs on the way from the root.
@@ -465,6 +482,7 @@ class StrandSweep {
             T pushed(0), mass(0);
             if (set.has(present::contact) && i >= 2) {
                 pushed = of<T>(m_.pushed)[i], mass = of<const T>(m_.mass)[i];
+                if (pushed < 0) pushed = 0;
                 if (pushed > 0) {
                     const Hold<T> hold = hold_of(i, motion, pushed, scheme.h, mass, expected);
                     pushed = pushed_by(hold, scheme.h, d);

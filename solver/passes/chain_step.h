@@ -123,6 +123,16 @@ bool update_limit_edges(const StrainLimit& limit, const ChainView<S>& c, const S
     return true;
 }
 
+// Which particles the surfaces hold, after a step h that changes velocities by dv (n). Returns whether others
+// than before.
+template <class S>
+bool update_holds(int n, const S& h, const Vec3<S>* dv, const S* pushed, Hold<S>* hold) {
+    S changed(0);
+    for (int i = 2; i < n; ++i)
+        if (any_positive(pushed[i])) changed += weigh_again(h, dv[i], hold[i]);
+    return any_positive(changed);
+}
+
 // How many of `over`'s lanes hold.
 template <class S, class Mask>
 int count_lanes(const Mask& over) {
@@ -204,14 +214,15 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
             solve_blocks<false>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
         for (int i = 0; i < 2; ++i) root_force[i] = r[i], r[i] = known[i];
     };
-    if (const auto& limit = std::get<std::optional<StrainLimit>>(terms)) {
-        view.limit_edge = s.limit_edge.data();
-        for (int i = 0; i + 1 < n; ++i) s.limit_edge[i] = edge(view, i);
-        int solves = 0;
-        do solve();
-        while (update_limit_edges(*limit, view, h, r, s.limit_edge.data()) && ++solves < limit->most_solves);
-    } else {
+    const auto& limit = std::get<std::optional<StrainLimit>>(terms);
+    view.limit_edge = s.limit_edge.data();
+    for (int i = 0; limit && i + 1 < n; ++i) s.limit_edge[i] = edge(view, i);
+    bool again = true;
+    for (int solves = 1; again; ++solves) {
         solve();
+        again = limit && solves < limit->most_solves &&
+                update_limit_edges(*limit, view, h, r, s.limit_edge.data());
+        if (b.pushed && solves < most_contact_solves) again |= update_holds(n, h, r, b.pushed, s.hold.data());
     }
     if (b.reaction) {
         // What rows 0 and 1 lack: h R = A d - r.

@@ -55,12 +55,13 @@ template <class S>
 struct Hold {
     Vec3<S> normal, surface_velocity;
     S gap, friction;
-    S weight;  // [kg] of the spring that closes the gap; 0: not held
+    S stiff;   // [kg] of the spring that may close the gap; 0 where no surface pushed before
+    S weight;  // likewise, while it is held; 0: not held
 };
 template <class S>
 WETCURL_HD Hold<S> no_contact() {
     const Vec3<S> zero{S(0), S(0), S(0)};
-    return {zero, zero, S(1e9), S(0), S(0)};
+    return {zero, zero, S(1e9), S(0), S(0), S(0)};
 }
 // The hold becomes that of `solid` where its gap is the smaller one.
 template <class S, class Solid, class Counts = Nearer>
@@ -74,11 +75,22 @@ WETCURL_HD void take_deeper(const Solid& solid, const S& rest_depth, const Vec3<
     hold.friction = select(nearer, S(solid.friction), hold.friction);
     hold.gap = select(nearer, gap, hold.gap);
 }
-// A particle on its way out is let go.
+// A first guess: a particle on its way out is let go.
 template <class S>
 WETCURL_HD void weigh(const S& pushed, const S& stiff, Hold<S>& hold) {
-    hold.weight = select(hold.gap < S(Plain<S>(1e-5)), select(pushed > S(0), stiff, S(0)), S(0));
+    hold.stiff = select(pushed > S(0), stiff, S(0));
+    hold.weight = select(hold.gap < S(Plain<S>(1e-5)), hold.stiff, S(0));
 }
+// Whether the row's solution d leaves the particle with the surface says whether it is held: not where the
+// surface would have to pull, and where it would go in. Returns 0 where that was known.
+template <class S>
+WETCURL_HD S weigh_again(const S& h, const Vec3<S>& d, Hold<S>& hold) {
+    const S weight = select(hold.gap + h * dot(d, hold.normal) < S(0), hold.stiff, S(0));
+    const S change = weight - hold.weight;
+    hold.weight = weight;
+    return change * change;
+}
+constexpr int most_contact_solves = 4;
 // Of a particle at x that a surface `pushed` in the step before: the solid that it is deepest in, and a
 // spring of `stiff` [kg] that closes the gap.
 template <class S, class Solids>

@@ -50,12 +50,12 @@ S root_spin(const Quat<S>& frame_before, const Quat<S>& frame) {
     return S(2) * Twist::HalfAngle<S>(transported(frame_before, frame_direction(frame)), frame).sine;
 }
 
-// Of the terms that keep no energy, on free particles that came from `from` to c.x within dt. `force` (n) is
-// scratch.
+// Of the terms that keep no energy, on free particles that came from `from` to c.x within dt, in a scheme of
+// step h. `force` (n) is scratch.
 template <class S>
-S work_of_terms(const ChainTerms& terms, const ChainView<S>& c, Plain<S> dt, const Vec3<S>* from,
+S work_of_terms(const ChainTerms& terms, const ChainView<S>& c, Plain<S> dt, const S& h, const Vec3<S>* from,
                 Vec3<S>* force) {
-    const ChainSystem<S> forces{S(dt), force, nullptr, nullptr, nullptr};
+    const ChainSystem<S> forces{h, force, nullptr, nullptr, nullptr};
     auto apply = [&](const auto& term) {
         if (!term) return false;
         std::fill_n(force, c.n, Vec3<S>{S(0), S(0), S(0)});
@@ -125,7 +125,9 @@ class WorkMeter {
                 sum_of_lanes(S(0.5) * (torque_before_ + torque) * root_spin(root_frame_, frame_[0]), lanes_);
             torque_before_ = torque;
         }
-        work_.terms += sum_of_lanes(work_of_terms(terms_, view, step.dt, from, scratch.force.data()), lanes_);
+        const S h = scratch.diagonal.empty() ? S(step.dt) : Bdf2<S>(step.dt, step.first).h;
+        work_.terms +=
+            sum_of_lanes(work_of_terms(terms_, view, step.dt, h, from, scratch.force.data()), lanes_);
         work_.solids += sum_of_lanes(work_of_holds(step, scratch.hold), lanes_);
         const auto& limit = std::get<std::optional<StrainLimit>>(terms_);
         if (limit && !scratch.limit_edge.empty())

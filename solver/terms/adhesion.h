@@ -48,6 +48,14 @@ struct Adhesion {
             shape(q, value, slope);
             if (printed) value = akinci_shape(-q), slope = S(0);
             if (c.given_adhesion) value = -c.given_adhesion[i];
+            if (!printed) {
+                // No further in one step than to where it ends, however strong it is.
+                const S step = a.h * a.h * S(a_max / h_a), in = maximum(q - S(0.5), S(0));
+                const auto too_far = step * value > in;
+                const S bound = S(1) / maximum(step, S(Plain<S>(1e-30)));
+                slope = select(too_far, bound, slope);
+                value = select(too_far, bound * in, value);
+            }
             const Vec3<S> n = c.normal[i];
             a.force[i] -= scale * value * n;
             // Below h/2 the film holds against sliding.

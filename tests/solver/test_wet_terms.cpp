@@ -266,7 +266,7 @@ TEST(Adhesion, holds_against_sliding_below_half_its_range_and_not_against_liftin
 }
 
 TEST(Adhesion, its_matrix_is_the_rising_part_of_the_force_and_the_drag) {
-    const double h = 0.02;
+    const double h = 0.002;
     OneStrand s = near_surface({0.6, 0.6, 0.9, 0.2}, {0, 1, 0});
     const Eigen::MatrixXd k = assembled(adhesion(50), s.view(), h).matrix;
     double value, slope;
@@ -277,6 +277,18 @@ TEST(Adhesion, its_matrix_is_the_rising_part_of_the_force_and_the_drag) {
     EXPECT_EQ(k(7, 7), 0);  // the falling part would be negative
     EXPECT_NEAR(k(9, 9), h * 50 * s.mass[3], 1e-12 * k(9, 9));
     EXPECT_EQ(k(10, 10), 0);
+}
+
+TEST(Adhesion, pulls_no_further_in_a_step_than_to_where_it_ends) {
+    OneStrand s = near_surface({0.6, 0.75, 0.9, 0.2}, {0, 1, 0});
+    for (double h : {1e-4, 0.02, 1.0}) {
+        const Points f = unstacked(assembled(adhesion(0), s.view(), h).force);
+        for (int i = 1; i < 3; ++i) {
+            const double way = h * h * norm(f[size_t(i)]) / s.mass[size_t(i)];
+            EXPECT_GT(way, 0);
+            EXPECT_LE(way, (s.phi[size_t(i)] - 0.5 * range) * (1 + 1e-12)) << h;
+        }
+    }
 }
 
 PosedSolid<double> posed(const Shape& shape, const Vec3d& at, double friction = 0) {
