@@ -54,9 +54,10 @@ struct Range {
 
 constexpr float letters_of_legend = 10;
 
-Image draw_chart(const Chart& chart, const Range& x, const Range& y, int width, int height, bool legend) {
+Image draw_chart(const Chart& chart, const Range& x, const Range& y, int width, int height,
+                 const std::vector<Curve>& legend) {
     const float letter = 0.030f * float(height), margin = 1.6f * letter, right = float(width) - margin;
-    Image image(width + (legend ? int(letters_of_legend * letter) : 0), height);
+    Image image(width + (legend.empty() ? 0 : int(letters_of_legend * letter)), height);
     std::fill(image.rgb.begin(), image.rgb.end(), 1.f);
     const float left = 5.5f * letter, top = 3.4f * letter, bottom = float(height) - 3.6f * letter;
     auto at = [&](double px, double py) {
@@ -86,9 +87,9 @@ Image draw_chart(const Chart& chart, const Range& x, const Range& y, int width, 
     draw_text(image, chart.y_label, int(0.4f * letter), int(2.6f * letter), letter, 0);
     draw_text(image, chart.x_label, int(0.5f * (left + right)), int(float(height) - 0.7f * letter), letter,
               0.5);
-    for (size_t k = 0; legend && k < chart.curves.size(); ++k) {
+    for (size_t k = 0; k < legend.size(); ++k) {
         const float row = top + (0.8f + 1.5f * float(k)) * letter, column = right + 2.9f * letter;
-        const Curve& curve = chart.curves[k];
+        const Curve& curve = legend[k];
         draw_line(image, {{column - 2 * letter, row}, {column - 0.4f * letter, row}}, curve.color,
                   curve.width);
         draw_text(image, curve.name, int(column), int(row + 0.4f * letter), letter, 0);
@@ -117,9 +118,16 @@ Image draw_charts(const std::vector<Chart>& charts, int width, int height) {
             for (double value : curve.values) y.add(value);
         }
     y.high += 0.04 * (y.high - y.low);  // air above the highest
+    std::vector<Curve> legend;          // a name once, the last chart's after those that it lacks
+    for (auto chart = charts.rbegin(); chart != charts.rend(); ++chart)
+        for (auto curve = chart->curves.rbegin(); curve != chart->curves.rend(); ++curve)
+            if (std::none_of(legend.begin(), legend.end(),
+                             [&](const Curve& known) { return known.name == curve->name; }))
+                legend.insert(legend.begin(), {curve->name, curve->color, {}, curve->width});
     std::vector<Image> images;
     for (const auto& chart : charts)
-        images.push_back(draw_chart(chart, x, y, width, height, &chart == &charts.back()));
+        images.push_back(
+            draw_chart(chart, x, y, width, height, &chart == &charts.back() ? legend : std::vector<Curve>{}));
     return side_by_side(images);
 }
 

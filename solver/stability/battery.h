@@ -81,7 +81,8 @@ struct SweepPoint {
     double energy_ratio = NAN;  // as of a case
     bool holds() const;         // still, and keeps its energy bounded
 };
-// Over all values, every third for a quick one; side by side. `method` must outlive the points.
+// Over all values, for a quick one every fourth on fewer strands; side by side. `method` must outlive the
+// points.
 std::vector<SweepPoint> swept(const StabilityMethod& method, const StabilityOptions& options);
 // The strongest effect among those that hold; where none has an effect, or none holds, the least jitter.
 const SweepPoint& best_of(const std::vector<SweepPoint>& points);

@@ -45,14 +45,17 @@ double distance_from_head(const Scene& scene, const Strands& p) {
     return sum / double(p.points.size()) - std::get<Sphere>(scene.solids.front().shape).radius;
 }
 
-Trial settled(const StabilityMethod& method) {
-    const bool own_steps = !method.takes_drag;
+Trial settled(const StabilityMethod& method, const StabilityOptions& options) {
+    std::vector<std::string> set;
     std::string text = still_head;
-    if (!own_steps) text += implicit_steps;
+    if (method.takes_drag)
+        text += implicit_steps;
+    else
+        set = for_explicit_steps;
     if (method.on_strands) text += method.cohesion;
     if (method.on_solids) text += head + method.adhesion;
-    Trial trial(method, scene_of(text, "sweep", ".",
-                                 own_steps ? for_explicit_steps : std::vector<std::string>{}, method));
+    if (options.quick) set.insert(set.end(), {"groom.grid=[5, 5]", "groom.coverage=0.25"});
+    Trial trial(method, scene_of(text, "sweep", ".", set, method));
     trial.advance_for(4);
     return trial;
 }
@@ -75,20 +78,20 @@ StabilityMethod method_at(const SweepPoint& point) {
 
 std::vector<SweepPoint> swept(const StabilityMethod& method, const StabilityOptions& options) {
     std::vector<SweepPoint> points;
-    for (size_t k = 0; k < method.sweep.size(); k += options.quick ? 3 : 1)
+    for (size_t k = 0; k < method.sweep.size(); k += options.quick ? 4 : 1)
         points.push_back({.method = &method, .at = method.sweep[k]});
     double without = NAN;
     if (method.on_strands || method.on_solids) {
         SweepPoint none = points.front();
         for (auto& [key, value] : none.at) value = 0;
         const StabilityMethod idle = method_at(none);
-        Trial trial = settled(idle);
+        Trial trial = settled(idle, options);
         without = reach(method, trial);
     }
 #pragma omp parallel for schedule(dynamic)
     for (auto& point : points) {
         const StabilityMethod with = method_at(point);
-        Trial trial = settled(with);
+        Trial trial = settled(with, options);
         point.jitter = jitter_of(trial);
         point.finite = trial.finite, point.energy_ratio = trial.energy_ratio();
         point.effect = 1 - reach(method, trial) / without;

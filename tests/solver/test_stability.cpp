@@ -284,9 +284,9 @@ TEST(Work, of_a_compared_method_s_forces_is_what_their_potential_loses) {
     }
 }
 
-// The paper, Sec. VI.I: the largest rise of the energy over its lowest so far, of what it falls by in all, on
-// wet hair let go of with nothing from outside. Kinetic and elastic energy, gravity's and, where wet forces
-// have one, their potential. `factor`: of a compared method's middling strength.
+// The paper, Sec. VI.I: the largest rise of the energy over its lowest so far, over m g L, on wet hair let go
+// of with nothing from outside. Kinetic and elastic energy, gravity's and, where wet forces have one, their
+// potential. `factor`: of a compared method's middling strength.
 double rise_of(const std::string& name, double factor, int substeps) {
     const StabilityMethod& method = method_named(name);
     std::vector<std::string> set{"integrator.substeps=" + std::to_string(substeps)};
@@ -298,25 +298,25 @@ double rise_of(const std::string& name, double factor, int substeps) {
                                      method.cohesion,
                                  "energy", ".", set, method));
     double lowest = trial.total(), rise = 0;
-    for (int f = 0; f < 48; ++f) {
+    for (int f = 0; f < 24; ++f) {
         trial.advance();
         lowest = std::min(lowest, trial.total()), rise = std::max(rise, trial.total() - lowest);
     }
     EXPECT_TRUE(trial.finite) << name;
-    EXPECT_GT(trial.start - lowest, 1e-6) << name;
-    const double share = rise / (trial.start - lowest);
-    std::printf("%s, %d substeps, strength x %g: energy rises by %.2g of its fall\n", name.c_str(), substeps,
+    EXPECT_GT(trial.most_kinetic, 1e-3 * trial.weight_length()) << name;
+    const double share = rise / trial.weight_length();
+    std::printf("%s, %d substeps, strength x %g: energy rises by %.2g m g L\n", name.c_str(), substeps,
                 factor, share);
     return share;
 }
-TEST(Energy, of_ours_does_not_rise_and_theirs_does_as_it_is) {
-    // Ten substeps leave a swing's turn a few parts in a hundred, once.
-    EXPECT_LE(rise_of("ours", 1, 10), 0.05);
+TEST(Energy, of_ours_does_not_rise_in_short_steps_and_theirs_does_where_they_pull_hard) {
     EXPECT_LE(rise_of("ours", 1, 40), 1e-9);
-    double most = 0;
-    for (const char* name : {"lin", "kim"})
-        for (double factor : {1.0, 100.0}) most = std::max(most, rise_of(name, factor, 10));
-    EXPECT_GT(most, 0.05);
+    // Steps of ten a frame leave a little at a swing's turn, once, with wet forces or without.
+    EXPECT_LE(rise_of("ours", 1, 10), 0.01);
+    for (const char* name : {"lin", "kim"}) {
+        EXPECT_LE(rise_of(name, 1, 10), 0.01);
+        EXPECT_GT(rise_of(name, 100, 10), 0.1);
+    }
 }
 
 // --- work
