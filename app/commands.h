@@ -55,6 +55,11 @@ struct RenderOptions : CommonOptions {
     double yaw = 30;  // of the camera around the head [degrees]
     bool labels = true;
 };
+struct PlotOptions : CommonOptions {
+    std::vector<std::string> runs;  // side by side
+    std::string output;
+    int width = 720, height = 480;
+};
 struct ImportOptions : CommonOptions {
     std::string input, output, units = "auto", up = "y", scalp;
     int resample = 0;  // 0: as it is
@@ -78,6 +83,7 @@ int train_command(const TrainOptions&);
 int infer_command(const InferOptions&);
 int compare_command(const CompareOptions&);
 int render_command(const RenderOptions&);
+int plot_command(const PlotOptions&);
 int import_command(const ImportOptions&);
 int inspect_command(const InspectOptions&);
 int stability_command(const StabilityCommandOptions&);

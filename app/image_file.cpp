@@ -53,31 +53,6 @@ void make_folder_of(const std::string& path) {
     if (error) throw Error(folder.string() + ": cannot make the folder: " + error.message());
 }
 
-// Draws dark text with its baseline's middle at (column, row), or as near as it fits. Drawn large and shrunk:
-// the strokes of OpenCV's letters are whole pixels wide.
-void draw_text(Image& image, const std::string& text, int column, int row, double height) {
-    constexpr int large = 4;
-    const double scale = large * height / 22;
-    const int thickness = std::max(1, int(std::lround(1.6 * scale)));
-    int below = 0;
-    const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_DUPLEX, scale, thickness, &below);
-    const int margin = large * 4;
-    const int width = (size.width + 2 * margin) / large, rows = (size.height + below + 2 * margin) / large;
-    cv::Mat mask(rows * large, width * large, CV_8U, cv::Scalar(0)), small;
-    cv::putText(mask, text, {margin, margin + size.height}, cv::FONT_HERSHEY_DUPLEX, scale, cv::Scalar(255),
-                thickness, cv::LINE_AA);
-    cv::resize(mask, small, {width, rows}, 0, 0, cv::INTER_AREA);
-    const int left = std::clamp(column - width / 2, 0, std::max(0, image.width - width)),
-              top = row - (margin + size.height) / large;
-    for (int r = 0; r < rows; ++r)
-        for (int c = 0; c < width; ++c) {
-            if (left + c < 0 || left + c >= image.width || top + r < 0 || top + r >= image.height) continue;
-            const float ink = small.at<uint8_t>(r, c) / 255.f;
-            float* p = image.pixel(left + c, top + r);
-            for (int k = 0; k < 3; ++k) p[k] += ink * (0.13f - p[k]);
-        }
-}
-
 }  // namespace
 
 void write_png(const std::string& path, const Image& image) {
@@ -95,12 +70,37 @@ void write_png(const std::string& path, const Image& image) {
     if (!out || error) throw Error(path + ": cannot be written");
 }
 
+// Drawn large and shrunk: the strokes of OpenCV's letters are whole pixels wide.
+void draw_text(Image& image, const std::string& text, int column, int row, double height, double anchor) {
+    constexpr int large = 4;
+    const double scale = large * height / 22;
+    const int thickness = std::max(1, int(std::lround(1.6 * scale)));
+    int below = 0;
+    const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_DUPLEX, scale, thickness, &below);
+    const int margin = large * 4;
+    const int width = (size.width + 2 * margin) / large, rows = (size.height + below + 2 * margin) / large;
+    cv::Mat mask(rows * large, width * large, CV_8U, cv::Scalar(0)), small;
+    cv::putText(mask, text, {margin, margin + size.height}, cv::FONT_HERSHEY_DUPLEX, scale, cv::Scalar(255),
+                thickness, cv::LINE_AA);
+    cv::resize(mask, small, {width, rows}, 0, 0, cv::INTER_AREA);
+    const int left =
+                  std::clamp(column - int(std::lround(anchor * width)), 0, std::max(0, image.width - width)),
+              top = row - (margin + size.height) / large;
+    for (int r = 0; r < rows; ++r)
+        for (int c = 0; c < width; ++c) {
+            if (left + c < 0 || left + c >= image.width || top + r < 0 || top + r >= image.height) continue;
+            const float ink = small.at<uint8_t>(r, c) / 255.f;
+            float* p = image.pixel(left + c, top + r);
+            for (int k = 0; k < 3; ++k) p[k] += ink * (0.13f - p[k]);
+        }
+}
+
 void draw_label(Image& image, const std::string& text) {
     double height = 0.021 * image.height;
     int below = 0;
     auto width = [&] { return cv::getTextSize(text, cv::FONT_HERSHEY_DUPLEX, height / 22, 1, &below).width; };
     while (height > 6 && width() > 0.94 * image.width) height *= 0.95;
-    draw_text(image, text, image.width / 2, int(0.972 * image.height), height);
+    draw_text(image, text, image.width / 2, int(0.972 * image.height), height, 0.5);
 }
 
 void draw_saturation_legend(Image& image) {
@@ -115,9 +115,9 @@ void draw_saturation_legend(Image& image) {
     }
     const double height = 0.016 * image.height;
     const int middle = (left + right) / 2;
-    draw_text(image, "1", middle, top - int(0.4 * height), height);
-    draw_text(image, "0", middle, bottom + int(1.3 * height), height);
-    draw_text(image, "saturation", middle, bottom + int(2.8 * height), height);
+    draw_text(image, "1", middle, top - int(0.4 * height), height, 0.5);
+    draw_text(image, "0", middle, bottom + int(1.3 * height), height, 0.5);
+    draw_text(image, "saturation", middle, bottom + int(2.8 * height), height, 0.5);
 }
 
 struct VideoFile::Body {
@@ -211,6 +211,7 @@ void VideoFile::append(const Image&) { no_opencv(); }
 std::string VideoFile::leave() { no_opencv(); }
 std::string VideoFile::commit() { no_opencv(); }
 void write_png(const std::string&, const Image&) { no_opencv(); }
+void draw_text(Image&, const std::string&, int, int, double, double) { no_opencv(); }
 void draw_label(Image&, const std::string&) { no_opencv(); }
 void draw_saturation_legend(Image&) { no_opencv(); }
 

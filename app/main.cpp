@@ -73,7 +73,8 @@ int main(int argc, char** argv) {
         CLI::App* sub = app.add_subcommand(name, help);
         add_common(sub, options, shared);
         // A picture is no number.
-        if constexpr (!std::is_same_v<std::decay_t<decltype(options)>, RenderOptions>)
+        using Options = std::decay_t<decltype(options)>;
+        if constexpr (!std::is_same_v<Options, RenderOptions> && !std::is_same_v<Options, PlotOptions>)
             sub->add_option("--json", options.json,
                             "write the results as JSON to this file, - for standard output");
         sub->callback(
@@ -159,6 +160,13 @@ int main(int argc, char** argv) {
     c->add_flag_callback(
         "--no-labels", [&] { render.labels = false; }, "no text under the panels");
 
+    PlotOptions plot;
+    c = command("plot", "draw the energy of runs over time, side by side", plot, plot_command);
+    c->add_option("runs", plot.runs, "RUN.h5")->required();
+    c->add_option("-o,--output", plot.output, "energy.png")->required();
+    c->add_option("--width", plot.width, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
+    c->add_option("--height", plot.height, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
+
     ImportOptions import;
     c = command("import", "read a hair file, report on it, write it in another format", import,
                 import_command);
@@ -208,7 +216,7 @@ int main(int argc, char** argv) {
         app.parse(argc, argv);
         for (CommonOptions* o :
              std::initializer_list<CommonOptions*>{&simulate, &encode, &train, &infer, &compare, &render,
-                                                   &import, &inspect, &stability, &bench})
+                                                   &plot, &import, &inspect, &stability, &bench})
             apply(shared, *o);
         return flushed(run());
     } catch (const CLI::ParseError& e) {

@@ -13,6 +13,7 @@
 #include "app/commands.h"
 #include "app/results.h"
 #include "base/interrupt.h"
+#include "base/log.h"
 #include "base/progress.h"
 #include "solver/stability/battery.h"
 
@@ -57,6 +58,13 @@ Json json_of(const StabilityCase& c) {
             {"passed", c.passed}};
 }
 
+Json json_of(const SweepPoint& p, bool best) {
+    return {{"method", p.method->name},   {"parameters", figures(p.at)},
+            {"finite", p.finite},         {"effect", number(p.effect)},
+            {"jitter", number(p.jitter)}, {"energy_ratio", number(p.energy_ratio)},
+            {"holds", p.holds()},         {"best", best}};
+}
+
 std::string cell(double a) { return std::isnan(a) ? "-" : fmt::format("{:.2g}", a); }
 std::string words(const Figures& all) {
     std::string text;
@@ -65,7 +73,7 @@ std::string words(const Figures& all) {
     return text;
 }
 void print_row(const StabilityCase& c) {
-    fmt::print("{:4} {:8} {:16} {:6} {:6} {:>8} {:>8} {:>8} {:>8}  {} ({}){}\n", c.id, c.method->name,
+    fmt::print("{:4} {:18} {:16} {:6} {:6} {:>8} {:>8} {:>8} {:>8}  {} ({}){}\n", c.id, c.method->name,
                c.method->integrator, c.passed ? "passed" : "FAILED", c.finite ? "finite" : "NaN",
                cell(c.gain), cell(c.energy_ratio), cell(c.kinetic_ratio), cell(c.rest_error), c.what,
                words(c.parameters), c.measured.empty() ? "" : "; " + words(c.measured));
@@ -77,16 +85,27 @@ int stability_command(const StabilityCommandOptions& o) {
     refuse_device(o, "stability");
     if (o.scene.empty()) refuse_scene_options(o, "stability without a scene");
     check_files(o, "", {o.scene});
-    const auto methods = chosen(o.methods);
+    const auto names = chosen(o.methods);
     StabilityOptions options;
     options.quick = o.quick, options.scene = o.scene, options.set = o.set, options.only = o.only;
     if (o.seed) options.set.push_back(fmt::format("seed={}", *o.seed));
 
+    InterruptGuard guard;
+    const auto go_on = [&] {
+        if (guard.asked()) throw Interrupted("interrupted: the battery is judged whole, nothing is kept");
+    };
+    std::vector<std::vector<SweepPoint>> sweeps;
+    auto methods = names;
+    for (size_t k = 0; k < names.size(); ++k)
+        if (names[k].compared()) {
+            log_info(names[k].name + ": a sweep over its own parameters");
+            methods[k] = method_at(best_of(sweeps.emplace_back(swept(names[k], options))));
+            go_on();
+        }
     std::vector<StabilityJob> jobs;
     for (const auto& m : methods)
         for (auto& job : stability_jobs(m, options)) jobs.push_back(job);
     std::vector<std::vector<StabilityCase>> results(jobs.size());
-    InterruptGuard guard;
     Progress progress("stability", long(jobs.size()), "group");
     std::exception_ptr error;
     long done = 0;
@@ -107,12 +126,12 @@ int stability_command(const StabilityCommandOptions& o) {
         }
     }
     if (error) std::rethrow_exception(error);
-    if (guard.asked()) throw Interrupted("interrupted: the battery is judged whole, nothing is kept");
+    go_on();
 
-    Json json{{"cases", Json::array()}, {"summary", Json::object()}};
+    Json json{{"cases", Json::array()}, {"summary", Json::object()}, {"sweep", Json::array()}};
     bool ours_passed = true;
     if (o.json != "-")
-        fmt::print("{:4} {:8} {:16} {:6} {:6} {:>8} {:>8} {:>8} {:>8}  case\n", "id", "method", "integrator",
+        fmt::print("{:4} {:18} {:16} {:6} {:6} {:>8} {:>8} {:>8} {:>8}  case\n", "id", "method", "integrator",
                    "", "", "gain", "energy", "kinetic", "rest");
     for (const auto& group : results)
         for (const auto& c : group) {
@@ -128,6 +147,19 @@ int stability_command(const StabilityCommandOptions& o) {
         for (const auto& [name, sum] : json["summary"].items())
             fmt::print("{}: {} passed, {} failed\n", name, sum["passed"].get<int>(),
                        sum["failed"].get<int>());
+    for (const auto& points : sweeps) {
+        const SweepPoint& best = best_of(points);
+        if (o.json != "-")
+            fmt::print("\n{} on a still wet head, best of its own: {}{}\n{:32} {:>8} {:>8} {:>8}\n",
+                       best.method->name, words(best.at), best.holds() ? "" : ", though it does not hold", "",
+                       "effect", "jitter", "energy");
+        for (const auto& p : points) {
+            json["sweep"].push_back(json_of(p, &p == &best));
+            if (o.json != "-")
+                fmt::print("{:32} {:>8} {:>8} {:>8}{}\n", words(p.at), cell(p.effect), cell(p.jitter),
+                           cell(p.energy_ratio), p.holds() ? "  holds" : "");
+        }
+    }
     write_json(json, o.json);
     return ours_passed ? 0 : 1;
 }

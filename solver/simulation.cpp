@@ -134,6 +134,7 @@ class CpuSimulation final : public Simulation {
     void move_air();
     void sample_air();
     void gather_hair_in_air();
+    bool positions(std::vector<Vec3d>& out) const;  // (strand, particle) [m]; false where they are not finite
     void evaluate_forces();
     void display();
     void unpack(const Buffer<Vec3<S>>& x, Strands& out) const;
@@ -161,7 +162,7 @@ class CpuSimulation final : public Simulation {
     std::optional<FlowPass> flow_;
     std::vector<Soaking> soaking_;  // (strand), with flow
     size_t flow_stage_ = 0;
-    double water_work_ = 0;
+    double water_work_ = 0, pulled_work_ = 0;
     std::optional<Display> display_;
     Strands displayed_;
     std::vector<ChainScratch<S>> scratch_;
@@ -235,6 +236,7 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
     if (scene.baseline) iben_ = std::get_if<Iben2013>(&*scene.baseline);
     if ((forces_ = make_particle_forces(scene))) {
         stages.push_back("baseline");
+        energy_kinds.push_back("baseline");
         external_.assign(at(blocks_, 0), {S(0), S(0), S(0)});
         force_x_.resize(scene.groom.rest.points.size());
     }
@@ -559,10 +561,9 @@ void CpuSimulation<T>::move_surfaces() {
     stage_[surface_stage_] = omp_get_wtime() - begin;
 }
 
-// A compared method's forces at the positions as they are, for the substep that follows.
 template <class T>
-void CpuSimulation<T>::evaluate_forces() {
-    const double begin = omp_get_wtime();
+bool CpuSimulation<T>::positions(std::vector<Vec3d>& out) const {
+    out.resize(size_t(strands_) * size_t(n_));
     bool finite = true;
     for (int s = 0; s < strands_; ++s)
         for (int i = 0; i < n_; ++i) {
@@ -570,11 +571,19 @@ void CpuSimulation<T>::evaluate_forces() {
             const int lane = s % lanes;
             const Vec3d x{double(p.x[lane]), double(p.y[lane]), double(p.z[lane])};
             finite = finite && std::abs(x.x) + std::abs(x.y) + std::abs(x.z) < 1e6;
-            force_x_[size_t(s) * size_t(n_) + size_t(i)] = x;
+            out[size_t(s) * size_t(n_) + size_t(i)] = x;
         }
+    return finite;
+}
+
+// A compared method's forces at the positions as they are, for the substep that follows.
+template <class T>
+void CpuSimulation<T>::evaluate_forces() {
+    const double begin = omp_get_wtime();
     // A run that blew up has no neighbours to find; the caller asks `divergence` next.
-    if (!finite) return;
+    if (!positions(force_x_)) return;
     forces_->evaluate(force_x_, time_, force_);
+    if (!meters_.empty()) pulled_work_ += forces_->given(force_x_, time_, time_ + dt_);
     for (int s = 0; s < strands_; ++s)
         for (int i = 0; i < n_; ++i) {
             const Vec3d& f = force_[size_t(s) * size_t(n_) + size_t(i)];
@@ -647,12 +656,16 @@ std::vector<double> CpuSimulation<T>::energy() const {
         for (size_t kind = 0; kind < e.size(); ++kind)
             sum[kind] += sum_of_lanes(e[kind], lanes_of_block(block));
     }
+    if (forces_) {
+        std::vector<Vec3d> x;
+        sum.back() = positions(x) ? forces_->potential(x, time_) : NAN;
+    }
     return sum;
 }
 
 template <class T>
 void CpuSimulation<T>::count_work() {
-    meters_.clear(), water_work_ = 0;
+    meters_.clear(), water_work_ = pulled_work_ = 0;
     for (int block = 0; block < blocks_; ++block)
         meters_.emplace_back(terms_, scene_.integrator.gravity, n_, lanes_of_block(block));
 }
@@ -661,7 +674,7 @@ template <class T>
 Work CpuSimulation<T>::work() const {
     Work sum;
     for (const auto& meter : meters_) sum += meter.work();
-    sum.water = water_work_;
+    sum.water = water_work_, sum.solids += pulled_work_;
     return sum;
 }
 

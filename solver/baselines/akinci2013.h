@@ -24,6 +24,28 @@ inline double cohesion_kernel(double r, double h) {
     return 32 / (std::numbers::pi * h * h * h) * (q > 0.5 ? cube : 2 * cube - 1.0 / 64);
 }
 
+// The sum of a kernel K(r, h) [1/m^3] from r to its end h [1/m^2], from a table: minus the energy of a pair
+// of particles, for each unit of its strength. A has no closed form.
+class KernelSum {
+  public:
+    template <class K>
+    KernelSum(K kernel, double h) : cell_(h / cells), sum_(cells + 1, 0.0) {
+        for (size_t k = cells; k-- > 0;) sum_[k] = sum_[k + 1] + cell_ * kernel((double(k) + 0.5) * cell_, h);
+    }
+    double operator()(double r) const {
+        const double at = r / cell_;
+        if (!(at < double(cells))) return 0;
+        const size_t k = size_t(at);
+        return sum_[k] + (at - double(k)) * (sum_[k + 1] - sum_[k]);
+    }
+    size_t bytes() const { return sum_.capacity() * sizeof(double); }
+
+  private:
+    static constexpr size_t cells = 4096;
+    double cell_;
+    std::vector<double> sum_;
+};
+
 // d / |d|; none for particles in the same place.
 inline Vec3d direction(const Vec3d& d) { return normalized(d, Vec3d{0, 0, 0}); }
 

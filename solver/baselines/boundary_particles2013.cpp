@@ -2,6 +2,7 @@
 #include "solver/baselines/boundary_particles2013.h"
 
 #include <algorithm>
+#include <numeric>
 #include <random>
 #include <unordered_map>
 
@@ -85,7 +86,10 @@ struct SampledSolid {
 class BoundaryForces final : public ParticleForces {
   public:
     BoundaryForces(const BoundaryParticles2013& method, const Scene& scene)
-        : method_(method), scene_(scene), mass_(particle_masses(scene)) {
+        : method_(method),
+          scene_(scene),
+          mass_(particle_masses(scene)),
+          adhesion_(akinci2013::adhesion_kernel, method.h) {
         for (const auto& solid : scene.solids) {
             const auto points = sampled_surface(solid.shape, method.spacing);
             const auto volume = boundary_volumes(points, method.h);
@@ -98,39 +102,57 @@ class BoundaryForces final : public ParticleForces {
 
     void evaluate(const std::vector<Vec3d>& x, double time, std::vector<Vec3d>& force) override {
         force.assign(x.size(), {0, 0, 0});
-        const Pose head = scene_.motion.at(time);
-        size_t pairs = 0;
-        for (const auto& s : solids_) {
-            const Pose pose = s.solid->at(time, head);
-#pragma omp parallel for schedule(dynamic, 256) reduction(+ : pairs)
-            for (size_t i = 0; i < x.size(); ++i) {
-                const double wet_mass = double(scene_.saturation[i]) * mass_[i];
-                if (!(wet_mass > 0)) continue;
-                const Vec3d at = pose.inverse(x[i]);
-                Vec3d sum{0, 0, 0};
-                s.grid.around(cast<float>(at), [&](uint32_t k) {
-                    const Vec3d d = at - cast<double>(s.grid.sorted(k));
-                    if (!(dot(d, d) < method_.h * method_.h)) return;
-                    sum += method_.pair_force(d, wet_mass, s.volume[k]);
-                    ++pairs;
-                });
-                force[i] += rotate(pose.rotation, sum);
-            }
-        }
-        mean_ = double(pairs) / double(x.size());
+        std::vector<size_t> pairs(x.size(), 0);
+        for_each(x, time,
+                 [&](size_t i, double wet_mass, const Vec3d& d, const Quatd& rotation, double volume) {
+                     force[i] += rotate(rotation, method_.pair_force(d, wet_mass, volume));
+                     ++pairs[i];
+                 });
+        mean_ = double(std::accumulate(pairs.begin(), pairs.end(), size_t(0))) / double(x.size());
+    }
+    double potential(const std::vector<Vec3d>& x, double time) override {
+        std::vector<double> of(x.size(), 0);
+        for_each(x, time, [&](size_t i, double wet_mass, const Vec3d& d, const Quatd&, double volume) {
+            of[i] -= method_.strength(wet_mass, volume) * adhesion_(norm(d));
+        });
+        return std::accumulate(of.begin(), of.end(), 0.0);
+    }
+    double given(const std::vector<Vec3d>& x, double from, double to) override {
+        return potential(x, to) - potential(x, from);
     }
     double neighbours_mean() const override { return mean_; }
     size_t bytes() const override {
-        size_t sum = mass_.capacity() * sizeof(double);
+        size_t sum = mass_.capacity() * sizeof(double) + adhesion_.bytes();
         for (const auto& s : solids_) sum += s.grid.bytes() + s.volume.capacity() * sizeof(double);
         return sum;
     }
 
   private:
+    // Calls visit(i, sigma m [kg], x_i - y [m], rotation, volume [m^3]) with the boundary particles y in
+    // reach of each wet particle, in the coordinates of their solid: all of an i by one thread.
+    template <class Visit>
+    void for_each(const std::vector<Vec3d>& x, double time, Visit visit) const {
+        const Pose head = scene_.motion.at(time);
+        for (const auto& s : solids_) {
+            const Pose pose = s.solid->at(time, head);
+#pragma omp parallel for schedule(dynamic, 256)
+            for (size_t i = 0; i < x.size(); ++i) {
+                const double wet_mass = double(scene_.saturation[i]) * mass_[i];
+                if (!(wet_mass > 0)) continue;
+                const Vec3d at = pose.inverse(x[i]);
+                s.grid.around(cast<float>(at), [&](uint32_t k) {
+                    const Vec3d d = at - cast<double>(s.grid.sorted(k));
+                    if (dot(d, d) < method_.h * method_.h) visit(i, wet_mass, d, pose.rotation, s.volume[k]);
+                });
+            }
+        }
+    }
+
     const BoundaryParticles2013 method_;
     const Scene& scene_;
     const std::vector<double> mass_;
     std::vector<SampledSolid> solids_;
+    const akinci2013::KernelSum adhesion_;
     double mean_ = 0;
 };
 

@@ -14,7 +14,8 @@ class KimForces final : public ParticleForces {
           mass_(particle_masses(scene)),
           pairs_(scene, method.h),
           density_(mass_.size()),
-          normal_(mass_.size()) {}
+          normal_(mass_.size()),
+          cohesion_(akinci2013::cohesion_kernel, method.h) {}
 
     void evaluate(const std::vector<Vec3d>& x, double, std::vector<Vec3d>& force) override {
         const double h = method_.h;
@@ -40,10 +41,18 @@ class KimForces final : public ParticleForces {
             },
             nothing);
     }
+    // Of the cohesion; the area force is the gradient of nothing, since normals follow all neighbours.
+    double potential(const std::vector<Vec3d>& x, double) override {
+        pairs_.find(x);
+        return pairs_.sum([&](size_t i, size_t j) {
+            return -method_.gamma * pairs_.saturation(i) * pairs_.saturation(j) * mass_[i] * mass_[j] *
+                   cohesion_(norm(x[i] - x[j]));
+        });
+    }
     double neighbours_mean() const override { return pairs_.neighbours_mean(); }
     size_t bytes() const override {
         return (mass_.capacity() + density_.capacity()) * sizeof(double) +
-               normal_.capacity() * sizeof(Vec3d) + pairs_.bytes();
+               normal_.capacity() * sizeof(Vec3d) + pairs_.bytes() + cohesion_.bytes();
     }
 
   private:
@@ -52,6 +61,7 @@ class KimForces final : public ParticleForces {
     StrandPairs pairs_;
     std::vector<double> density_;  // [kg/m^3], of wet hair on other strands and the particle itself
     std::vector<Vec3d> normal_;
+    const akinci2013::KernelSum cohesion_;
 };
 
 }  // namespace

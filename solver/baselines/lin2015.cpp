@@ -10,7 +10,10 @@ namespace {
 class LinForces final : public ParticleForces {
   public:
     LinForces(const Lin2015& method, const Scene& scene)
-        : method_(method), mass_(particle_masses(scene)), pairs_(scene, method.h) {}
+        : method_(method),
+          mass_(particle_masses(scene)),
+          pairs_(scene, method.h),
+          adhesion_(akinci2013::adhesion_kernel, method.h) {}
 
     void evaluate(const std::vector<Vec3d>& x, double, std::vector<Vec3d>& force) override {
         pairs_.find(x);
@@ -22,13 +25,23 @@ class LinForces final : public ParticleForces {
                         },
                         [](size_t) {});
     }
+    double potential(const std::vector<Vec3d>& x, double) override {
+        pairs_.find(x);
+        return pairs_.sum([&](size_t i, size_t j) {
+            return -method_.beta * pairs_.saturation(i) * pairs_.saturation(j) * mass_[i] * mass_[j] *
+                   adhesion_(norm(x[i] - x[j]));
+        });
+    }
     double neighbours_mean() const override { return pairs_.neighbours_mean(); }
-    size_t bytes() const override { return mass_.capacity() * sizeof(double) + pairs_.bytes(); }
+    size_t bytes() const override {
+        return mass_.capacity() * sizeof(double) + pairs_.bytes() + adhesion_.bytes();
+    }
 
   private:
     const Lin2015 method_;
     const std::vector<double> mass_;
     StrandPairs pairs_;
+    const akinci2013::KernelSum adhesion_;
 };
 
 }  // namespace

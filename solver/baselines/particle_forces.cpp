@@ -30,7 +30,8 @@ StrandPairs::StrandPairs(const Scene& scene, double radius)
 }
 
 void StrandPairs::find(const std::vector<Vec3d>& x) {
-    for (size_t id = 0; id < x.size(); ++id) near_[id] = cast<float>(x[id]);
+    // From one of them: single precision has no digits to spare far from the origin.
+    for (size_t id = 0; id < x.size(); ++id) near_[id] = cast<float>(x[id] - x[0]);
     grid_.build(near_.data(), near_.size(), radius_);
     for (size_t k = 0; k < grid_.size(); ++k) {
         const size_t id = grid_.order()[k];

@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "base/geometry/neighbor_list.h"
@@ -15,6 +16,10 @@ class ParticleForces {
     virtual ~ParticleForces() = default;
     // x (strand, particle) [m] at `time` [s], when a substep begins -> force (strand, particle) [N].
     virtual void evaluate(const std::vector<Vec3d>& x, double time, std::vector<Vec3d>& force) = 0;
+    // [J] of those forces that have a potential, particles at x.
+    virtual double potential(const std::vector<Vec3d>& x, double time) = 0;
+    // [J] that solids give while they move and hair at x does not.
+    virtual double given(const std::vector<Vec3d>&, double /*from*/, double /*to*/) { return 0; }
     virtual double neighbours_mean() const = 0;  // of the last call
     virtual size_t bytes() const = 0;
 };
@@ -50,6 +55,13 @@ class StrandPairs {
             });
             end(i);
         }
+    }
+    // The sum of value(i, j) over pairs, each counted once.
+    template <class Value>
+    double sum(Value value) const {
+        std::vector<double> of(grid_.size(), 0);
+        for_each([](size_t) {}, [&](size_t i, size_t j) { of[i] += 0.5 * value(i, j); }, [](size_t) {});
+        return std::accumulate(of.begin(), of.end(), 0.0);
     }
     double saturation(size_t i) const { return double(saturation_[i]); }
     double neighbours_mean() const { return list_.neighbours_mean(); }

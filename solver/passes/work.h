@@ -9,14 +9,18 @@ namespace wetcurl {
 
 // [J], summed over strands.
 struct Work {
-    double roots = 0;    // of the forces that move particles 0 and 1 as prescribed
-    double solids = 0;   // of moving surfaces: a still one may take energy, never give it
-    double terms = 0;    // of forces that keep no energy: adhesion, and drag by the root's rigid motion
-    double water = 0;    // of water that comes, goes and runs on, and of what follows it
-    double limiter = 0;  // of the strain limiter: no cause outside, so not in `given`
-    double given() const { return roots + solids + terms + water; }
+    double roots = 0;   // of the forces that move particles 0 and 1 as prescribed
+    double solids = 0;  // of moving surfaces: a still one may take energy, never give it
+    double terms = 0;   // of forces that keep no energy: adhesion, and drag by the root's rigid motion
+    double wind = 0;    // of moving air; what slips through it takes energy
+    double water = 0;   // of water that comes, goes and runs on, and of what follows it
+    // No cause outside, so not in `given`:
+    double limiter = 0;  // of the strain limiter
+    double forces = 0;   // of a compared method; where they have a potential, what that loses
+    double given() const { return roots + solids + terms + wind + water; }
     Work& operator+=(const Work& b) {
-        roots += b.roots, solids += b.solids, terms += b.terms, water += b.water, limiter += b.limiter;
+        roots += b.roots, solids += b.solids, terms += b.terms, wind += b.wind, water += b.water;
+        limiter += b.limiter, forces += b.forces;
         return *this;
     }
 };
@@ -50,25 +54,47 @@ S root_spin(const Quat<S>& frame_before, const Quat<S>& frame) {
     return S(2) * Twist::HalfAngle<S>(transported(frame_before, frame_direction(frame)), frame).sine;
 }
 
+// force (n) of one term alone; false: there is no such term.
+template <class Term, class S>
+bool forces_of(const ChainTerms& terms, const ChainView<S>& c, const S& h, Vec3<S>* force) {
+    const auto& term = std::get<std::optional<Term>>(terms);
+    if (!term) return false;
+    std::fill_n(force, c.n, Vec3<S>{S(0), S(0), S(0)});
+    assemble(*term, c, ChainSystem<S>{h, force, nullptr, nullptr, nullptr});
+    return true;
+}
+
 // Of the terms that keep no energy, on free particles that came from `from` to c.x within dt, in a scheme of
 // step h. `force` (n) is scratch.
 template <class S>
 S work_of_terms(const ChainTerms& terms, const ChainView<S>& c, Plain<S> dt, const S& h, const Vec3<S>* from,
                 Vec3<S>* force) {
-    const ChainSystem<S> forces{h, force, nullptr, nullptr, nullptr};
-    auto apply = [&](const auto& term) {
-        if (!term) return false;
-        std::fill_n(force, c.n, Vec3<S>{S(0), S(0), S(0)});
-        assemble(*term, c, forces);
-        return true;
-    };
     S sum(0);
-    if (apply(std::get<std::optional<Adhesion>>(terms)))
+    if (forces_of<Adhesion>(terms, c, h, force))
         for (int i = 2; i < c.n; ++i) sum += dot(force[i], c.x[i] - from[i]);
     // f.(v - v_rigid) is lost to drag; the rest of f.v is the driver's.
-    if (apply(std::get<std::optional<Stiffness>>(terms)))
+    if (forces_of<Stiffness>(terms, c, h, force))
         for (int i = 2; i < c.n; ++i)
             sum += S(dt) * dot(force[i], c.drift + cross(c.turn, c.x[i] - c.turn_center));
+    return sum;
+}
+
+// Of the air: f.(v - u) is lost to drag, the rest of f.v is given. Roots too, whose reactions bear their
+// drag.
+template <class S>
+S work_of_wind(const ChainTerms& terms, const ChainView<S>& c, Plain<S> dt, Vec3<S>* force) {
+    S sum(0);
+    if (forces_of<AirDrag>(terms, c, S(dt), force))
+        for (int i = 0; i < c.n; ++i) sum += S(dt) * dot(force[i], c.air[i]);
+    return sum;
+}
+
+// Of forces (n) [N] along the ways from `from` to `to`, half: the mean over a step of what acts at its two
+// ends is half of each along its way. Null: none.
+template <class S>
+S half_work_of(const Vec3<S>* force, int n, const Vec3<S>* from, const Vec3<S>* to) {
+    S sum(0);
+    for (int i = 0; force && i < n; ++i) sum += S(0.5) * dot(force[i], to[i] - from[i]);
     return sum;
 }
 
@@ -109,6 +135,7 @@ class WorkMeter {
     // Before a step: where its reactions are to be put.
     Vec3<S>* begin(const BlockStep<S>& step) {
         if (with_frames_) root_frame_ = step.frame[0];
+        if (!step.first) add_forces(step, step.x_before, step.x);
         return reaction_;
     }
     // The step took particles from `from` to view.x; `turn_left`: of its frames.
@@ -128,6 +155,8 @@ class WorkMeter {
         const S h = scratch.diagonal.empty() ? S(step.dt) : Bdf2<S>(step.dt, step.first).h;
         work_.terms +=
             sum_of_lanes(work_of_terms(terms_, view, step.dt, h, from, scratch.force.data()), lanes_);
+        work_.wind += sum_of_lanes(work_of_wind(terms_, view, step.dt, scratch.force.data()), lanes_);
+        add_forces(step, from, view.x);
         work_.solids += sum_of_lanes(work_of_holds(step, scratch.hold), lanes_);
         const auto& limit = std::get<std::optional<StrainLimit>>(terms_);
         if (limit && !scratch.limit_edge.empty())
@@ -144,6 +173,9 @@ class WorkMeter {
     const Work& work() const { return work_; }
 
   private:
+    void add_forces(const BlockStep<S>& step, const Vec3<S>* from, const Vec3<S>* to) {
+        work_.forces += sum_of_lanes(half_work_of(step.external, step.n, from, to), lanes_);
+    }
     void carry_frames(const BlockStep<S>& step, ChainView<S>& view, const Quat<Plain<S>>& turn_left) {
         transport_frames(step.n, step.frame, turn_left, view.x, frame_.data());
         view.frame = frame_.data();

@@ -10,6 +10,29 @@
 
 namespace wetcurl {
 
+namespace {
+
+// Half decades upwards.
+std::vector<Figures> decades_of(const Figures& from, int count) {
+    std::vector<Figures> all;
+    for (int k = 0; k < count; ++k) {
+        all.push_back(from);
+        for (auto& [key, value] : all.back()) value *= (k % 2 ? 3 : 1) * std::pow(10.0, k / 2);
+    }
+    return all;
+}
+// Its forces on wet hair in the place of ours, on our chain.
+StabilityMethod compared(const std::string& name, std::vector<Figures> sweep) {
+    StabilityMethod m{.name = name, .integrator = "implicit double", .precision = "double", .settings = {}};
+    m.dry = false;
+    m.on_solids = name == "boundary_particles", m.on_strands = !m.on_solids;
+    (m.on_solids ? m.adhesion : m.cohesion) = "[baseline]\nmethod = \"" + name + "\"\n";
+    m.sweep = std::move(sweep);
+    return m;
+}
+
+}  // namespace
+
 const std::vector<StabilityMethod>& stability_methods() {
     static const std::vector<std::string> printed{"integrator.kind='explicit'", "bend.form='printed'",
                                                   "core.form='printed'"};
@@ -17,6 +40,18 @@ const std::vector<StabilityMethod>& stability_methods() {
         {"ours", "implicit double", "double", {}, 2, {}, {}},
         {"ours", "implicit float", "float", {}, 2, {}, {}},
         {"printed", "explicit double", "double", printed, 1, {}, {}},
+        {.name = "iben",
+         .integrator = "explicit double",
+         .precision = "double",
+         .settings = {"baseline.method='iben'"},
+         .order = 1,
+         .on_strands = false,
+         .on_solids = false,
+         .takes_drag = false,
+         .sweep = decades_of({{"velocity_limit", 0.03}}, 7)},
+        compared("lin", decades_of({{"strength", 10}}, 9)),
+        compared("kim", decades_of({{"strength", 1}, {"area", 1e-3}}, 9)),
+        compared("boundary_particles", decades_of({{"strength", 1}}, 9)),
     };
     return methods;
 }
@@ -44,33 +79,73 @@ struct Battery {
     std::vector<double> some(std::vector<double> all, std::vector<double> few) const {
         return options.quick ? few : all;
     }
+    // Of S1: 1e-6 of a segment is below one ulp in single [m].
+    double noise() const { return (method.precision == "double" ? 1e-6 : 1e-3) * length / (particles - 1); }
 };
 
+// Wet curls beside each other, one amid six, none turned as another and each in reach of its neighbours only.
+StrandSetup wet_lock(const Battery& b, double k_over_m) {
+    StrandSetup lock{{}, k_over_m, dt_usual, 0, down, 0, "[wetness]\n" + b.method.cohesion, {}};
+    const Points curl = helix_points(particles, length, 0.002, 0.02);
+    for (int k = 0; k < 7; ++k) {
+        const double angle = k * std::numbers::pi / 3, apart = k == 0 ? 0 : 0.008;  // [m]
+        Points& strand = lock.shapes.emplace_back(curl);
+        for (auto& p : strand)
+            p = rotate(rotation_about({0, 1, 0}, 0.9 * k), p) +
+                Vec3d{apart * std::cos(angle), 0, apart * std::sin(angle)};
+    }
+    return lock;
+}
+
 // --- S1
+
+// Noise is put on the trial, which then goes on for `seconds` beside the positions without noise.
+template <class Quiet>
+void judge_noise(StabilityCase& c, const Battery& b, Trial& trial, double seconds, Quiet quiet) {
+    SimulationState s = trial.simulation().state();
+    add_noise(s, particles, b.noise(), 4);
+    trial.set(s);
+    c.gain = 0;
+    for (long k = std::lround(seconds * trial.scene().fps); k > 0 && trial.finite && c.gain < 1e6; --k) {
+        trial.advance();
+        c.gain = std::max(c.gain, farthest(trial.simulation().state().x, quiet()) / b.noise());
+    }
+    trial.report(c);
+    c.passed = c.finite && c.gain <= 100;
+}
 
 StabilityCase noise_at_rest(const Battery& b, double k_over_m, double dt) {
     StabilityCase c =
         b.named("S1", "noise at rest, straight and curly", {{"k_over_m", k_over_m}, {"dt", dt}});
     StrandSetup setup{{straight, curly}, k_over_m, dt, 0, weightless, 0, "", {}};
     Trial trial(b.method, scene_of(setup, b.method));
-    const double noise = (b.method.precision == "double" ? 1e-6 : 1e-3) * length / (particles - 1);
-    SimulationState s = trial.simulation().state();
-    const auto rest = s.x;
-    add_noise(s, particles, noise, 4);
-    trial.set(s);
-    c.gain = 0;
-    for (long k = std::lround(10 / dt); k > 0 && trial.finite && c.gain < 1e6; --k) {
-        trial.advance();
-        c.gain = std::max(c.gain, farthest(trial.simulation().state().x, rest) / noise);
-    }
-    trial.report(c);
-    c.passed = c.finite && c.gain <= 100;
+    const auto rest = trial.simulation().state().x;
+    judge_noise(c, b, trial, 10, [&] { return rest; });
+    return c;
+}
+
+// Those that are drawn together come to rest first. Beside a copy without noise, since not all forces leave
+// them a place to rest.
+StabilityCase noise_beside_neighbours(const Battery& b, double k_over_m) {
+    StabilityCase c =
+        b.named("S1", "noise beside wet neighbours", {{"k_over_m", k_over_m}, {"dt", dt_usual}});
+    StrandSetup free = wet_lock(b, k_over_m);
+    free.gravity = weightless;
+    StrandSetup settling = free;
+    settling.drag = 20;
+    Trial quiet(b.method, scene_of(settling, b.method)), noisy(b.method, scene_of(free, b.method));
+    quiet.advance_for(6);
+    quiet.go_on_in(scene_of(free, b.method));
+    noisy.set(quiet.simulation().state());
+    judge_noise(c, b, noisy, b.options.quick ? 2 : 10, [&] {
+        quiet.advance();
+        return quiet.simulation().state().x;
+    });
     return c;
 }
 
 // --- S2
 
-constexpr double energy_bound = 1e-3;
 void judge_energy(StabilityCase& c, const Trial& trial) {
     trial.report(c);
     c.passed = c.finite && c.energy_ratio <= energy_bound;
@@ -134,6 +209,34 @@ Cases energies_of(const Battery& b, double k_over_m) {
         out.push_back(energy_of(b, "swept by a ball", hanging, 0, seconds));
     }
     out.push_back(energy_of_wetting(b, k_over_m));
+    return out;
+}
+
+// What draws wet strands is either an energy that is kept, and counted, or gives nothing.
+Cases energies_of_wet(const Battery& b, double k_over_m) {
+    Cases out;
+    const double seconds = b.options.quick ? 1 : 4;
+    if (b.method.on_strands) {
+        StrandSetup lock = wet_lock(b, k_over_m);
+        out.push_back(energy_of(b, "wet lock released", lock, 0, seconds));
+        out.push_back(energy_of(b, "wet lock in a large sway", lock, 1.5, seconds));
+        lock.more += shaken;
+        out.push_back(energy_of(b, "wet lock, shaken root", lock, 0, seconds));
+    }
+    if (b.method.on_solids)
+        for (const char* ball : {still_ball, moving_ball}) {
+            const StrandSetup at{{straight, curly},
+                                 k_over_m,
+                                 dt_usual,
+                                 0,
+                                 down,
+                                 0,
+                                 "[wetness]\n" + b.method.adhesion + ball,
+                                 {}};
+            const bool still = ball == still_ball;
+            out.push_back(energy_of(b, still ? "wet, swing against a still ball" : "wet, swept by a ball", at,
+                                    still ? 1.0 : 0.0, seconds));
+        }
     return out;
 }
 
@@ -300,6 +403,11 @@ Cases stiffness_by_step(const Battery& b, double k_over_m) {
             c.kinetic_ratio = falling.finite ? falling.most_kinetic / allowed : unbounded;
             c.measured.push_back({"kinetic_over_weight", falling.most_kinetic / falling.weight_length()});
 
+            if (!b.method.takes_drag) {
+                c.passed = c.finite && c.kinetic_ratio <= 1;
+                out.push_back(c);
+                continue;
+            }
             // Critically damped, as far as the explicit scheme can take it.
             setup.drag = std::min(2 * slowest(k_over_m), 20.0);
             Trial settling(b.method, scene_of(setup, b.method));
@@ -351,15 +459,29 @@ StabilityCase stood(const Battery& b, const Ordeal& o) {
     trial.report(c);
     c.kinetic_ratio = trial.finite ? trial.kinetic / trial.weight_length() : unbounded;
     c.measured.push_back({"most_kinetic_over_weight", trial.most_kinetic / trial.weight_length()});
-    c.passed = c.finite && c.energy_ratio <= ordeal_bound && c.kinetic_ratio <= settled_bound;
+    c.passed = c.finite && c.energy_ratio <= ordeal_bound &&
+               (!b.method.takes_drag || c.kinetic_ratio <= settled_bound);
     return c;
 }
 
+// Drag that damps the slowest swing critically, as far as the explicit scheme can take it, and time for it to
+// settle.
+double drag_of(double slowest) { return std::min(2 * slowest, 20.0); }
+double settle_of(double slowest) { return std::max(12 / slowest, 3.0); }
+
+const char* const turned_root =
+    "[motion]\n[[motion.keyframe]]\ntime = 0.1\n[[motion.keyframe]]\ntime = 0.141667\nrotation = "
+    "[0, 180, 0]\n";
+const char* const pierced =
+    "[[solid]]\nradius = 0.05\n[[solid.motion.keyframe]]\ntranslation = [0.01, -0.22, 0.0]\n";
+
+Cases all_of(const Battery& b, const std::vector<Ordeal>& ordeals) {
+    Cases out;
+    for (const auto& o : ordeals) out.push_back(stood(b, o));
+    return out;
+}
+
 Cases ordeals(const Battery& b, double k_over_m, double limiter) {
-    // Drag that damps the slowest swing critically, as far as the explicit scheme can take it, and time for
-    // it to settle.
-    auto drag_of = [](double slowest) { return std::min(2 * slowest, 20.0); };
-    auto settle_of = [](double slowest) { return std::max(12 / slowest, 3.0); };
     const double swing = slowest(k_over_m), settle = settle_of(swing);
     const StrandSetup base{{straight, curly}, k_over_m, dt_usual, limiter, down, drag_of(swing), "", {}};
     std::vector<Ordeal> all;
@@ -368,11 +490,7 @@ Cases ordeals(const Battery& b, double k_over_m, double limiter) {
         change(setup);
         all.push_back({what, {setup}, {settle}, disturb});
     };
-    add("root turned by 180 degrees in a frame", [](StrandSetup& s) {
-        s.more =
-            "[motion]\n[[motion.keyframe]]\ntime = 0.1\n[[motion.keyframe]]\ntime = 0.141667\nrotation = "
-            "[0, 180, 0]\n";
-    });
+    add("root turned by 180 degrees in a frame", [](StrandSetup& s) { s.more = turned_root; });
     add("10 g", [](StrandSetup& s) { s.gravity = 10 * down; });
     add(
         "zero-length edge", [](StrandSetup&) {},
@@ -380,13 +498,7 @@ Cases ordeals(const Battery& b, double k_over_m, double limiter) {
             s.x[10] = s.x[9];
             carry_frames(s, particles);
         });
-    add("coincident strands", [](StrandSetup& s) {
-        s.shapes = {curly, curly};
-        s.more = "[wetness]\n[cohesion]\nradius = 0.01\n";
-    });
-    add("tip inside a solid", [](StrandSetup& s) {
-        s.more = "[[solid]]\nradius = 0.05\n[[solid.motion.keyframe]]\ntranslation = [0.01, -0.22, 0.0]\n";
-    });
+    add("tip inside a solid", [](StrandSetup& s) { s.more = pierced; });
     all.back().after_first_frame = true;
     add("two particles", [](StrandSetup& s) {
         s.shapes = {straight_points(2, 0.01, {0, -1, 0}), straight_points(2, 0.01, {1, 0, 0})};
@@ -421,9 +533,38 @@ Cases ordeals(const Battery& b, double k_over_m, double limiter) {
             s.shapes = {straight_points(10000, length, {0, -1, 0})};
             refine(s, 10000);
         });
-    Cases out;
-    for (const auto& o : all) out.push_back(stood(b, o));
-    return out;
+    return all_of(b, all);
+}
+
+Cases wet_ordeals(const Battery& b, double k_over_m) {
+    const double swing = slowest(k_over_m);
+    std::vector<Ordeal> all;
+    auto add = [&](const std::string& what, StrandSetup setup, const std::string& more = "") {
+        setup.drag = drag_of(swing), setup.more += more;
+        all.push_back({what, {setup}, {settle_of(swing)}, {}});
+    };
+    const StrandSetup lock = wet_lock(b, k_over_m);
+    if (b.method.on_strands) {
+        StrandSetup heavy = lock, together = lock;
+        heavy.gravity = 10 * down;
+        for (auto& shape : together.shapes) shape = curly;
+        add("wet lock, root turned by 180 degrees in a frame", lock, turned_root);
+        add("wet lock at 10 g", heavy);
+        add("coincident strands", together);
+        add("wet lock, step a hundred times longer in a swing", lock);
+        Ordeal& longer = all.back();
+        longer.scenes.front().dt = 1.0 / 24,
+        longer.scenes.insert(longer.scenes.begin(), longer.scenes.front());
+        longer.scenes.front().dt /= 100, longer.seconds.insert(longer.seconds.begin(), 0.3);
+        longer.disturb = [](SimulationState& s) { sway(s, particles, 0.5); };
+    }
+    if (b.method.on_solids) {
+        StrandSetup at = lock;
+        at.shapes = {straight, curly}, at.more = "[wetness]\n" + b.method.adhesion;
+        add("wet, tip inside a solid", at, pierced);
+        all.back().after_first_frame = true;
+    }
+    return all_of(b, all);
 }
 
 // --- S6
@@ -501,8 +642,9 @@ StabilityCase order_in_particles(const Battery& b) {
 
 // --- S7
 
-// The plain strands and changed ones, once these are brought back.
-StabilityCase invariant(const Battery& b, const std::string& what, const StrandSetup& changed, double bound,
+// Plain strands and changed ones, once these are brought back.
+StabilityCase invariant(const Battery& b, const std::string& what, const StrandSetup& plain,
+                        const StrandSetup& changed, double bound,
                         const std::function<void(Points&)>& bring_back) {
     StabilityCase c = b.named("S7", what, {{"k_over_m", changed.k_over_m}});
     auto run = [&](const StrandSetup& setup, Points* drawn) {
@@ -512,7 +654,7 @@ StabilityCase invariant(const Battery& b, const std::string& what, const StrandS
         return trial.simulation().state().x;
     };
     Points drawn;
-    const Points x = run({{straight, curly}, changed.k_over_m, dt_usual, 0, down, 0, "", {}}, &drawn);
+    const Points x = run(plain, &drawn);
     Points y = run(changed, nullptr);
     bring_back(y);
     const double moved = farthest(x, drawn) / length;
@@ -523,9 +665,8 @@ StabilityCase invariant(const Battery& b, const std::string& what, const StrandS
     return c;
 }
 
-Cases invariances(const Battery& b, double k_over_m) {
+Cases invariances(const Battery& b, const StrandSetup& plain, const std::string& of) {
     const bool single = b.method.precision == "float";
-    const StrandSetup plain{{straight, curly}, k_over_m, dt_usual, 0, down, 0, "", {}};
     auto each = [](auto change) {
         return [change](Points& points) {
             for (auto& p : points) p = change(p);
@@ -534,9 +675,9 @@ Cases invariances(const Battery& b, double k_over_m) {
     Cases out;
     StrandSetup s = plain;
     const Vec3d far{1000, -500, 300};
-    s.more = "[motion]\n[[motion.keyframe]]\ntranslation = [1000, -500, 300]\n";
+    s.more += "[motion]\n[[motion.keyframe]]\ntranslation = [1000, -500, 300]\n";
     // An ulp at 1000 m is 1e-13 m in double. In single it is 6e-5 m, a hundredth of a segment.
-    out.push_back(invariant(b, "translation by 1 km", s, single ? 0.1 : 1e-6,
+    out.push_back(invariant(b, "translation by 1 km" + of, plain, s, single ? 0.1 : 1e-6,
                             each([=](const Vec3d& p) { return p - far; })));
     s = plain;
     const Quatd q = rotation_about(normalized(Vec3d{1, 2, 3}, Vec3d{1, 0, 0}), 1.1);
@@ -544,12 +685,14 @@ Cases invariances(const Battery& b, double k_over_m) {
         for (auto& p : shape) p = rotate(q, p);
     s.gravity = rotate(q, down);
     // Grooms are kept in single: 1e-8 m of each particle, 4e-6 of a segment, and turns of edges add up.
-    out.push_back(
-        invariant(b, "rotation", s, 1e-3, each([=](const Vec3d& p) { return rotate(conjugate(q), p); })));
+    out.push_back(invariant(b, "rotation" + of, plain, s, 1e-3,
+                            each([=](const Vec3d& p) { return rotate(conjugate(q), p); })));
     s = plain;
-    std::swap(s.shapes[0], s.shapes[1]);
-    out.push_back(invariant(b, "strand permutation", s, 0,
-                            [](Points& p) { std::rotate(p.begin(), p.begin() + particles, p.end()); }));
+    std::rotate(s.shapes.begin(), s.shapes.begin() + 1, s.shapes.end());
+    // Sums over neighbours are rounded in another order.
+    out.push_back(invariant(b, "strand permutation" + of, plain, s, of.empty() ? 0 : 1e-6,
+                            [](Points& p) { std::rotate(p.begin(), p.end() - particles, p.end()); }));
+    if (!of.empty() || b.method.compared()) return out;  // these have lengths of their own
     s = plain;
     // By a power of two, so that no digit of the groom is lost; k / m has no length in it.
     const double unit = 32;
@@ -557,7 +700,7 @@ Cases invariances(const Battery& b, double k_over_m) {
         for (auto& p : shape) p = unit * p;
     s.gravity = unit * down;
     s.set = {setting("core.smoothing", 0.02 * unit)};
-    out.push_back(invariant(b, "unit of length", s, single ? 1e-3 : 1e-9,
+    out.push_back(invariant(b, "unit of length", plain, s, single ? 1e-3 : 1e-9,
                             each([=](const Vec3d& p) { return (1 / unit) * p; })));
     return out;
 }
@@ -598,8 +741,6 @@ substeps = 10
 [wetness]
 jitter = 0.3
 [curl]
-[cohesion]
-[adhesion]
 [stiffness]
 global = 6
 [motion]
@@ -654,10 +795,10 @@ StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer,
     if (auto& t = scene.term<Bend>()) t->k_b *= stiffer;
     if (auto& t = scene.term<Twist>()) t->k_b *= stiffer;
     if (auto& t = scene.term<Core>()) t->k_c *= stiffer;
-    const double segment = mean_segment(scene.groom);
     Trial trial(b.method, std::move(scene));
     trial.advance_for(6);
     // Soft hair takes long to come to rest.
+    const double segment = mean_segment(trial.scene().groom);
     double seconds = 6, moved = unbounded;
     for (; trial.finite && moved > still_enough * segment && seconds < 60; ++seconds) {
         trial.advance_for(1 - 1 / trial.scene().fps);
@@ -665,39 +806,27 @@ StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer,
         trial.advance();
         moved = mean_distance(trial.simulation().state().x, before);
     }
-    // Jitter: the rms third difference of what is seen, once all is still.
-    std::vector<RunFrame> last(8);
-    for (auto& frame : last) {
-        trial.advance();
-        trial.simulation().snapshot(frame);
-    }
-    double square = 0;
-    size_t count = 0;
-    for (size_t f = 0; f + 3 < last.size(); ++f)
-        for (size_t k = 0; k < last[0].seen().points.size(); ++k, ++count) {
-            auto p = [&](size_t j) { return cast<double>(last[f + j].seen().points[k]); };
-            const Vec3d third = p(3) - 3.0 * p(2) + 3.0 * p(1) - p(0);
-            square += dot(third, third);
-        }
-    const double jitter = std::sqrt(square / double(count)) / segment;
+    const double jitter = jitter_of(trial);
     trial.report(c);
     c.kinetic_ratio = trial.finite ? trial.kinetic / trial.weight_length() : unbounded;
     c.measured.push_back({"jitter_over_segment", jitter});
     c.measured.push_back({"seconds_to_rest", seconds});
-    c.passed = c.finite && c.energy_ratio <= energy_bound && jitter <= 1e-3;
+    c.passed = c.finite && c.energy_ratio <= energy_bound && jitter <= jitter_bound;
     return c;
 }
 
 Cases everything_at_once(const Battery& b, double stiffer) {
-    SceneText of{everything, "battery", "."};
+    SceneText of{everything + b.method.cohesion + b.method.adhesion, "battery", "."};
     if (!b.options.scene.empty()) {
         const Config config = Config::load(b.options.scene);
         of = {config.text(), b.options.scene, config.folder()};
     }
     // Strength of the adhesion [m/s²], radius of the cohesion [m]: over decades, one at a time.
-    std::vector<std::pair<double, double>> wet{{60, 0.01},   {6, 0.01},   {600, 0.01},
-                                               {6000, 0.01}, {60, 0.001}, {60, 0.1}};
-    if (b.options.quick) wet.resize(1);
+    std::vector<std::pair<double, double>> wet{{60, 0.01}};
+    if (!b.options.quick && of.has(Adhesion::table))
+        for (double pull : {6.0, 600.0, 6000.0}) wet.push_back({pull, 0.01});
+    if (!b.options.quick && of.has(Cohesion::table))
+        for (double radius : {0.001, 0.1}) wet.push_back({60, radius});
     Cases out;
     for (double limiter : {0.0, 0.1})
         for (const auto& [pull, radius] : wet)
@@ -714,22 +843,39 @@ std::vector<StabilityJob> stability_jobs(const StabilityMethod& method, const St
         const auto& only = options.only;
         if (only.empty() || std::find(only.begin(), only.end(), id) != only.end()) jobs.push_back({id, run});
     };
-    for (double dt : b.some({dt_usual, dt_usual / 10}, {dt_usual}))
-        for (double k : b.some({1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10}, {1e3, 1e5, 1e8}))
-            add("S1", [=] { return Cases{noise_at_rest(b, k, dt)}; });
-    for (double k : b.some({1e3, 1e4, 1e5, 1e6, 1e8, 1e10}, {1e4, 1e7}))
-        add("S2", [=] { return energies_of(b, k); });
-    for (double k : b.some({1e3, 1e6, 1e10}, {1e5})) add("S3", [=] { return jacobians(b, k); });
-    for (double k : b.some({1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e10, 1e12, 1e14}, {1e4, 1e8, 1e14}))
-        add("S4", [=] { return stiffness_by_step(b, k); });
-    for (double k : b.some({1e4, 1e7, 1e10}, {1e6}))
-        for (double limiter : {0.0, 0.1}) add("S5", [=] { return ordeals(b, k, limiter); });
-    for (double k : b.some({1e4, 1e5, 1e6}, {1e5})) add("S6", [=] { return Cases{order_in_time(b, k)}; });
-    add("S6", [=] { return Cases{order_in_particles(b)}; });
-    for (double k : b.some({1e4, 1e6}, {1e5})) add("S7", [=] { return invariances(b, k); });
-    for (double k : b.some({1e4, 1e6, 1e8}, {1e4})) add("S8", [=] { return Cases{limiter_honesty(b, k)}; });
-    for (double factor : b.some({0.01, 0.1, 1, 10, 100, 1e4}, {1, 100}))
-        add("S9", [=] { return everything_at_once(b, factor); });
+    const bool wet = method.on_strands || method.on_solids;
+    if (method.dry) {
+        for (double dt : b.some({dt_usual, dt_usual / 10}, {dt_usual}))
+            for (double k : b.some({1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10}, {1e3, 1e5, 1e8}))
+                add("S1", [=] { return Cases{noise_at_rest(b, k, dt)}; });
+        for (double k : b.some({1e3, 1e4, 1e5, 1e6, 1e8, 1e10}, {1e4, 1e7}))
+            add("S2", [=] { return energies_of(b, k); });
+        for (double k : b.some({1e3, 1e6, 1e10}, {1e5})) add("S3", [=] { return jacobians(b, k); });
+        for (double k : b.some({1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e10, 1e12, 1e14}, {1e4, 1e8, 1e14}))
+            add("S4", [=] { return stiffness_by_step(b, k); });
+        for (double k : b.some({1e4, 1e7, 1e10}, {1e6}))
+            for (double limiter : {0.0, 0.1}) add("S5", [=] { return ordeals(b, k, limiter); });
+        for (double k : b.some({1e4, 1e5, 1e6}, {1e5})) add("S6", [=] { return Cases{order_in_time(b, k)}; });
+        if (method.takes_drag) add("S6", [=] { return Cases{order_in_particles(b)}; });
+        for (double k : b.some({1e4, 1e6}, {1e5}))
+            add("S7", [=] {
+                return invariances(b, {{straight, curly}, k, dt_usual, 0, down, 0, "", {}}, "");
+            });
+        for (double k : b.some({1e4, 1e6, 1e8}, {1e4}))
+            add("S8", [=] { return Cases{limiter_honesty(b, k)}; });
+    }
+    for (double k : b.some({1e4, 1e6, 1e8}, {1e6})) {
+        if (method.on_strands) add("S1", [=] { return Cases{noise_beside_neighbours(b, k)}; });
+        if (wet) {
+            add("S2", [=] { return energies_of_wet(b, k); });
+            add("S5", [=] { return wet_ordeals(b, k); });
+        }
+    }
+    if (method.on_strands) add("S7", [=] { return invariances(b, wet_lock(b, 1e5), ", wet lock"); });
+    // A scene that is given names our wet terms.
+    if (wet && !(method.compared() && !options.scene.empty()))
+        for (double factor : b.some({0.01, 0.1, 1, 10, 100, 1e4}, {1, 100}))
+            add("S9", [=] { return everything_at_once(b, factor); });
     return jobs;
 }
 

@@ -38,7 +38,7 @@ Scene scene_of(const StrandSetup& s, const StabilityMethod& method) {
     std::string text =
         "[groom]\n[integrator]\nsubsteps = 1\n[stretch]\ndamping = 0\n[bend]\ndamping = "
         "0\n[core]\ndamping = 0\n";
-    if (s.drag > 0) text += "[stiffness]\nwet = 0\n" + setting("global ", s.drag) + "\n";
+    if (s.drag > 0 && method.takes_drag) text += "[stiffness]\nwet = 0\n" + setting("global ", s.drag) + "\n";
     std::vector<std::string> set{setting("fps", 1 / s.dt),
                                  setting("integrator.limiter", s.limiter),
                                  "integrator.gravity=[" + setting("", s.gravity.x).substr(1) + "," +
@@ -144,6 +144,23 @@ void Trial::report(StabilityCase& result) const {
     result.finite = result.finite && finite;
     result.energy_ratio = energy_ratio();
     if (promoted_) result.measured.push_back({"in_double", 1});
+}
+
+double jitter_of(Trial& trial) {
+    std::vector<RunFrame> last(8);
+    for (auto& frame : last) {
+        trial.advance();
+        trial.simulation().snapshot(frame);
+    }
+    double square = 0;
+    size_t count = 0;
+    for (size_t f = 0; f + 3 < last.size(); ++f)
+        for (size_t k = 0; k < last[0].seen().points.size(); ++k, ++count) {
+            auto p = [&](size_t j) { return cast<double>(last[f + j].seen().points[k]); };
+            const Vec3d third = p(3) - 3.0 * p(2) + 3.0 * p(1) - p(0);
+            square += dot(third, third);
+        }
+    return std::sqrt(square / double(count)) / mean_segment(trial.scene().groom);
 }
 
 double farthest(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {

@@ -15,7 +15,7 @@ struct StrandSetup {
     double dt = 1.0 / 240;         // [s], also the frame
     double limiter = 0;            // allowed strain; 0: no limiter
     Vec3d gravity{0, -9.81, 0};    // [m/s²]
-    double drag = 0;               // [1/s], Eq 13; 0: no such term
+    double drag = 0;               // [1/s], Eq 13; 0, or a method without it: no such term
     std::string more;              // TOML that is added: motion, solids, wet terms
     std::vector<std::string> set;  // key.path=value
 };
@@ -58,6 +58,9 @@ class Trial {
     bool promoted_ = false;
 };
 
+// The rms third difference of what is seen in the next eight frames, over a segment: once all should be
+// still.
+double jitter_of(Trial& trial);
 // Largest distance of a particle in two states [m].
 double farthest(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b);
 // After particles of strands of n were moved by hand: frames follow, and there is no history.

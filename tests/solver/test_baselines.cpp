@@ -121,6 +121,37 @@ double largest(const std::vector<Vec3d>& force) {
     return most;
 }
 
+// Differences of the potential against the forces, over the largest force: 1 % is the root shape's slope
+// across a step, and the table's.
+double off_gradient(Scene scene) {
+    std::vector<Vec3d> x = positions_of(scene), force = forces_on(scene);
+    const auto forces = make_particle_forces(scene);
+    double off = 0;
+    for (size_t i = 0; i < x.size(); i += 40) {
+        Vec3d difference{0, 0, 0};
+        for (double* of : {&x[i].x, &x[i].y, &x[i].z}) {
+            double sum = 0;
+            for (double side : {1.0, -1.0}) {
+                const double step = side * 1e-5;
+                *of += step;
+                sum -= forces->potential(x, 0) / (2 * step);
+                *of -= step;
+            }
+            (of == &x[i].x ? difference.x : of == &x[i].y ? difference.y : difference.z) = sum;
+        }
+        off = std::max(off, norm(force[i] - difference));
+    }
+    EXPECT_GT(largest(force), 1e-12);
+    return off / largest(force);
+}
+TEST(StrandForces, are_their_potential_s_gradient_but_for_the_area_s) {
+    EXPECT_LT(off_gradient(tuft("lin")), 0.02);
+    Scene kim = tuft("kim");
+    EXPECT_GT(off_gradient(kim), 0.05);
+    std::get<Kim2016>(*kim.baseline).gamma_area = 0;
+    EXPECT_LT(off_gradient(kim), 0.02);
+}
+
 TEST(StrandForces, of_a_pair_are_opposite_and_along_their_line) {
     Random random(1);
     const Lin2015 lin{1e4, h};
