@@ -2,10 +2,11 @@
 // that strands make where they meet a solid. Ours.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <optional>
 
-#include "learn/core_detail.h"
 #include "learn/metrics.h"
 
 namespace wetcurl {
@@ -29,18 +30,15 @@ inline Fall fall_of(const Strands& p, const SolidDistance& solid, const Pose& he
     }
     out.width = high.x - low.x;
     out.height = high.y - low.y;
-    const int n = p.particles, part = n / 10;  // of a strand, on either side
+    const int n = p.particles, part = n / 5;  // of a strand, on either side: a turn of a curl or more
     if (!solid || part < 1) return out;
     double sum = 0;
     int strands = 0;
-    std::vector<Vec3f> core(static_cast<size_t>(n));
     for (int s = 0; s < p.count; ++s) {
         int i = part;
         while (i < n - part && solid(p.at(s, i), head, time) > on_solid) ++i;
         if (i == part || i >= n - part) continue;  // it begins there, or does not lie on it
-        core_of(p.strand(s), n, core_beta(n), core.data());
-        const Vec3f free = core[size_t(i - part)] - core[size_t(i)];
-        const Vec3f held = core[size_t(i + part)] - core[size_t(i)];
+        const Vec3f free = p.at(s, i - part) - p.at(s, i), held = p.at(s, i + part) - p.at(s, i);
         const double cosine = dot(free, held) / std::max(1e-12f, norm(free) * norm(held));
         sum += std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
         ++strands;

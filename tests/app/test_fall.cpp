@@ -42,8 +42,8 @@ TEST(fall, angle_is_that_between_the_free_and_the_held_part) {
     for (const double angle : {60.0, 90.0, 135.0, 170.0}) {
         const Fall fall = fall_of(bent(angle), off_the_line, Pose{}, 0);
         ASSERT_TRUE(fall.angle) << angle;
-        // The core rounds the corner off, over less than the parts that are compared.
-        EXPECT_NEAR(*fall.angle, angle, 0.25 * (180 - angle)) << angle;
+        // It is taken at the first particle past the corner, a tenth of the part or less away.
+        EXPECT_NEAR(*fall.angle, angle, 0.1 * (180 - angle)) << angle;
     }
 }
 

@@ -9,9 +9,11 @@ namespace {
 using namespace testing;
 namespace fs = std::filesystem;
 
+const std::string shipped = WETCURL_SOURCE_DIR "/scenes";
+
 std::vector<std::string> shipped_scenes() {
     std::vector<std::string> out;
-    for (const auto& file : fs::directory_iterator(WETCURL_SCENES)) {
+    for (const auto& file : fs::directory_iterator(shipped)) {
         const std::string name = file.path().stem().string();
         if (file.path().extension() == ".toml" && !name.ends_with("recipe")) out.push_back(name);
     }
@@ -21,7 +23,7 @@ std::vector<std::string> shipped_scenes() {
 
 class ShippedScene : public ::testing::TestWithParam<std::string> {
   protected:
-    std::string path() const { return std::string(WETCURL_SCENES) + "/" + GetParam() + ".toml"; }
+    std::string path() const { return shipped + "/" + GetParam() + ".toml"; }
 };
 
 TEST_P(ShippedScene, begins_with_what_it_shows) {
