@@ -150,13 +150,13 @@ TEST(Scene, a_learned_scene_names_its_model_trained_or_not) {
         "paper");
     EXPECT_FALSE(scene_of(dry_scene).learned);
     const auto refuses = [](const std::string& lines, std::initializer_list<std::string> said) {
-        expect_error<Misuse>([&] { scene_of("[learned]\n" + lines + "\n" + dry_scene); }, said);
+        expect_error<Misuse>([&] { scene_of(dry_scene + "[learned]\n" + lines); }, said);
     };
-    refuses("", {"scene.toml:1", "learned.model", "needed"});
-    refuses("model = 3", {"scene.toml:2", "learned.model"});
-    refuses("model = \"a.h5\"\nmodell = \"b.h5\"", {"scene.toml:3", "did you mean 'model'"});
+    refuses("", {"scene.toml:11", "learned.model", "needed"});
+    refuses("model = 3", {"scene.toml:12", "learned.model"});
+    refuses("model = \"a.h5\"\nmodell = \"b.h5\"", {"scene.toml:13", "did you mean 'model'"});
     refuses("model = \"a.h5\"\nreconstruct = \"cor\"",
-            {"scene.toml:3", "did you mean 'core'", "paper, core"});
+            {"scene.toml:13", "did you mean 'core'", "paper, core"});
 }
 
 TEST(Scene, a_dry_twin_keeps_the_record_of_its_wetness_and_nothing_that_acts) {
