@@ -41,6 +41,7 @@ Json json_of(const Comparison& c) {
              {{"fraction", c.penetration_fraction},
               {"mean_mm", c.penetration_mean_mm},
               {"max_mm", c.penetration_max_mm}}},
+            {"solid_distance_mm", json_of(c.solid_distance_mm)},
             {"tip_spread_mm", c.tip_spread_mm},
             {"tip_spread_reference_mm", c.tip_spread_reference_mm},
             {"tip_spread_ratio", c.tip_spread_ratio},

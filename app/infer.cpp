@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -174,7 +175,7 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     auto network = network_module().load(o.model, o.device, o.threads);
     const ModelCard& card = network->card();
     if (card.codec == "adhesion")
-        throw Misuse(o.model + ": an adhesion model; name it in a scene's [adhesion] model and simulate");
+        throw Misuse(o.model + ": an adhesion model; it acts in a scene, not on a run: infer SCENE.toml");
     if (low.method == "simulated wet")
         log_warning(o.input + ": was simulated wet; a model learns from dry runs and adds the water itself");
     if (card.codec == "strand") {
@@ -196,11 +197,58 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
                                         o.roots, scene.groom, low.groom, low.saturation, float(radius));
 }
 
+// What the scene's [learned] names, where the command line names nothing.
+void take_learned(InferOptions& o, const Scene& scene) {
+    if (!o.model.empty() || !o.interpolate.empty()) return;
+    if (!scene.learned)
+        throw Misuse(
+            "infer needs --model MODEL.h5, --interpolate nearest|quad|core, or a scene with [learned] "
+            "model");
+    o.model = scene.learned->model;
+    if (o.reconstruct.empty()) o.reconstruct = scene.learned->reconstruct;
+    if (!std::filesystem::exists(o.model))
+        throw Error(o.model + ": [learned] names it and it is not there yet; `wetcurl train sr PAIRS.h5 -o " +
+                    o.model + "` makes it, scenes/README.md says of which pairs");
+}
+
+bool is_scene(const std::string& path) { return path.ends_with(".toml"); }
+
+SimulateOptions simulation_of(const InferOptions& o) {
+    SimulateOptions s;
+    static_cast<CommonOptions&>(s) = o;
+    s.scene = o.input;
+    s.output = o.output;
+    return s;
+}
+
+// The dry low-resolution run of the scene, which then is the input.
+void simulate_low(InferOptions& o, const Scene& low) {
+    SimulateOptions dry = simulation_of(o);
+    dry.json.clear();
+    dry.device = "cpu";  // the network's alone
+    dry.output = o.output + ".dry.h5";
+    dry.dry = true;
+    dry.strands = low.groom.rest.count;
+    simulate_command(dry);
+    o.input = dry.output;
+}
+
+// The scene with the network in Eq 11's place.
+int simulate_with(const InferOptions& o, const Scene& scene) {
+    if (!scene.term<Adhesion>())
+        throw Misuse(o.model + ": stands in Eq 11's place, and " + o.input + " has no [adhesion]");
+    if (!o.wetness.empty() || !o.reconstruct.empty() || o.roots == 3)
+        throw Misuse(o.model + ": an adhesion model takes neither --wetness, --reconstruct nor --roots");
+    SimulateOptions wet = simulation_of(o);
+    wet.set.push_back("adhesion.model='" + std::filesystem::absolute(o.model).string() + "'");
+    return simulate_command(wet);
+}
+
 }  // namespace
 
 int infer_command(const InferOptions& given) {
     InferOptions o = given;
-    if (o.model.empty() == o.interpolate.empty())
+    if (!o.model.empty() && !o.interpolate.empty())
         throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core");
     if (!o.interpolate.empty() && !o.reconstruct.empty())
         throw Misuse("--reconstruct is for models; --interpolate says itself how strands are made");
@@ -208,25 +256,20 @@ int infer_command(const InferOptions& given) {
     if (o.interpolate == "nearest" && o.roots == 3)
         throw Misuse("--roots 3 is for quad and core; nearest copies the strand of one root");
     check_files(o, o.output, {o.input, o.model, o.wetness});
-    if (o.input.size() > 5 && o.input.substr(o.input.size() - 5) == ".toml") {
-        SimulateOptions dry;
-        static_cast<CommonOptions&>(dry) = o;
-        dry.json.clear();
-        dry.device = "cpu";  // the network's alone
-        dry.scene = o.input;
-        dry.output = o.output + ".dry.h5";
-        dry.dry = true;
-        const Scene full = load_scene(
+    if (is_scene(o.input)) {
+        const Scene low = load_scene(
             o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
-        dry.strands = full.groom.rest.count;
-        simulate_command(dry);
-        o.input = dry.output;
+        take_learned(o, low);
+        if (!o.model.empty() && network_module().card(o.model).codec == "adhesion")
+            return simulate_with(o, low);
+        simulate_low(o, low);
     } else if (o.wetness.empty()) {
         refuse_scene_options(o, "infer from a run without --wetness");
     }
     const RunReader run(o.input);
     const RunHeader& low = run.header();
     Scene scene = target_scene(o, low);
+    take_learned(o, scene);
     check_files(o, o.output, scene.files);
     if (scene.flow)
         throw Error(o.input +

@@ -10,8 +10,10 @@
 #include "app/axial_extent.h"
 #include "app/commands.h"
 #include "app/device.h"
+#include "app/fall.h"
 #include "app/image_file.h"
 #include "app/results.h"
+#include "app/run_solids.h"
 #include "learn/network_module.h"
 #include "learn/pairs.h"
 #include "solver/simulation.h"
@@ -85,9 +87,17 @@ Json run_json(const InspectOptions& o) {
               {"terms_absent", h.terms_absent},
               {"seconds_per_frame", time_statistics(run.seconds())}};
     if (run.frames() > 0) {
+        const auto solid = solid_distance_of(h, true);
         double extent = 0;
-        for (int f = 0; f < run.frames(); ++f)
-            extent += 1000 * axial_extent(run.frame(f).seen()) / run.frames();
+        for (int f = 0; f < run.frames(); ++f) {
+            const RunFrame frame = run.frame(f);
+            extent += 1000 * axial_extent(frame.seen()) / run.frames();
+            const Fall fall = fall_of(frame.seen(), solid, frame.head, f / h.fps);
+            json["fall"].push_back({{"time", f / h.fps},
+                                    {"width_mm", 1000 * fall.width},
+                                    {"height_mm", 1000 * fall.height},
+                                    {"angle_degrees", fall.angle ? Json(*fall.angle) : Json(nullptr)}});
+        }
         json["axial_extent_mm"] = extent;
         // (frame) [J] of each kind, and their sum: what VI.I plots.
         for (int f = 0; f < run.frames() && !h.energy_kinds.empty(); ++f) {

@@ -125,7 +125,7 @@ int main(int argc, char** argv) {
                 infer_command);
     c->add_option("input", infer.input, "DRY.h5, or a scene whose dry low-resolution run is made first")
         ->required();
-    c->add_option("--model", infer.model, "trained model (HDF5)");
+    c->add_option("--model", infer.model, "trained model (HDF5), in place of the scene's [learned] model");
     c->add_option("--interpolate", infer.interpolate, "without a network: nearest | quad | core")
         ->check(CLI::IsMember({"nearest", "quad", "core"}));
     c->add_option("--reconstruct", infer.reconstruct, "for a model of the root codec: paper | core")

@@ -1,6 +1,7 @@
 // The solids of a run, rebuilt from the scene text in its cache.
 #include "app/run_solids.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 
@@ -29,12 +30,14 @@ std::vector<PosedMesh> solids_of(const RunHeader& header, const RunFrame& frame,
     return out;
 }
 
-std::function<float(const Vec3f&, const Pose&, double)> solid_distance_of(const RunHeader& header) {
+std::function<float(const Vec3f&, const Pose&, double)> solid_distance_of(const RunHeader& header,
+                                                                          bool loose) {
     const auto scene = scene_of(header);
-    if (scene->solids.empty()) return {};
+    const auto counts = [loose](const Solid& solid) { return !(loose && solid.attached); };
+    if (std::none_of(scene->solids.begin(), scene->solids.end(), counts)) return {};
     std::shared_ptr<DeformingSolids> surfaces;
     if (scene->has_deforming_solid()) surfaces = std::make_shared<DeformingSolids>(*scene);
-    return [scene, surfaces, held = 0.0](const Vec3f& x, const Pose& head, double time) mutable {
+    return [scene, surfaces, counts, held = 0.0](const Vec3f& x, const Pose& head, double time) mutable {
         if (surfaces && time != held) surfaces->hold(held = time);
         const MovingGrid* surface = surfaces ? surfaces->at_end() : nullptr;
         float nearest = 1e9f;
@@ -42,7 +45,7 @@ std::function<float(const Vec3f&, const Pose&, double)> solid_distance_of(const 
             const Vec3f local = cast<float>(solid.at(time, head).inverse(cast<double>(x)));
             const float phi =
                 solid.deformation ? distance(*surface++, local).phi : distance(solid.shape, local).phi;
-            nearest = std::min(nearest, phi);
+            if (counts(solid)) nearest = std::min(nearest, phi);
         }
         return nearest;
     };

@@ -16,8 +16,10 @@ namespace wetcurl {
 std::vector<PosedMesh> solids_of(const RunHeader& header, const RunFrame& frame, double time);
 
 // Signed distance [m] of a world point to the nearest solid, negative inside, with the head at the given
-// pose, at a time [s]. Empty where the scene has no solids. Asked from one thread at a time, and best in the
-// order of times: a solid that deforms has its level set rebuilt for each.
-std::function<float(const Vec3f&, const Pose&, double)> solid_distance_of(const RunHeader& header);
+// pose, at a time [s]; `loose`: of those alone that are not attached to the head. Empty where there are none.
+// Asked from one thread at a time, and best in the order of times: a solid that deforms has its level set
+// rebuilt for each.
+std::function<float(const Vec3f&, const Pose&, double)> solid_distance_of(const RunHeader& header,
+                                                                          bool loose = false);
 
 }  // namespace wetcurl

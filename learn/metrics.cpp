@@ -19,6 +19,7 @@ namespace {
 constexpr int sampled_frames = 16;
 constexpr size_t sampled_points = 50000;
 constexpr float depth_tolerance = 1e-4f;  // [m]
+constexpr float near_solid = 0.02f;       // [m]
 
 std::vector<Vec3f> tips_of(const Strands& strands) {
     std::vector<Vec3f> out;
@@ -270,9 +271,10 @@ class PositionError {
     int frames_ = 0;
 };
 
-class Penetration {
+// Of particles and solids: how deep the other run's are, and how far from the reference's.
+class SolidError {
   public:
-    Penetration(const SolidDistance& solid, const Groom& groom, const Pose& start) : solid_(solid) {
+    SolidError(const SolidDistance& solid, const Groom& groom, const Pose& start) : solid_(solid) {
         if (!solid_) return;
         allowed_.resize(groom.rest.points.size());
         for (size_t k = 0; k < allowed_.size(); ++k) {
@@ -280,10 +282,12 @@ class Penetration {
             allowed_[k] = std::min(0.0f, solid_(x, start, 0));
         }
     }
-    void add(const Strands& p, const Pose& head, double time) {
+    void add(const Strands& a, const Strands& b, const Pose& head, double time) {
         if (!solid_) return;
-        for (size_t k = 0; k < p.points.size(); ++k) {
-            const float depth = allowed_[k] - solid_(p.points[k], head, time);
+        for (size_t k = 0; k < b.points.size(); ++k) {
+            const float phi_a = solid_(a.points[k], head, time), phi_b = solid_(b.points[k], head, time);
+            if (std::min(phi_a, phi_b) < near_solid) distance_.add(std::abs(phi_b - phi_a));
+            const float depth = allowed_[k] - phi_b;
             share_.add(depth > depth_tolerance);
             if (depth > depth_tolerance) depth_.add(depth);
             most_ = std::max(most_, depth);
@@ -293,12 +297,14 @@ class Penetration {
         out.penetration_fraction = share_.value();
         out.penetration_mean_mm = 1e3 * depth_.value();
         out.penetration_max_mm = 1e3 * most_;
+        out.solid_distance_mm = distance_.millimetres();
     }
 
   private:
     const SolidDistance& solid_;
     std::vector<float> allowed_;  // min(0, phi at rest)
     Mean share_, depth_;
+    Distances distance_;
     float most_ = 0;
 };
 
@@ -408,7 +414,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
 
     Shape shape_a(reference), shape_b(other);
     PositionError position(groom);
-    Penetration depth(solid, groom, other.frame(0).head);
+    SolidError solid_error(solid, groom, other.frame(0).head);
     Mean curvature_error, curvature, velocity;
     std::array<Mean, 3> f1;
     const int step = (out.frames + sampled_frames - 1) / sampled_frames;
@@ -425,7 +431,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
         shape_b.add(b, frame_b.head, sampled);
         add_curvature(a, b, curvature_error, curvature);
         if (f > first_frame) add_velocity(shape_a, shape_b, fps, velocity);
-        depth.add(b, frame_b.head, f / fps);
+        solid_error.add(a, b, frame_b.head, f / fps);
         if (sampled) {
             const auto found = oriented_f1(a, b);
             for (size_t t = 0; t < 3; ++t) f1[t].add(found[t]);
@@ -438,7 +444,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
     for (int f = std::max(first_frame, 1); f < end; ++f) time.add(seconds[size_t(f)]);
     out.seconds_per_frame = time.value();
     position.tell(out);
-    depth.tell(out);
+    solid_error.tell(out);
     for (size_t t = 0; t < 3; ++t) out.f1[t] = f1[t].value();
     out.curvature_error = ratio(curvature_error.value(), curvature.value());
     out.curl_radius_ratio = ratio(shape_b.curl(), shape_a.curl());

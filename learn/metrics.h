@@ -40,6 +40,9 @@ struct Comparison {
     // Share of particles deeper than 0.1 mm in a solid, where depth is below min(0, phi at rest); mean over
     // those [mm].
     double penetration_fraction = 0, penetration_mean_mm = 0, penetration_max_mm = 0;
+    // How much nearer to a solid, or farther, a particle is than the reference's [mm]; over those within 2 cm
+    // of one in either run.
+    Spread solid_distance_mm;
     // Mean distance of a tip to its four nearest other tips, and groups of tips (linked when closer than half
     // the roots' median nearest distance), on at most 16 frames.
     double tip_spread_mm = 0, tip_spread_reference_mm = 0, tip_spread_ratio = 0;

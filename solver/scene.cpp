@@ -227,6 +227,14 @@ void read_air(Scene& scene, Table root) {
     for (const Table& source : t.tables("source")) air.sources.push_back(read_air_source(source));
 }
 
+void read_learned(Scene& scene, Table root) {
+    if (!root.has("learned")) return;
+    const Table t = root.table("learned");
+    if (!t.has("model")) t.fail("model", "needed: the file of a network, trained or yet to be");
+    scene.learned = {t.path("model"),
+                     t.has("reconstruct") ? t.choice("reconstruct", "core", {"paper", "core"}) : ""};
+}
+
 Scene read_scene(Config config, const SceneOptions& options) {
     for (const auto& s : options.set) config.set(s);
     if (options.frames) config.set("frames=" + std::to_string(*options.frames), "--frames");
@@ -262,6 +270,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_wet(scene, root);
     read_solids(scene, root);
     read_air(scene, root);
+    read_learned(scene, root);
     check_baseline(scene, root);
     if (scene.rest == "sag_free" && !scene.term<Bend>())
         g.fail("rest", "'sag_free' needs [bend] to carry the weight");

@@ -39,6 +39,12 @@ struct Solid {
     Pose at(double time, const Pose& head) const { return attached ? head : motion.at(time); }
 };
 
+// The network that `infer` runs in place of the physics; the solver knows its name alone.
+struct Learned {
+    std::string model;        // file; trained or not yet
+    std::string reconstruct;  // paper | core; "": the model's own
+};
+
 struct Scene {
     std::string title;
     int frames = 100;
@@ -56,6 +62,7 @@ struct Scene {
     std::optional<Air> air;
     std::string adhesion_model;        // file of a network in Eq 11's place; "": Eq 11
     std::optional<Baseline> baseline;  // a compared method in place of ours
+    std::optional<Learned> learned;
     Motion motion;
     std::vector<Solid> solids;
 

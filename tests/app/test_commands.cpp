@@ -105,6 +105,19 @@ TEST_F(Commands, options_that_nothing_reads_are_refused) {
     EXPECT_FALSE(fs::exists(infer.output));
 }
 
+TEST_F(Commands, infer_of_a_learned_scene_says_which_model_is_missing_before_it_simulates) {
+    InferOptions o;
+    o.input = scratch.file("plain.toml", small_scene);
+    o.output = scratch.path("learned.h5");
+    expect_error<Misuse>([&] { infer_command(o); }, {"--model", "--interpolate", "[learned]"});
+    o.input = scratch.file("learned.toml", std::string(small_scene) + "[learned]\nmodel = \"absent.h5\"\n");
+    expect_error([&] { infer_command(o); },
+                 {"absent.h5", "[learned]", "wetcurl train sr", "scenes/README.md"});
+    EXPECT_FALSE(fs::exists(o.output + ".dry.h5"));
+    o.interpolate = "quad";  // needs none
+    EXPECT_EQ(infer_command(o), 0);
+}
+
 TEST_F(Commands, encode_and_simulate_keep_their_inputs) {
     SimulateOptions o = simulation("scene.toml", 16);
     o.overwrite = true;

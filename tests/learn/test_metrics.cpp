@@ -123,6 +123,8 @@ TEST(Compare, depth_counts_beyond_that_at_rest) {
         },
         still, 0, solid);
     EXPECT_NEAR(sunk.penetration_max_mm, 3, 1e-3);
+    EXPECT_NEAR(plain.solid_distance_mm.mean, 0, 1e-4);
+    EXPECT_NEAR(sunk.solid_distance_mm.mean, 3, 1e-3);
     double below = 0;
     for (const Vec3f& p : c.groom.rest.points) below += p.y < 0.003 - 1e-4;
     EXPECT_NEAR(sunk.penetration_fraction, below / double(c.groom.rest.points.size()), 0.003);

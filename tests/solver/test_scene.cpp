@@ -6,6 +6,7 @@ namespace wetcurl {
 namespace {
 
 using namespace testing;
+namespace fs = std::filesystem;
 
 // A scene that names every table, with one more line in one of them; the line's number, for its message.
 struct Written {
@@ -136,6 +137,26 @@ TEST(Scene, tables_that_lean_on_others_say_so) {
         [&] { scene_of(chain + "[[solid]]\nattached = \"head\"\n[solid.motion]\nperiod = 1\n"); },
         {"attached", "head"});
     expect_error<Misuse>([&] { scene_of(chain + "[stretch"); }, {"scene.toml:5"});
+}
+
+TEST(Scene, a_learned_scene_names_its_model_trained_or_not) {
+    const Scene s = scene_of(dry_scene + "[learned]\nmodel = \"absent.h5\"\n");
+    ASSERT_TRUE(s.learned);
+    EXPECT_EQ(fs::path(s.learned->model).filename(), "absent.h5");
+    EXPECT_TRUE(fs::path(s.learned->model).is_absolute());
+    EXPECT_EQ(s.learned->reconstruct, "");
+    EXPECT_EQ(
+        scene_of(dry_scene + "[learned]\nmodel = \"a.h5\"\nreconstruct = \"paper\"\n").learned->reconstruct,
+        "paper");
+    EXPECT_FALSE(scene_of(dry_scene).learned);
+    const auto refuses = [](const std::string& lines, std::initializer_list<std::string> said) {
+        expect_error<Misuse>([&] { scene_of(dry_scene + "[learned]\n" + lines); }, said);
+    };
+    refuses("", {"scene.toml:11", "learned.model", "needed"});
+    refuses("model = 3", {"scene.toml:12", "learned.model"});
+    refuses("model = \"a.h5\"\nmodell = \"b.h5\"", {"scene.toml:13", "did you mean 'model'"});
+    refuses("model = \"a.h5\"\nreconstruct = \"cor\"",
+            {"scene.toml:13", "did you mean 'core'", "paper, core"});
 }
 
 TEST(Scene, a_dry_twin_keeps_the_record_of_its_wetness_and_nothing_that_acts) {

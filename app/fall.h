@@ -1,0 +1,50 @@
+// How hair falls, as the paper measures it in pictures (Fig 31, Table 2): the box around it, and the angle
+// that strands make where they meet a solid. Ours.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "learn/metrics.h"
+
+namespace wetcurl {
+
+struct Fall {
+    double width = 0, height = 0;  // along X and Y [m]
+    // Between the free part of a strand and the part that lies on a solid, 180 straight on [degrees], the
+    // mean over the strands that lie on one; none: none does.
+    std::optional<double> angle;
+};
+
+// `solid`: distance to the solids that hair may lie on; empty: there are none.
+inline Fall fall_of(const Strands& p, const SolidDistance& solid, const Pose& head, double time) {
+    constexpr float on_solid = 5e-3f;  // [m], where wet hair is held
+    Fall out;
+    if (p.points.empty()) return out;
+    Vec3f low = p.points[0], high = low;
+    for (const Vec3f& x : p.points) {
+        low = {std::min(low.x, x.x), std::min(low.y, x.y), 0};
+        high = {std::max(high.x, x.x), std::max(high.y, x.y), 0};
+    }
+    out.width = high.x - low.x;
+    out.height = high.y - low.y;
+    const int n = p.particles, part = n / 5;  // of a strand, on either side: a turn of a curl or more
+    if (!solid || part < 1) return out;
+    double sum = 0;
+    int strands = 0;
+    for (int s = 0; s < p.count; ++s) {
+        int i = part;
+        while (i < n - part && solid(p.at(s, i), head, time) > on_solid) ++i;
+        if (i == part || i >= n - part) continue;  // it begins there, or does not lie on it
+        const Vec3f free = p.at(s, i - part) - p.at(s, i), held = p.at(s, i + part) - p.at(s, i);
+        const double cosine = dot(free, held) / std::max(1e-12f, norm(free) * norm(held));
+        sum += std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+        ++strands;
+    }
+    if (strands > 0) out.angle = sum / strands;
+    return out;
+}
+
+}  // namespace wetcurl

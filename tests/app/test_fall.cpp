@@ -1,0 +1,57 @@
+// The box and the angle judged by strands whose shape is known.
+// Ours.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "app/fall.h"
+
+namespace wetcurl {
+namespace {
+
+constexpr int particles = 50;
+constexpr double length = 0.3, bend_at = 0.5;  // [m], share of the length
+const SolidDistance none;
+
+// Straight down to the bend, then turned so that both parts make `angle` [degrees]; the second part lies on
+// the solid, whose distance is that to the bend's height along the first.
+Strands bent(double angle) {
+    Strands s(1, particles);
+    const double turn = (180 - angle) * std::numbers::pi / 180;
+    for (int i = 0; i < particles; ++i) {
+        const double t = length * i / (particles - 1), free = std::min(t, bend_at * length), held = t - free;
+        s.at(0, i) = {float(held * std::sin(turn)), float(-free - held * std::cos(turn)), 0};
+    }
+    return s;
+}
+// Touches where the strand has turned off the first part's line.
+float off_the_line(const Vec3f& x, const Pose&, double) { return std::abs(x.x) > 1e-6f ? 0.0f : 0.1f; }
+
+TEST(fall, box_is_that_of_the_extreme_particles) {
+    Strands s(2, 2);
+    s.at(0, 0) = {0, 1, 5}, s.at(0, 1) = {0.5f, 0, 0};
+    s.at(1, 0) = {-0.25f, 0.5f, 0}, s.at(1, 1) = {0, -2, -7};
+    const Fall fall = fall_of(s, none, Pose{}, 0);
+    EXPECT_NEAR(fall.width, 0.75, 1e-6);
+    EXPECT_NEAR(fall.height, 3, 1e-6);
+    EXPECT_FALSE(fall.angle);
+}
+
+TEST(fall, angle_is_that_between_the_free_and_the_held_part) {
+    for (const double angle : {60.0, 90.0, 135.0, 170.0}) {
+        const Fall fall = fall_of(bent(angle), off_the_line, Pose{}, 0);
+        ASSERT_TRUE(fall.angle) << angle;
+        // It is taken at the first particle past the corner, a tenth of the part or less away.
+        EXPECT_NEAR(*fall.angle, angle, 0.1 * (180 - angle)) << angle;
+    }
+}
+
+TEST(fall, a_strand_that_touches_nothing_has_no_angle) {
+    EXPECT_FALSE(fall_of(bent(180), off_the_line, Pose{}, 0).angle);
+}
+
+TEST(fall, of_nothing_is_nothing) { EXPECT_EQ(fall_of(Strands(0, 0), none, Pose{}, 0).width, 0); }
+
+}  // namespace
+}  // namespace wetcurl
