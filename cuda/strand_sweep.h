@@ -209,11 +209,11 @@ class StrandSweep {
 
     // Of particle i, which a solid has pushed, where it is expected. Held while `pushed` is above 0; below it
     // the surface may hold it again.
-    WETCURL_HD Hold<T> hold_of(int i, const SubstepMotion<T>& motion, T pushed, T h, T mass,
-                               const V& x) const {
+    WETCURL_HD Hold<T> hold_of(int i, const SubstepMotion<T>& motion, T pushed, T h, T mass, const V& x,
+                               const V& v) const {
         const T rest_depth = m_.rest_depth ? of<const T>(m_.rest_depth)[i] : T(0);
         Hold<T> hold = expected_contact(motion, rest_depth, pushed < 0 ? -pushed : pushed,
-                                        hold_stiffness(k_.spring_sum, h, mass), x);
+                                        hold_stiffness(k_.spring_sum, h, mass), x, v);
         hold.weight = pushed > 0 ? hold.stiff : T(0);
         return hold;
     }
@@ -287,7 +287,8 @@ class StrandSweep {
             r[2] += scheme.right_side(mass[2], v[2], in.v_before, force[2] + mass[2] * k_.gravity);
             diagonal[2] += identity_times(mass[2]);
             if (set.has(present::contact) && in.pushed > 0)
-                add_hold(hold_of(i, motion, in.pushed, scheme.h, mass[2], x[2]), scheme.h, diagonal[2], r[2]);
+                add_hold(hold_of(i, motion, in.pushed, scheme.h, mass[2], x[2], v[2]), scheme.h, v[2],
+                         diagonal[2], r[2]);
             M u1 = transposed(upper1[1]), u2 = transposed(upper2[0]), u11 = transposed(upper1[0]);
             eliminate(Row<T>{diagonal[2], &u1, penta(set) ? &u2 : nullptr, r[2]}, &diagonal[1], &r[1], &u11,
                       &diagonal[0], &r[0]);
@@ -320,13 +321,15 @@ class StrandSweep {
         const auto at = of<V>(m_.limit_edge);
         const auto pushed = of<T>(m_.pushed);
         const auto rest_length = of<const T>(m_.rest_length), mass = of<const T>(m_.mass);
-        auto hold_at = [&](int i, const V& x) { return hold_of(i, motion, pushed[i], scheme.h, mass[i], x); };
+        auto hold_at = [&](int i, const V& x) {
+            return hold_of(i, motion, pushed[i], scheme.h, mass[i], x, scheme.expected_velocity(v_[i]));
+        };
         bool contacts = false;
         for (int i = 2; set.has(present::contact) && i < m_.n; ++i) {
             if (!(pushed[i] > 0)) continue;
             contacts = true;
             Hold<T> hold = hold_at(i, at_first(scheme, i));
-            weigh(pushed[i], hold.stiff, hold);
+            weigh(pushed[i], hold.stiff, scheme.expected_velocity(v_[i]), hold);
             if (!(hold.weight > 0)) pushed.set(i, -pushed[i]);
         }
         // Calls f(i, edge after the step, its particle's solution and where that was expected) for edges
@@ -484,16 +487,14 @@ class StrandSweep {
                 pushed = of<T>(m_.pushed)[i], mass = of<const T>(m_.mass)[i];
                 if (pushed < 0) pushed = 0;
                 if (pushed > 0) {
-                    const Hold<T> hold = hold_of(i, motion, pushed, scheme.h, mass, expected);
-                    pushed = pushed_by(hold, scheme.h, d);
-                    const V dv = friction_of(hold, pushed, mass, v);
-                    v += dv, v_old += dv;
-                    moved = true;
+                    const V v_expected = scheme.expected_velocity(in.v);
+                    pushed = pushed_by(hold_of(i, motion, pushed, scheme.h, mass, expected, v_expected),
+                                       scheme.h, d);
                 }
             }
             if (set.has(present::contact) && i >= 2) {
                 for (const auto& solid : motion)
-                    moved |= resolve_contact(solid, solid.attached ? in.rest_depth : T(0), k_.dt, mass,
+                    moved |= resolve_contact(solid, T(0), solid.attached ? in.rest_depth : T(0), k_.dt, mass,
                                              pushed, x, x_old, v, v_old);
                 of<T>(m_.pushed).set(i, pushed);
             }

@@ -24,11 +24,11 @@ struct Placement {
 // expected_contact and sample_nearest where the solids are not few.
 template <class S>
 Hold<S> expected_contact_of_all(const Placement<Plain<S>>& p, const S& rest_depth, const S& pushed,
-                                const S& stiff, const Vec3<S>& x) {
+                                const S& stiff, const Vec3<S>& x, const Vec3<S>& v) {
     Hold<S> hold = p.tree ? deepest_contact(*p.tree, p.solids, rest_depth, x)
-                          : expected_contact(p.solids, rest_depth, pushed, stiff, x);
+                          : expected_contact(p.solids, rest_depth, pushed, stiff, x, v);
     for (const auto& solid : p.deforming) take_deeper(solid, rest_depth, x, hold);
-    weigh(pushed, stiff, hold);
+    weigh(pushed, stiff, v, hold);
     return hold;
 }
 template <class S>

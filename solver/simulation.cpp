@@ -317,7 +317,7 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
     view.turn = cast<S>(p.turn);
     view.turn_center = cast<S>(p.turn_center);
     view.drift = cast<S>(p.drift);
-    auto sample = [&](const Vec3<S>* x) {
+    auto sample = [&](const Vec3<S>* x, const Vec3<S>* v) {
         if (adhesion && given_.empty())
             sample_nearest(p, n_, x, &phi_[k], &normal_[k], &surface_velocity_[k]);
         const S h = Bdf2<S>(step.dt, first).h;
@@ -326,7 +326,7 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
                 if (any_positive(step.pushed[i]))
                     scratch.hold[size_t(i)] =
                         contact(rest_depth ? rest_depth[i] : S(0), step.pushed[i],
-                                hold_stiffness(spring_sum_, h, mass_[k + size_t(i)]), x[i]);
+                                hold_stiffness(spring_sum_, h, mass_[k + size_t(i)]), x[i], v[i]);
         };
         if (p.few())
             hold([&](const auto&... a) { return expected_contact(p.solids, a...); });
@@ -334,7 +334,8 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
             hold([&](const auto&... a) { return expected_contact_of_all(p, a...); });
     };
     Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
-    if (scene_.integrator.kind == "implicit")
+    const bool implicit = scene_.integrator.kind == "implicit";
+    if (implicit)
         implicit_step(terms_, step, view, scratch, sample);
     else
         explicit_step(terms_, step, view, scratch, sample), turn_left = step.root_turn;
@@ -372,7 +373,8 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
     auto meet = [&](const auto& solid, bool deforms) {
         bool met = false;
         auto resolve = [&] {
-            met = resolve_contact(solid, n_, rest_depth, T(dt_), &mass_[k], step.pushed, x, x_old, v, v_old);
+            met = resolve_contact(solid, implicit ? T(0) : solid.friction, n_, rest_depth, T(dt_), &mass_[k],
+                                  step.pushed, x, x_old, v, v_old);
         };
         if (deforms || norm(solid.velocity) + norm(solid.spin) > 0)
             counted(&Work::solids, resolve);

@@ -158,7 +158,8 @@ int limit_strain(int n, const S* rest_length, Plain<S> most, Vec3<S>* x) {
 }
 
 // The implicit step. `view` carries the terms' data; its x, v, frame and scratch are set here.
-// `before_forces(x)` is called once the positions are known at which forces are taken; frames are left there.
+// `before_forces(x, v)` is called once positions and velocities are known at which forces are taken; frames
+// are left there.
 template <class S, class BeforeForces>
 void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
                    BeforeForces before_forces) {
@@ -180,7 +181,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         relax_frames(terms, view, h, s.twist.data(), b.frame);
     }
     view.frame = b.frame;
-    before_forces(view.x);
+    before_forces(view.x, view.v);
     const bool penta = !s.upper2.empty();
     const Sym3<S> no_sym = identity_times(S(0));
     const Mat3<S> no_mat = to_mat3(no_sym);
@@ -203,7 +204,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         for (int i = 2; i < n; ++i) {
             r[i] = scheme.right_side(view.mass[i], view.v[i], b.v_before[i], r[i]);
             s.diagonal[i] += identity_times(view.mass[i]);
-            if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, s.diagonal[i], r[i]);
+            if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, view.v[i], s.diagonal[i], r[i]);
         }
         if (n > 2) r[2] -= transposed_times(s.upper1[1], known[1]);
         if (penta && n > 2) r[2] -= transposed_times(s.upper2[0], known[0]);
@@ -241,13 +242,8 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         b.v_before[i] = view.v[i] + r[i];
         b.x_before[i] = i < 2 ? b.root[i] : s.predicted_x[i] + h * r[i];
     }
-    if (!b.pushed) return;
-    for (int i = 2; i < n; ++i) {
-        if (!any_positive(b.pushed[i])) continue;
-        b.pushed[i] = pushed_by(s.hold[i], h, r[i]);
-        const Vec3<S> dv = friction_of(s.hold[i], b.pushed[i], view.mass[i], b.v_before[i]);
-        b.v[i] += dv, b.v_before[i] += dv;
-    }
+    for (int i = 2; b.pushed && i < n; ++i)
+        if (any_positive(b.pushed[i])) b.pushed[i] = pushed_by(s.hold[i], h, r[i]);
 }
 
 // The paper's scheme: symplectic Euler on printed forces. Frames are left at the positions before.
@@ -260,7 +256,7 @@ void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     view.frame = b.frame;
     view.chord = view.x[b.n - 1] - view.x[0];
     view.core_pull = s.core_pull.data();
-    before_forces(view.x);
+    before_forces(view.x, view.v);
     const Vec3<S> gravity = cast<S>(b.gravity);
     for (int i = 0; i < b.n; ++i) s.force[i] = view.mass[i] * gravity;
     const ChainSystem<S> system{S(b.dt), s.force.data(), nullptr, nullptr, nullptr};

@@ -57,11 +57,12 @@ struct Hold {
     S gap, friction;
     S stiff;   // [kg] of the spring that may close the gap; 0 where no surface pushed before
     S weight;  // likewise, while it is held; 0: not held
+    S drag;    // [kg] of friction on what slides, while it is held
 };
 template <class S>
 WETCURL_HD Hold<S> no_contact() {
     const Vec3<S> zero{S(0), S(0), S(0)};
-    return {zero, zero, S(1e9), S(0), S(0), S(0)};
+    return {zero, zero, S(1e9), S(0), S(0), S(0), S(0)};
 }
 // The hold becomes that of `solid` where its gap is the smaller one.
 template <class S, class Solid, class Counts = Nearer>
@@ -75,11 +76,21 @@ WETCURL_HD void take_deeper(const Solid& solid, const S& rest_depth, const Vec3<
     hold.friction = select(nearer, S(solid.friction), hold.friction);
     hold.gap = select(nearer, gap, hold.gap);
 }
-// A first guess: a particle on its way out is let go.
+// How particles slide along the surface at velocities v.
 template <class S>
-WETCURL_HD void weigh(const S& pushed, const S& stiff, Hold<S>& hold) {
+WETCURL_HD Vec3<S> slide_of(const Hold<S>& hold, const Vec3<S>& v) {
+    const Vec3<S> relative = v - hold.surface_velocity;
+    return relative - dot(relative, hold.normal) * hold.normal;
+}
+// A first guess: a particle on its way out is let go. Coulomb's friction of the momentum `pushed` is taken as
+// a drag that gives as much at the velocity v that is expected, so that it only ever takes energy; what
+// hardly moves creeps.
+template <class S>
+WETCURL_HD void weigh(const S& pushed, const S& stiff, const Vec3<S>& v, Hold<S>& hold) {
+    constexpr Plain<S> creep = 1e-5;  // [m/s]
     hold.stiff = select(pushed > S(0), stiff, S(0));
     hold.weight = select(hold.gap < S(Plain<S>(1e-5)), hold.stiff, S(0));
+    hold.drag = minimum(hold.friction * pushed / maximum(norm(slide_of(hold, v)), S(creep)), hold.stiff);
 }
 // Whether the row's solution d leaves the particle with the surface says whether it is held: not where the
 // surface would have to pull, and where it would go in. Returns 0 where that was known.
@@ -91,21 +102,22 @@ WETCURL_HD S weigh_again(const S& h, const Vec3<S>& d, Hold<S>& hold) {
     return change * change;
 }
 constexpr int most_contact_solves = 4;
-// Of a particle at x that a surface `pushed` in the step before: the solid that it is deepest in, and a
-// spring of `stiff` [kg] that closes the gap.
+// Of a particle at x, with velocity v, that a surface `pushed` in the step before: the solid that it is
+// deepest in, and a spring of `stiff` [kg] that closes the gap.
 template <class S, class Solids>
 WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, const S& pushed,
-                                    const S& stiff, const Vec3<S>& x) {
+                                    const S& stiff, const Vec3<S>& x, const Vec3<S>& v) {
     Hold<S> hold = no_contact<S>();
     for (const auto& solid : solids) take_deeper(solid, rest_depth, x, hold);
-    weigh(pushed, stiff, hold);
+    weigh(pushed, stiff, v, hold);
     return hold;
 }
-// Adds the spring to a particle's row, A d = r.
+// Adds spring and drag to a particle's row, A d = r with d beside the velocity v.
 template <class S>
-WETCURL_HD void add_hold(const Hold<S>& hold, const S& h, Sym3<S>& diagonal, Vec3<S>& r) {
-    diagonal += isotropic_plus_outer(S(0), hold.weight, hold.normal);
-    r -= (hold.weight * hold.gap / h) * hold.normal;
+WETCURL_HD void add_hold(const Hold<S>& hold, const S& h, const Vec3<S>& v, Sym3<S>& diagonal, Vec3<S>& r) {
+    const S drag = select(hold.weight > S(0), hold.drag, S(0));
+    diagonal += isotropic_plus_outer(drag, hold.weight - drag, hold.normal);
+    r -= (hold.weight * hold.gap / h) * hold.normal + drag * slide_of(hold, v);
 }
 // The momentum [kg m/s] that the surface gave for the row's solution d; 0 where it would have had to pull.
 template <class S>
@@ -113,23 +125,21 @@ WETCURL_HD S pushed_by(const Hold<S>& hold, const S& h, const Vec3<S>& d) {
     return select(hold.weight > S(0), maximum(-hold.weight * (dot(d, hold.normal) + hold.gap / h), S(0)),
                   S(0));
 }
-// Friction of that momentum: what the velocity changes by.
+// The momentum [kg m/s] of friction on a held particle that leaves the step with velocity v.
 template <class S>
-WETCURL_HD Vec3<S> friction_of(const Hold<S>& hold, const S& pushed, const S& mass, const Vec3<S>& v) {
-    const Vec3<S> relative = v - hold.surface_velocity;
-    const Vec3<S> slide = relative - dot(relative, hold.normal) * hold.normal;
-    const S speed = maximum(norm(slide), S(tiny_length<S>));
-    return -minimum(S(1), hold.friction * pushed / (mass * speed)) * slide;
+WETCURL_HD Vec3<S> friction_of(const Hold<S>& hold, const Vec3<S>& v) {
+    return select(hold.weight > S(0), -hold.drag, S(0)) * slide_of(hold, v);
 }
 
 // A position pushed out to `allowed` (≤ 0: how deep the particle may lie), its velocity relieved of its
-// inward part and slowed along the surface. Corrections go to the step before alike, so that the history of
+// inward part and slowed along the surface by `friction` (0 where holds have it: seen, a stiff strand that a
+// projection slows unevenly gains energy). Corrections go to the step before alike, so that the history of
 // the integrator stays what it was. `pushed` (mass given) is raised to the push's momentum. Whether there was
 // a contact.
 template <class S, class Body>
-WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, const S& allowed, Plain<S> dt,
-                                const S& mass, S& pushed, Vec3<S>& x, Vec3<S>& x_before, Vec3<S>& v,
-                                Vec3<S>& v_before) {
+WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, Plain<S> friction, const S& allowed,
+                                Plain<S> dt, const S& mass, S& pushed, Vec3<S>& x, Vec3<S>& x_before,
+                                Vec3<S>& v, Vec3<S>& v_before) {
     const Vec3<S> zero{S(0), S(0), S(0)};
     constexpr int rounds = 4;  // in a crease one push along the gradient does not reach the surface
     for (int round = 0; round < rounds; ++round) {
@@ -141,7 +151,7 @@ WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, const S
         const S inward = minimum(dot(relative, d.normal), S(0));
         const Vec3<S> slide = relative - dot(relative, d.normal) * d.normal;
         const S speed = maximum(norm(slide), S(tiny_length<S>));
-        const S lost = minimum(S(1), S(solid.friction) * (depth * S(1 / dt) - inward) / speed);
+        const S lost = minimum(S(1), S(friction) * (depth * S(1 / dt) - inward) / speed);
         const Vec3<S> dx = select(hit, depth * d.normal, zero);
         const Vec3<S> dv = select(hit, -inward * d.normal - lost * slide, zero);
         pushed = select(hit, maximum(pushed, mass * depth * S(1 / dt)), pushed);
@@ -154,12 +164,13 @@ WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, const S
 }
 // The same for n particles; 0 and 1 are prescribed.
 template <class S, class Body>
-bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, int n, const S* rest_depth, Plain<S> dt,
-                     const S* mass, S* pushed, Vec3<S>* x, Vec3<S>* x_before, Vec3<S>* v, Vec3<S>* v_before) {
+bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, Plain<S> friction, int n, const S* rest_depth,
+                     Plain<S> dt, const S* mass, S* pushed, Vec3<S>* x, Vec3<S>* x_before, Vec3<S>* v,
+                     Vec3<S>* v_before) {
     bool met = false;
     for (int i = 2; i < n; ++i)
-        met |= resolve_contact(solid, solid.attached ? rest_depth[i] : S(0), dt, mass[i], pushed[i], x[i],
-                               x_before[i], v[i], v_before[i]);
+        met |= resolve_contact(solid, friction, solid.attached ? rest_depth[i] : S(0), dt, mass[i], pushed[i],
+                               x[i], x_before[i], v[i], v_before[i]);
     return met;
 }
 

@@ -98,15 +98,17 @@ S half_work_of(const Vec3<S>* force, int n, const Vec3<S>* from, const Vec3<S>* 
     return sum;
 }
 
-// Of surfaces on the particles that they held within a step.
+// Of surfaces on the particles that they held within a step, which these leave at velocities v.
 template <class S>
-S work_of_holds(const BlockStep<S>& step, const std::vector<Hold<S>>& hold) {
+S work_of_holds(const BlockStep<S>& step, const std::vector<Hold<S>>& holds, const Vec3<S>* v) {
     S sum(0);
     // The momentum was given over h of the scheme, the way is that of dt.
     const S share = S(step.dt) / Bdf2<S>(step.dt, step.first).h;
-    for (int i = 2; i < int(hold.size()); ++i)
-        if (any_positive(step.pushed[i]))
-            sum += share * step.pushed[i] * dot(hold[size_t(i)].normal, hold[size_t(i)].surface_velocity);
+    for (int i = 2; i < int(holds.size()); ++i) {
+        if (!any_positive(step.pushed[i])) continue;
+        const Hold<S>& hold = holds[size_t(i)];
+        sum += share * dot(step.pushed[i] * hold.normal + friction_of(hold, v[i]), hold.surface_velocity);
+    }
     return sum;
 }
 
@@ -157,7 +159,7 @@ class WorkMeter {
             sum_of_lanes(work_of_terms(terms_, view, step.dt, h, from, scratch.force.data()), lanes_);
         work_.wind += sum_of_lanes(work_of_wind(terms_, view, step.dt, scratch.force.data()), lanes_);
         add_forces(step, from, view.x);
-        work_.solids += sum_of_lanes(work_of_holds(step, scratch.hold), lanes_);
+        work_.solids += sum_of_lanes(work_of_holds(step, scratch.hold, view.v), lanes_);
         const auto& limit = std::get<std::optional<StrainLimit>>(terms_);
         if (limit && !scratch.limit_edge.empty())
             work_.limiter += sum_of_lanes(work_of_limit(*limit, view, from), lanes_);

@@ -60,11 +60,20 @@ inline RunFrame after(const Scene& scene, int frames, const std::string& precisi
     return frame;
 }
 
+// Between particles of strand s, and of all [m].
+inline double farthest(const Strands& a, const Strands& b, int s) {
+    double most = 0;
+    for (int i = 0; i < a.particles; ++i) {
+        const double d = norm(cast<double>(a.at(s, i)) - cast<double>(b.at(s, i)));
+        most = d <= most ? most : d;  // NaN counts
+    }
+    return most;
+}
 inline double farthest(const Strands& a, const Strands& b) {
     double most = 0;
-    for (size_t k = 0; k < a.points.size(); ++k) {
-        const double d = norm(cast<double>(a.points[k]) - cast<double>(b.points[k]));
-        most = d <= most ? most : d;  // NaN counts
+    for (int s = 0; s < a.count; ++s) {
+        const double d = farthest(a, b, s);
+        most = d <= most ? most : d;
     }
     return most;
 }

@@ -283,11 +283,12 @@ void expect_tree_is_loop(unsigned seed) {
             sample_nearest(tree, solids.posed, x, phi[1], normal[1], velocity[1]);
             EXPECT_TRUE(same_memory(phi[0], phi[1]) && same_memory(normal[0], normal[1]) &&
                         same_memory(velocity[0], velocity[1]));
-            Hold<S> loop = expected_contact(solids.posed, S(T(-0.01)), S(1), S(1), x),
+            Hold<S> loop = expected_contact(solids.posed, S(T(-0.01)), S(1), S(1), x, x),
                     found = deepest_contact(tree, solids.posed, S(T(-0.01)), x);
-            weigh(S(1), S(1), found);
+            weigh(S(1), S(1), x, found);
             EXPECT_TRUE(same_memory(loop.gap, found.gap) && same_memory(loop.normal, found.normal) &&
-                        same_memory(loop.friction, found.friction) && same_memory(loop.weight, found.weight));
+                        same_memory(loop.friction, found.friction) &&
+                        same_memory(loop.weight, found.weight) && same_memory(loop.drag, found.drag));
             S reach(T(1e9));
             tree.visit_near(x, reach, [&](int s) {
                 ++visited, reach = minimum(reach, distance_in_world(solids.posed[size_t(s)], x).phi);
@@ -332,8 +333,9 @@ TEST(SolidTree, meets_every_solid_that_the_loop_pushes_out_of) {
             std::vector<S> pushed(n, S(0));
             const auto meet = [&](size_t k) {
                 ++(by_tree ? met : asked);
-                return resolve_contact(solids.posed[k], n, depth.data(), 0.01f, mass.data(), pushed.data(),
-                                       at.data(), at_before.data(), speed.data(), speed_before.data());
+                return resolve_contact(solids.posed[k], solids.posed[k].friction, n, depth.data(), 0.01f,
+                                       mass.data(), pushed.data(), at.data(), at_before.data(), speed.data(),
+                                       speed_before.data());
             };
             if (by_tree)
                 tree.for_each_met(n, at.data(), meet);

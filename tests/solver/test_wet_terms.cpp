@@ -337,8 +337,8 @@ TEST(Contact, puts_particles_on_the_surface_takes_their_inward_velocity_and_keep
         x_before[2].x -= 0.01;
         v_before[2].x -= 0.1;
         std::vector<double> pushed(4, 0.0);
-        resolve_contact(posed(sphere, {0, 0, 0}, friction), 4, static_cast<const double*>(nullptr), 0.01,
-                        s.mass.data(), pushed.data(), s.x.data(), x_before.data(), s.v.data(),
+        resolve_contact(posed(sphere, {0, 0, 0}, friction), friction, 4, static_cast<const double*>(nullptr),
+                        0.01, s.mass.data(), pushed.data(), s.x.data(), x_before.data(), s.v.data(),
                         v_before.data());
         EXPECT_NEAR(pushed[2], s.mass[2] * 0.02 / 0.01, 1e-15);
         EXPECT_EQ(pushed[3], 0);
@@ -362,7 +362,7 @@ TEST(Contact, leaves_hair_as_deep_as_it_was_drawn_into_what_is_attached) {
     const double allowed[] = {0, 0, -0.005, -0.02};
     Points x_before = s.x, v_before = s.v;
     std::vector<double> pushed(4, 0.0);
-    resolve_contact(head, 4, allowed, 0.01, s.mass.data(), pushed.data(), s.x.data(), x_before.data(),
+    resolve_contact(head, 0, 4, allowed, 0.01, s.mass.data(), pushed.data(), s.x.data(), x_before.data(),
                     s.v.data(), v_before.data());
     EXPECT_NEAR(s.x[2].y, 0.095, 1e-15);
     EXPECT_EQ(s.x[3].x, 0.09);
@@ -373,11 +373,13 @@ TEST(Contact, a_held_particle_bears_its_weight_and_a_pulled_one_is_let_go) {
     const Shape plane = Plane{};
     const std::vector<PosedSolid<double>> solids{posed(plane, {0, 0, 0}, 0.3)};
     const double mass = 2e-8, h = 1.0 / 360;
+    const Vec3d still{0, 0, 0};
     auto solved = [&](double height, double pull, double pushed, Vec3d& d) {
-        const Hold<double> hold = expected_contact(solids, 0.0, pushed, 100 * mass, Vec3d{0.2, height, 0.1});
+        const Hold<double> hold =
+            expected_contact(solids, 0.0, pushed, 100 * mass, Vec3d{0.2, height, 0.1}, still);
         Sym3<double> row = identity_times(mass);
         Vec3d r{0, h * mass * pull, 0};
-        add_hold(hold, h, row, r);
+        add_hold(hold, h, still, row, r);
         d = Factor3<double>(row).solve(r);
         return pushed_by(hold, h, d);
     };
@@ -391,11 +393,34 @@ TEST(Contact, a_held_particle_bears_its_weight_and_a_pulled_one_is_let_go) {
     EXPECT_NEAR(d.y, -h * 9.81, 1e-15);
     EXPECT_EQ(solved(0, -9.81, 0, d), 0);  // never pushed
     EXPECT_NEAR(d.y, -h * 9.81, 1e-15);
+}
 
-    const Hold<double> hold = expected_contact(solids, 0.0, 1.0, mass, Vec3d{0, 0, 0});
-    const double momentum = mass * h * 9.81;
-    EXPECT_NEAR(friction_of(hold, momentum, mass, Vec3d{1, 0, 0}).x, -0.3 * h * 9.81, 1e-12);
-    EXPECT_NEAR(friction_of(hold, momentum, mass, Vec3d{1e-4, 0, 0}).x, -1e-4, 1e-15);  // sticks
+// A particle on a slope whose friction holds 0.3 of the push: above it slides as Coulomb says, below it
+// stays.
+TEST(Contact, friction_slows_what_slides_and_keeps_what_does_not) {
+    const Shape plane = Plane{};
+    const std::vector<PosedSolid<double>> solids{posed(plane, {0, 0, 0}, 0.3)};
+    const double mass = 2e-8, h = 1e-4, g = 9.81;
+    auto speed_after = [&](double slope, double speed, double seconds) {
+        const Vec3d pull{g * std::sin(slope), -g * std::cos(slope), 0};
+        Vec3d v{speed, 0, 0};
+        double pushed = h * mass * g * std::cos(slope);
+        for (int k = 0; k < std::lround(seconds / h); ++k) {
+            const Hold<double> hold = expected_contact(solids, 0.0, pushed, 1e4 * mass, Vec3d{0, 0, 0}, v);
+            Sym3<double> row = identity_times(mass);
+            Vec3d d = h * mass * pull;
+            add_hold(hold, h, v, row, d);
+            d = Factor3<double>(row).solve(d);
+            v += d;
+            pushed = pushed_by(hold, h, d);
+        }
+        return v.x;
+    };
+    for (double slope : {0.5, 0.0})
+        EXPECT_NEAR(speed_after(slope, 2, 0.1), 2 + 0.1 * g * (std::sin(slope) - 0.3 * std::cos(slope)),
+                    1e-2);
+    EXPECT_NEAR(speed_after(0.5, 0, 0.1), 0.1 * g * (std::sin(0.5) - 0.3 * std::cos(0.5)), 5e-2);
+    for (double speed : {0.0, 0.1}) EXPECT_LT(std::abs(speed_after(0.25, speed, 0.3)), 1.1e-5);
 }
 
 // --- wetness
