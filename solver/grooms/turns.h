@@ -19,8 +19,8 @@ struct CurlTurns {
     double turns = 0;   // 0: straight
     double radius = 0;  // [m]
 };
-// Of one strand's points, root first. What winds by less than half a millimetre, or without a regular hand, is
-// taken for straight: it is noise.
+// Of one strand's points, root first. What winds by less than half a millimetre, or without a regular hand,
+// is taken for straight: it is noise.
 CurlTurns turns_of(const std::vector<Vec3d>& strand);
 // The middle of strands, by turns; at most 256 of them are looked at.
 CurlTurns turns_of(const StrandPoints& strands);

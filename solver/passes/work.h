@@ -14,9 +14,11 @@ struct Work {
     double terms = 0;    // of forces that keep no energy: adhesion, and drag by the root's rigid motion
     double water = 0;    // of water that comes, goes and runs on, and of what follows it
     double limiter = 0;  // of the strain limiter: no cause outside, so not in `given`
+    double strands = 0;  // of strands on each other: they take energy, and have no cause outside either
     double given() const { return roots + solids + terms + water; }
     Work& operator+=(const Work& b) {
-        roots += b.roots, solids += b.solids, terms += b.terms, water += b.water, limiter += b.limiter;
+        roots += b.roots, solids += b.solids, terms += b.terms, water += b.water, limiter += b.limiter,
+            strands += b.strands;
         return *this;
     }
 };

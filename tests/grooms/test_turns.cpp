@@ -15,8 +15,8 @@ constexpr double mm = 1e-3;
 
 // A helix of whole turns about y.
 std::vector<Vec3d> coil(double radius, double pitch, int turns, int of_a_turn) {
-    return helix_points(turns * of_a_turn + 1, turns * std::hypot(2 * std::numbers::pi * radius, pitch), radius,
-                        pitch);
+    return helix_points(turns * of_a_turn + 1, turns * std::hypot(2 * std::numbers::pi * radius, pitch),
+                        radius, pitch);
 }
 
 std::string log_of(const std::string& toml, const std::string& folder) {
@@ -66,7 +66,8 @@ TEST(Turns, that_the_built_in_groom_claims_are_those_of_its_strands) {
 }
 
 TEST(Turns, ask_for_the_number_of_particles_that_ends_the_warning) {
-    const std::string coils = "grid = [2, 2]\nlength = 0.25\ncurl_radius = 0.003\npitch = 0.006\nparticles = ";
+    const std::string coils =
+        "grid = [2, 2]\nlength = 0.25\ncurl_radius = 0.003\npitch = 0.006\nparticles = ";
     const double turns = 0.25 / std::hypot(2 * std::numbers::pi * 0.003, 0.006);  // 12.64
     const int enough = int(std::ceil(8 * turns)) + 1;
     const std::string number = "groom.particles = " + std::to_string(enough);

@@ -31,7 +31,8 @@ Coil coil_of(const Strands& strand, int each) {
     }
     mean.radius /= double(middle.size());
     const size_t pairs = middle.size() - size_t(each);
-    for (size_t i = 0; i < pairs; ++i) mean.pitch += norm(middle[i + size_t(each)] - middle[i]) / double(pairs);
+    for (size_t i = 0; i < pairs; ++i)
+        mean.pitch += norm(middle[i + size_t(each)] - middle[i]) / double(pairs);
     return mean;
 }
 
@@ -41,16 +42,15 @@ Coil kept(int each, double gravity, const std::string& motion) {
     const int n = turns * each + 1;
     const double length = turns * std::hypot(2 * std::numbers::pi * radius, pitch), l = length / (n - 1);
     const double bend = 8e-9 / (l * l * l);
-    Scene scene = scene_of(
-        dry_scene + motion,
-        {"groom.grid=[1, 1]", "groom.particles=" + std::to_string(n), "integrator.substeps=10",
-         "integrator.gravity=[0, " + std::to_string(-gravity) + ", 0]",
-         "bend.stiffness=" + std::to_string(bend), "bend.damping=" + std::to_string(2e-4 * bend),
-         "stretch.stiffness=" + std::to_string(100 * bend),
-         "stretch.damping=" + std::to_string(1e-3 * bend)});
+    Scene scene =
+        scene_of(dry_scene + motion,
+                 {"groom.grid=[1, 1]", "groom.particles=" + std::to_string(n), "integrator.substeps=10",
+                  "integrator.gravity=[0, " + std::to_string(-gravity) + ", 0]",
+                  "bend.stiffness=" + std::to_string(bend), "bend.damping=" + std::to_string(2e-4 * bend),
+                  "stretch.stiffness=" + std::to_string(100 * bend),
+                  "stretch.damping=" + std::to_string(1e-3 * bend)});
     const auto shape = helix_points(n, length, radius, pitch);
-    for (int i = 0; i < n; ++i)
-        scene.groom.rest.at(0, i) = cast<float>(shape[size_t(i)] + Vec3d{0.1, 0, 0});
+    for (int i = 0; i < n; ++i) scene.groom.rest.at(0, i) = cast<float>(shape[size_t(i)] + Vec3d{0.1, 0, 0});
     const Coil rest = coil_of(scene.groom.rest, each);
     const auto simulation = make_simulation(scene, "double");
     Coil sum{0, 0};
