@@ -202,6 +202,7 @@ Json terms_json() {
     add_rows<WaterSource>(rows);
     add_rows<Curl>(rows);
     add_rows<Cohesion>(rows);
+    add_rows<StrandContact>(rows);
     add_rows<Air>(rows);
     add_rows<AirSource>(rows);
     for_each_baseline([&](const auto& method) { add_rows<std::decay_t<decltype(method)>>(rows); });

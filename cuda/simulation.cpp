@@ -440,6 +440,8 @@ std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::
     if (scene.flow) throw Error("--device cuda keeps water where it is; --device cpu runs [wetness.flow]");
     if (scene.has_deforming_solid())
         throw Error("--device cuda does not rebuild the level sets of [[solid.mesh]]; --device cpu does");
+    if (scene.strand_contact)
+        throw Error("--device cuda steps strands apart from each other; --device cpu runs [strand_contact]");
     if (scene.air) throw Error("--device cuda does not move the air of [air]; --device cpu does");
     if (!scene.adhesion_model.empty())
         throw Error("--device cuda does not run a network in the loop; --device cpu does");

@@ -267,6 +267,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_chain(scene, root);
     // Of the full groom, so that a thinned run is smoothed as its twin.
     if (auto& core = scene.term<Core>()) core->beta = filter_beta(mean_segment(full), core->alpha_c);
+    read_term(scene.strand_contact, root);
     read_wet(scene, root);
     read_solids(scene, root);
     read_air(scene, root);

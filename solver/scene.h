@@ -17,6 +17,7 @@
 #include "solver/terms/curl.h"
 #include "solver/terms/flow.h"
 #include "solver/terms/list.h"
+#include "solver/terms/strand_contact.h"
 #include "solver/terms/wetness.h"
 
 namespace wetcurl {
@@ -59,6 +60,7 @@ struct Scene {
     std::optional<Flow> flow;  // of the water
     std::optional<Curl> curl;
     std::optional<Cohesion> cohesion;
+    std::optional<StrandContact> strand_contact;
     std::optional<Air> air;
     std::string adhesion_model;        // file of a network in Eq 11's place; "": Eq 11
     std::optional<Baseline> baseline;  // a compared method in place of ours

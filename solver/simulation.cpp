@@ -13,6 +13,7 @@
 #include "solver/deforming_solids.h"
 #include "solver/display.h"
 #include "solver/passes/chain_step.h"
+#include "solver/passes/strand_contact.h"
 #include "solver/placement.h"
 
 namespace wetcurl {
@@ -29,6 +30,7 @@ Presence presence_of(const Scene& scene) {
     note(scene.cohesion.has_value(), Cohesion::name);
     note(scene.air.has_value(), Air::name);
     note(!scene.solids.empty(), "contact");
+    note(scene.strand_contact.has_value(), StrandContact::name);
     note(!scene.adhesion_model.empty(), "adhesion network");
     if (scene.baseline)
         p.present.push_back("baseline " + name_of(*scene.baseline));
@@ -97,7 +99,10 @@ class CpuSimulation final : public Simulation {
     std::optional<Divergence> divergence() const override;
     std::vector<BufferSize> buffers() const override;
     double neighbours_mean() const override {
-        return display_ ? display_->neighbours_mean() : forces_ ? forces_->neighbours_mean() : 0;
+        return display_        ? display_->neighbours_mean()
+               : forces_       ? forces_->neighbours_mean()
+               : between_hair_ ? between_hair_->neighbours_mean()
+                               : 0;
     }
     long limited_edges() const override { return limited_; }
     std::optional<WaterBalance> water() const override {
@@ -136,6 +141,8 @@ class CpuSimulation final : public Simulation {
     void gather_hair_in_air();
     bool positions(std::vector<Vec3d>& out) const;  // (strand, particle) [m]; false where they are not finite
     void evaluate_forces();
+    void weigh_particles();
+    void touch_strands();
     void display();
     void unpack(const Buffer<Vec3<S>>& x, Strands& out) const;
     // Energy of each kind in each lane of a block.
@@ -169,11 +176,14 @@ class CpuSimulation final : public Simulation {
     std::optional<AirField> air_;
     std::vector<DragPoint> hair_in_air_;  // (strand, particle), where hair brakes the air
     std::optional<DeformingSolids> surfaces_;
-    size_t air_stage_ = 0, surface_stage_ = 0;
+    size_t air_stage_ = 0, surface_stage_ = 0, forces_stage_ = 0;
     std::unique_ptr<ParticleForces> forces_;  // of a compared method
     Buffer<Vec3<S>> external_;
     std::vector<Vec3d> force_x_, force_;  // (strand, particle): what it sees and gives
     const Iben2013* iben_ = nullptr;
+    std::optional<StrandContactPass> between_hair_;
+    size_t between_stage_ = 0;
+    double between_work_ = 0;
     std::vector<double>
         stage_;  // chain, then what the scene names: neighbours and cohesion, saturation, air…
     double frame_seconds_ = 0;
@@ -235,10 +245,17 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
     }
     if (scene.baseline) iben_ = std::get_if<Iben2013>(&*scene.baseline);
     if ((forces_ = make_particle_forces(scene))) {
+        forces_stage_ = stages.size();
         stages.push_back("baseline");
         energy_kinds.push_back("baseline");
         external_.assign(at(blocks_, 0), {S(0), S(0), S(0)});
         force_x_.resize(scene.groom.rest.points.size());
+    }
+    if (scene.strand_contact) {
+        between_stage_ = stages.size();
+        stages.push_back(StrandContact::name);
+        between_hair_.emplace(*scene.strand_contact, scene.groom.rest);
+        weigh_particles();
     }
     stage_.assign(stages.size(), 0);
     scratch_.resize(size_t(omp_get_max_threads()));
@@ -246,8 +263,13 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
     if (scene.integrator.settle > 0) {
         const long steps = std::lround(scene.integrator.settle / dt_);
         const auto held = placement(0, 0, false);
-        for (long k = 0; forces_ && k < steps; ++k) evaluate_forces(), run({held});
-        if (!forces_) run(std::vector<Placement<T>>(size_t(steps), held));
+        const bool together = forces_ || between_hair_;
+        for (long k = 0; together && k < steps; ++k) {
+            if (forces_) evaluate_forces();
+            run({held});
+            if (between_hair_) touch_strands();
+        }
+        if (!together) run(std::vector<Placement<T>>(size_t(steps), held));
     }
     display();
 }
@@ -490,6 +512,7 @@ void CpuSimulation<T>::soak_strands() {
             state_.put_water(scene_, block, lane, rest, sigma);
         }
     if (display_) display_->take_up_water(flow_->dry_mass());
+    if (between_hair_) weigh_particles();
 }
 
 // Once a frame, since a block goes through all substeps of a frame at once, from where strands are seen: wet
@@ -593,7 +616,40 @@ void CpuSimulation<T>::evaluate_forces() {
             const int lane = s % lanes;
             to.x.set(lane, T(f.x)), to.y.set(lane, T(f.y)), to.z.set(lane, T(f.z));
         }
-    stage_.back() += omp_get_wtime() - begin;
+    stage_[forces_stage_] += omp_get_wtime() - begin;
+}
+
+// 1/m as strands feel it of each other; particles 0 and 1 go where the head takes them.
+template <class T>
+void CpuSimulation<T>::weigh_particles() {
+    for (int s = 0; s < strands_; ++s)
+        for (int i = 2; i < n_; ++i)
+            between_hair_->inverse_mass[size_t(s) * size_t(n_) + size_t(i)] =
+                float(1 / mass_[at(s / lanes, i)][s % lanes]);
+}
+
+// Impulses between strands at the end of a substep change the velocities of the history alike. Seen: with its
+// positions changed to match, hair at rest trembles three times as much.
+template <class T>
+void CpuSimulation<T>::touch_strands() {
+    const double begin = omp_get_wtime();
+    Strands &x = between_hair_->x, &v = between_hair_->v;
+    unpack(x_, x), unpack(v_, v);
+    if (!is_finite(x)) return;
+    auto kinetic = [&] { return meters_.empty() ? 0.0 : energy()[0]; };
+    const double before = kinetic();
+    between_hair_->resolve(dt_);
+#pragma omp parallel for schedule(static)
+    for (int block = 0; block < blocks_; ++block)
+        for (int i = 2; i < n_; ++i) {
+            Vec3<S> dv;
+            for (int lane = 0; lane < lanes; ++lane)
+                ChainState<S>::put(dv, lane,
+                                   cast<double>(v.at(std::min(block * lanes + lane, strands_ - 1), i)));
+            v_[at(block, i)] += dv, v_before_[at(block, i)] += dv;
+        }
+    between_work_ += kinetic() - before;
+    stage_[between_stage_] += omp_get_wtime() - begin;
 }
 
 template <class T>
@@ -605,7 +661,7 @@ void CpuSimulation<T>::advance() {
     if (air_) move_air(), begin = omp_get_wtime();
     if (surfaces_) move_surfaces(), begin = omp_get_wtime();
     // What answers for all strands at once needs them at the same substep.
-    const bool together = model_ || records_ || forces_;
+    const bool together = model_ || records_ || forces_ || between_hair_;
     std::vector<Placement<T>> path;
     for (int k = 0; k < scene_.integrator.substeps; ++k) {
         if (model_ || records_) evaluate_adhesion(k);
@@ -615,9 +671,11 @@ void CpuSimulation<T>::advance() {
         if (!together && k + 1 < scene_.integrator.substeps) continue;
         run(path);
         path.clear();
+        if (between_hair_) touch_strands();
     }
     stage_[0] = omp_get_wtime() - begin;
-    if (forces_) stage_[0] -= stage_.back();
+    if (forces_) stage_[0] -= stage_[forces_stage_];
+    if (between_hair_) stage_[0] -= stage_[between_stage_];
     display();
     frame_seconds_ = omp_get_wtime() - start;
 }
@@ -667,7 +725,7 @@ std::vector<double> CpuSimulation<T>::energy() const {
 
 template <class T>
 void CpuSimulation<T>::count_work() {
-    meters_.clear(), water_work_ = pulled_work_ = 0;
+    meters_.clear(), water_work_ = pulled_work_ = between_work_ = 0;
     for (int block = 0; block < blocks_; ++block)
         meters_.emplace_back(terms_, scene_.integrator.gravity, n_, lanes_of_block(block));
 }
@@ -676,7 +734,7 @@ template <class T>
 Work CpuSimulation<T>::work() const {
     Work sum;
     for (const auto& meter : meters_) sum += meter.work();
-    sum.water = water_work_, sum.solids += pulled_work_;
+    sum.water = water_work_, sum.solids += pulled_work_, sum.strands = between_work_;
     return sum;
 }
 
@@ -781,6 +839,7 @@ std::vector<BufferSize> CpuSimulation<T>::buffers() const {
         add("adhesion answers", answers_);
     add("baseline forces", external_), add("baseline particles", force_x_), add("baseline answers", force_);
     if (forces_) out.push_back({"baseline lists", forces_->bytes()});
+    if (between_hair_) out.push_back({StrandContact::name, between_hair_->bytes()});
     if (flow_) {
         out.push_back({"flow of water", flow_->bytes()});
         size_t numbers = 0;

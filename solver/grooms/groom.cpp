@@ -107,6 +107,7 @@ static Groom file_groom(const Table& table, const std::string& file) {
     move(strands, scale, {offset[0], offset[1], offset[2]});
     const std::vector<Vec3d> roots = roots_of(strands);
     if (scalp) log_info(file + ": " + described(root_depth(strands, *scalp)));
+    warn_of_few_particles(table, turns_of(strands), particles);
     const RootLayout layout = lay_on_grid(roots, scalp.get(), grid_wanted(table, file, roots.size()));
     log_info(file + ": " + described(layout));
 
@@ -123,7 +124,10 @@ static Groom file_groom(const Table& table, const std::string& file) {
 Groom load_groom(const Table& table, unsigned long long seed, const std::string& groom_override) {
     const std::string named = table.path("file");
     const std::string& file = groom_override.empty() ? named : groom_override;
-    return file.empty() ? make_procedural(read_procedural(table, seed)) : file_groom(table, file);
+    if (!file.empty()) return file_groom(table, file);
+    const ProceduralGroom groom = read_procedural(table, seed);
+    warn_of_few_particles(table, turns_of(groom), groom.particles);
+    return make_procedural(groom);
 }
 
 Groom thinned(const Groom& full, int at_most, int* stride) {

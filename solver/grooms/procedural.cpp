@@ -175,6 +175,11 @@ ProceduralGroom read_procedural(const Table& table, unsigned long long seed) {
     return g;
 }
 
+CurlTurns turns_of(const ProceduralGroom& g) {
+    if (!(g.curl_radius > 0)) return {};
+    return {g.length / std::hypot(two_pi * g.curl_radius, g.pitch), g.curl_radius};
+}
+
 Groom make_procedural(const ProceduralGroom& g) {
     const int count = g.width * g.height;
     Groom out;

@@ -7,6 +7,7 @@
 #include "solver/grooms/import.h"
 #include "solver/grooms/root_grid.h"
 #include "solver/grooms/scalp.h"
+#include "solver/grooms/turns.h"
 
 namespace wetcurl {
 
@@ -62,6 +63,9 @@ FileUnits read_units(const Table& table);
 // The head's mesh that `[groom] scalp` names, with `scalp_units` and `scalp_up` where they are not those of
 // the hair; null where it names none.
 std::shared_ptr<const ScalpMesh> read_scalp(const Table& table);
+
+// Of a strand of no noise, as its curl winds once it is open.
+CurlTurns turns_of(const ProceduralGroom& groom);
 
 // Root (i, j) at (i / width, j / height) of the parameter square. A strand depends on that place, the seed
 // and the parameters, never on the size of the grid: grids nest to the bit.

@@ -52,6 +52,26 @@ std::vector<Vec3d> shape_from_intrinsic(const std::vector<Vec3d>& tbar, const Ve
     return p;
 }
 
+double Turning::segments_of_a_turn() const {
+    const double omega = 2 * std::acos(std::cos(theta / 2) * std::cos(phase / 2));
+    return 2 * pi / std::clamp(omega, 1e-3, pi);
+}
+
+Turning turning_of(const std::vector<Vec3d>& tbar) {
+    double theta = 0, most = 0;
+    std::complex<double> advance = 0, before = 0;
+    for (size_t i = 1; i < tbar.size(); ++i) {
+        const std::complex<double> kappa(tbar[i].y, tbar[i].z);
+        theta += std::atan2(std::abs(kappa), tbar[i].x);
+        advance += kappa * std::conj(before);
+        most += std::abs(kappa) * std::abs(before);
+        before = kappa;
+    }
+    const double count = double(std::max<size_t>(1, tbar.size() - 1));
+    return {theta / count, std::abs(advance) > 0 ? std::arg(advance) : 0,
+            most > 0 ? std::abs(advance) / most : 0};
+}
+
 namespace {
 
 // tbar with the turn at each vertex multiplied by q, its direction and length kept.
@@ -76,28 +96,6 @@ double axial_extent(const std::vector<Vec3d>& p, double turn) {
         sum += norm(end - p[i]);
     }
     return sum / double(n - whole - 1) * double(n - 1) / turn;
-}
-
-// Mean turn at a vertex and mean angle by which successive curvature directions advance: the two make one
-// rotation a segment, cos(omega/2) = cos(theta/2) cos(phase/2).
-struct Turning {
-    double theta, phase;  // radians a segment; phase is signed (handedness)
-    double segments_of_a_turn() const {
-        const double omega = 2 * std::acos(std::cos(theta / 2) * std::cos(phase / 2));
-        return 2 * pi / std::clamp(omega, 1e-3, pi);
-    }
-};
-Turning turning_of(const std::vector<Vec3d>& tbar) {
-    double theta = 0;
-    std::complex<double> advance = 0, before = 0;
-    for (size_t i = 1; i < tbar.size(); ++i) {
-        const std::complex<double> kappa(tbar[i].y, tbar[i].z);
-        theta += std::atan2(std::abs(kappa), tbar[i].x);
-        advance += kappa * std::conj(before);
-        before = kappa;
-    }
-    const double count = double(std::max<size_t>(1, tbar.size() - 1));
-    return {theta / count, std::abs(advance) > 0 ? std::arg(advance) : 0};
 }
 
 std::vector<Vec3d> tightened(const std::vector<Vec3d>& tbar, double contraction, double most) {

@@ -38,6 +38,15 @@ std::vector<Vec3d> intrinsic_shape(const std::vector<Vec3d>& points);
 std::vector<Vec3d> shape_from_intrinsic(const std::vector<Vec3d>& tbar, const Vec3d& root,
                                         const Quatd& frame);
 
+// Mean turn at a vertex and mean angle by which successive curvature directions advance: the two make one
+// rotation a segment, cos(omega/2) = cos(theta/2) cos(phase/2).
+struct Turning {
+    double theta, phase;  // radians a segment; phase is signed (handedness)
+    double coherence;     // of the advance: 1 on a helix, near 0 in noise
+    double segments_of_a_turn() const;
+};
+Turning turning_of(const std::vector<Vec3d>& tbar);
+
 // tbar (n-1) of the strand at saturation and weight 1.
 std::vector<Vec3d> fully_curled(const Curl& curl, const std::vector<Vec3d>& tbar);
 // The blend of Eq 9 between the two; `saturation` (n). Entries where it is 0 are returned as they were.

@@ -13,9 +13,9 @@ struct Written {
     std::string text, place;
 };
 Written with_line(const std::string& table, const std::string& line) {
-    const std::string names[] = {"groom",     "integrator",   "stretch", "bend",     "core",
-                                 "wetness",   "wetness.flow", "curl",    "cohesion", "adhesion",
-                                 "stiffness", "motion",       "air"};
+    const std::string names[] = {"groom",     "integrator",   "stretch", "bend",          "core",
+                                 "wetness",   "wetness.flow", "curl",    "cohesion",      "adhesion",
+                                 "stiffness", "motion",       "air",     "strand_contact"};
     Written out;
     int number = 0;
     auto add = [&](const std::string& l) { out.text += l + "\n", ++number; };
@@ -62,6 +62,7 @@ TEST(Scene, every_row_of_every_table_refuses_wrong_types_and_values_with_file_an
     walk("wetness.flow", Flow::parameters);
     walk("curl", Curl::parameters);
     walk("cohesion", Cohesion::parameters);
+    walk("strand_contact", StrandContact::parameters);
     walk("air", Air::parameters);
     walk("air", AirDrag::parameters);
     walk("groom", procedural_parameters);
@@ -83,6 +84,7 @@ TEST(Scene, an_empty_table_has_the_defaults_of_its_rows) {
     expect_defaults(*s.flow, Flow::parameters);
     expect_defaults(*s.curl, Curl::parameters);
     expect_defaults(*s.cohesion, Cohesion::parameters);
+    expect_defaults(*s.strand_contact, StrandContact::parameters);
     expect_defaults(*s.air, Air::parameters);
     expect_defaults(*s.term<AirDrag>(), AirDrag::parameters);
 }

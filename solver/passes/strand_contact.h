@@ -1,0 +1,52 @@
+// The pass of contact between strands, once a substep, over neighbour lists that hold until a particle has
+// moved by half of their margin (Verlet 1967). Gathers only; each particle writes its own slot, so the result
+// is the same for any number of threads, and the two of a pair compute the same impulse to the bit.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/geometry/neighbor_list.h"
+#include "base/geometry/strands.h"
+#include "solver/terms/strand_contact.h"
+
+namespace wetcurl {
+
+class StrandContactPass {
+  public:
+    // `rest`: strands as drawn, which must outlive the pass.
+    StrandContactPass(const StrandContact& term, const Strands& rest);
+
+    // (strand, particle) [1/kg]; 0 where a particle is held.
+    std::vector<float> inverse_mass;
+    // Where particles are [m], and their velocities [m/s]: `resolve` leaves what these change by.
+    Strands x, v;
+    // The impulses of all pairs in touch, over a step of dt [s].
+    void resolve(double dt);
+
+    long lists_built() const { return lists_built_; }
+    double neighbours_mean() const { return list_.neighbours_mean(); }  // within radius and margin
+    size_t bytes() const;
+
+  private:
+    using S = Pack<float>;
+    bool refresh();
+    void build_lists();
+    float contacts_of(size_t k) const;
+    Vec3f impulse_on(size_t k, const StrandContact::Step& step) const;
+    // Calls visit(first, neighbours' mask, x_k - x, d_ij²) for each run of k's neighbours.
+    template <class Visit>
+    void for_each_run(size_t k, Visit visit) const;
+
+    const StrandContact term_;
+    const Strands& rest_;
+    NeighborGrid grid_;  // its points are the positions of the substep at hand
+    NeighborList list_;
+    // In the grid's order, a vector longer than there are points.
+    PointArrays searched_, velocity_, drawn_;
+    std::vector<float> weight_, contacts_, any_;  // 1/m; pairs in touch; ones
+    std::vector<uint32_t> strand_;
+    long lists_built_ = 0;
+};
+
+}  // namespace wetcurl
