@@ -30,7 +30,7 @@ struct Case {
     std::string text;
     std::vector<std::string> set;
     bool creases =
-        false;  // between solids, where a rounding decides which one holds: compared over one frame
+        false;  // between solids, where a rounding decides which one holds, on few strands: over one frame
 };
 // All that a scene may name; 36 strands: a full warp and a part of one.
 std::vector<Case> cases() {
@@ -57,9 +57,11 @@ TEST_F(Cuda, one_frame_is_the_cpus) {
         ASSERT_GT(farthest(wanted.positions, scene.groom.rest), 1e-4) << c.name;
         // Ten float ulps at 0.25 m, a few times over for substeps of a stiff chain.
         const double bound = c.creases ? 1e-4 : 3e-6;
-        EXPECT_LT(farthest(got.positions, wanted.positions), bound) << c.name;
+        const int astray = c.creases ? 4 : 0;
+        EXPECT_LE(strands_astray(got.positions, wanted.positions, bound), astray) << c.name;
+        // They draw their neighbours along.
         if (scene.cohesion) {
-            EXPECT_LT(farthest(got.displayed, wanted.displayed), 3 * bound) << c.name;
+            EXPECT_LE(strands_astray(got.displayed, wanted.displayed, 3 * bound), 4 * astray) << c.name;
         }
     }
 }

@@ -77,6 +77,12 @@ inline double farthest(const Strands& a, const Strands& b) {
     }
     return most;
 }
+// How many strands have a particle farther than `bound` [m] from its place in b.
+inline int strands_astray(const Strands& a, const Strands& b, double bound) {
+    int astray = 0;
+    for (int s = 0; s < a.count; ++s) astray += !(farthest(a, b, s) < bound);
+    return astray;
+}
 inline bool same_bits(const Vec3f& a, const Vec3f& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 inline bool same_bits(const Strands& a, const Strands& b) {
     if (a.points.size() != b.points.size()) return false;
