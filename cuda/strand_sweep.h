@@ -207,15 +207,20 @@ class StrandSweep {
         return in;
     }
 
-    // Of particle i, which a solid has pushed, where it is expected. Held while `pushed` is above 0; below it
-    // the surface may hold it again.
+    // Of particle i, which a solid has pushed or is to push, where it is expected. Held while `pushed` is
+    // above 0; below it the surface may hold it again.
     WETCURL_HD Hold<T> hold_of(int i, const SubstepMotion<T>& motion, T pushed, T h, T mass, const V& x,
                                const V& v) const {
-        const T rest_depth = m_.rest_depth ? of<const T>(m_.rest_depth)[i] : T(0);
-        Hold<T> hold = expected_contact(motion, rest_depth, pushed < 0 ? -pushed : pushed,
-                                        hold_stiffness(k_.spring_sum, h, mass), x, v);
+        T momentum = pushed < 0 ? -pushed : pushed;
+        Hold<T> hold = first_hold_of(i, motion, momentum, h, mass, x, v);
         hold.weight = pushed > 0 ? hold.stiff : T(0);
         return hold;
+    }
+    // The first guess; `pushed` is raised where it is expected inside.
+    WETCURL_HD Hold<T> first_hold_of(int i, const SubstepMotion<T>& motion, T& pushed, T h, T mass,
+                                     const V& x, const V& v) const {
+        return expected_contact(motion, m_.rest_depth ? of<const T>(m_.rest_depth)[i] : T(0),
+                                hold_stiffness(k_.spring_sum, h, mass), x, v, pushed);
     }
 
     template <class Set, size_t... place>
@@ -326,11 +331,12 @@ class StrandSweep {
         };
         bool contacts = false;
         for (int i = 2; set.has(present::contact) && i < m_.n; ++i) {
-            if (!(pushed[i] > 0)) continue;
+            T momentum = pushed[i];
+            const Hold<T> hold = first_hold_of(i, motion, momentum, scheme.h, mass[i], at_first(scheme, i),
+                                               scheme.expected_velocity(v_[i]));
+            if (!(momentum > 0)) continue;
             contacts = true;
-            Hold<T> hold = hold_at(i, at_first(scheme, i));
-            weigh(pushed[i], hold.stiff, scheme.expected_velocity(v_[i]), hold);
-            if (!(hold.weight > 0)) pushed.set(i, -pushed[i]);
+            pushed.set(i, hold.weight > 0 ? momentum : -momentum);
         }
         // Calls f(i, edge after the step, its particle's solution and where that was expected) for edges
         // 1 .. n-2.

@@ -23,11 +23,12 @@ struct Placement {
 
 // expected_contact and sample_nearest where the solids are not few.
 template <class S>
-Hold<S> expected_contact_of_all(const Placement<Plain<S>>& p, const S& rest_depth, const S& pushed,
-                                const S& stiff, const Vec3<S>& x, const Vec3<S>& v) {
-    Hold<S> hold = p.tree ? deepest_contact(*p.tree, p.solids, rest_depth, x)
-                          : expected_contact(p.solids, rest_depth, pushed, stiff, x, v);
+Hold<S> expected_contact_of_all(const Placement<Plain<S>>& p, const S& rest_depth, const S& stiff,
+                                const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
+    Hold<S> hold =
+        p.tree ? deepest_contact(*p.tree, p.solids, rest_depth, x) : deepest_contact(p.solids, rest_depth, x);
     for (const auto& solid : p.deforming) take_deeper(solid, rest_depth, x, hold);
+    expect_push(hold, pushed);
     weigh(pushed, stiff, v, hold);
     return hold;
 }

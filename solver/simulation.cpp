@@ -345,15 +345,14 @@ void CpuSimulation<T>::step_block(int block, const BlockState& now, const Placem
         const S h = Bdf2<S>(step.dt, first).h;
         auto hold = [&](auto contact) {
             for (int i = 2; i < int(scratch.hold.size()); ++i)
-                if (any_positive(step.pushed[i]))
-                    scratch.hold[size_t(i)] =
-                        contact(rest_depth ? rest_depth[i] : S(0), step.pushed[i],
-                                hold_stiffness(spring_sum_, h, mass_[k + size_t(i)]), x[i], v[i]);
+                scratch.hold[size_t(i)] =
+                    contact(rest_depth ? rest_depth[i] : S(0),
+                            hold_stiffness(spring_sum_, h, mass_[k + size_t(i)]), x[i], v[i], step.pushed[i]);
         };
         if (p.few())
-            hold([&](const auto&... a) { return expected_contact(p.solids, a...); });
+            hold([&](auto&&... a) { return expected_contact(p.solids, a...); });
         else
-            hold([&](const auto&... a) { return expected_contact_of_all(p, a...); });
+            hold([&](auto&&... a) { return expected_contact_of_all(p, a...); });
     };
     Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
     const bool implicit = scene_.integrator.kind == "implicit";

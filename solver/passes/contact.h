@@ -102,13 +102,25 @@ WETCURL_HD S weigh_again(const S& h, const Vec3<S>& d, Hold<S>& hold) {
     return change * change;
 }
 constexpr int most_contact_solves = 4;
-// Of a particle at x, with velocity v, that a surface `pushed` in the step before: the solid that it is
-// deepest in, and a spring of `stiff` [kg] that closes the gap.
+// The solid that a particle at x is deepest in, not yet weighed.
 template <class S, class Solids>
-WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, const S& pushed,
-                                    const S& stiff, const Vec3<S>& x, const Vec3<S>& v) {
+WETCURL_HD Hold<S> deepest_contact(const Solids& solids, const S& rest_depth, const Vec3<S>& x) {
     Hold<S> hold = no_contact<S>();
     for (const auto& solid : solids) take_deeper(solid, rest_depth, x, hold);
+    return hold;
+}
+// What is expected inside counts as pushed: a bit, without friction yet.
+template <class S>
+WETCURL_HD void expect_push(const Hold<S>& hold, S& pushed) {
+    pushed = select(hold.gap < S(0), maximum(pushed, S(Plain<S>(1e-30))), pushed);
+}
+// Of a particle at x, with velocity v, that a surface `pushed` in the step before or is to push now: a spring
+// of `stiff` [kg] that closes the gap, and friction.
+template <class S, class Solids>
+WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, const S& stiff,
+                                    const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
+    Hold<S> hold = deepest_contact(solids, rest_depth, x);
+    expect_push(hold, pushed);
     weigh(pushed, stiff, v, hold);
     return hold;
 }

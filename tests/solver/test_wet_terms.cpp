@@ -376,7 +376,7 @@ TEST(Contact, a_held_particle_bears_its_weight_and_a_pulled_one_is_let_go) {
     const Vec3d still{0, 0, 0};
     auto solved = [&](double height, double pull, double pushed, Vec3d& d) {
         const Hold<double> hold =
-            expected_contact(solids, 0.0, pushed, 100 * mass, Vec3d{0.2, height, 0.1}, still);
+            expected_contact(solids, 0.0, 100 * mass, Vec3d{0.2, height, 0.1}, still, pushed);
         Sym3<double> row = identity_times(mass);
         Vec3d r{0, h * mass * pull, 0};
         add_hold(hold, h, still, row, r);
@@ -406,7 +406,7 @@ TEST(Contact, friction_slows_what_slides_and_keeps_what_does_not) {
         Vec3d v{speed, 0, 0};
         double pushed = h * mass * g * std::cos(slope);
         for (int k = 0; k < std::lround(seconds / h); ++k) {
-            const Hold<double> hold = expected_contact(solids, 0.0, pushed, 1e4 * mass, Vec3d{0, 0, 0}, v);
+            const Hold<double> hold = expected_contact(solids, 0.0, 1e4 * mass, Vec3d{0, 0, 0}, v, pushed);
             Sym3<double> row = identity_times(mass);
             Vec3d d = h * mass * pull;
             add_hold(hold, h, v, row, d);
