@@ -107,7 +107,7 @@ class CudaSimulation final : public Simulation {
 
     mutable ChainState<S> state_;  // as uploaded; snapshots bring x, v and frames back
     DeviceBuffer<T> x_, x_before_, v_, v_before_, frame_, ahead_, twist_, touching_, pushed_, limit_edge_,
-        core_, factors_;
+        change_, core_, factors_;
     DeviceBuffer<T> root_, mass_, rest_length_, rest_core_, target_, saturation_, rest_depth_, push_;
     DeviceBuffer<Vec3f> positions_, displayed_;
     std::vector<DeviceBuffer<float>> level_sets_;
@@ -156,6 +156,7 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
     if (scene.term<Bend>()) ahead_ = DeviceBuffer<T>(4 * cells);
     if (scene.term<Twist>()) twist_ = DeviceBuffer<T>(2 * cells);
     if (scene.term<StrainLimit>()) limit_edge_ = DeviceBuffer<T>(3 * cells);
+    change_ = DeviceBuffer<T>(3 * cells);
     factors_ = DeviceBuffer<T>(size_t(factor_rows(scene.chain)) * cells);
     positions_ = DeviceBuffer<Vec3f>(scene.groom.rest.points.size());
     host_report_[0] = {};
@@ -200,12 +201,12 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
 
 template <class T>
 StrandMemory<T> CudaSimulation<T>::memory() const {
-    StrandMemory<T> m{state_.n,          x_.data(),        x_before_.data(),   v_.data(),
-                      v_before_.data(),  touching_.data(), pushed_.data(),     frame_.data(),
-                      ahead_.data(),     twist_.data(),    core_.data(),       limit_edge_.data(),
-                      factors_.data(),   root_.data(),     mass_.data(),       rest_length_.data(),
-                      rest_core_.data(), target_.data(),   saturation_.data(), rest_depth_.data(),
-                      push_.data()};
+    StrandMemory<T> m{
+        state_.n,           x_.data(),           x_before_.data(),  v_.data(),       v_before_.data(),
+        touching_.data(),   pushed_.data(),      frame_.data(),     ahead_.data(),   twist_.data(),
+        core_.data(),       limit_edge_.data(),  change_.data(),    factors_.data(), root_.data(),
+        mass_.data(),       rest_length_.data(), rest_core_.data(), target_.data(),  saturation_.data(),
+        rest_depth_.data(), push_.data()};
     if (swapped_) std::swap(m.x, m.x_before), std::swap(m.v, m.v_before);
     return m;
 }
@@ -409,7 +410,7 @@ std::vector<BufferSize> CudaSimulation<T>::buffers() const {
     });
     add("core pull", core_.bytes()), add("factors", factors_.bytes());
     add("bend frames ahead", ahead_.bytes()), add("twist", twist_.bytes());
-    add("limited edges", limit_edge_.bytes());
+    add("limited edges", limit_edge_.bytes()), add("changes of velocity", change_.bytes());
     add("shown positions", positions_.bytes()), add("displayed positions", displayed_.bytes());
     if (cohesion_) add("cohesion lists", cohesion_->bytes());
     for (const auto& l : level_sets_) add("level set", l.bytes());

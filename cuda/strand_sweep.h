@@ -63,6 +63,7 @@ struct StrandMemory {
     T* twist;          // (block, particle, 2) rows of the twists' elimination
     T* core;           // (block, particle, 3) the core's force on the smoothed edge, before the adjoint
     T* limit_edge;     // (block, particle, 3) edges at which the strain limit is taken
+    T* change;         // (block, particle, 3) of velocities since forces were first taken in a step
     T* factors;        // (block, particle, 3 or 12 or 21) the substitution's y, u1, u2
     const T *root, *mass, *rest_length, *rest_core, *target, *saturation, *rest_depth, *push;
 };
@@ -122,6 +123,7 @@ class StrandSweep {
         const Bdf2<T> scheme(k_.dt, first, k_.share);
         solve(set, motion, scheme);
         const int limited = substitute_from_root(set, motion, scheme, turn_after, last);
+        looks_ = 1;
         // What was written over the older state is the newer one.
         const auto x = x_, v = v_;
         x_ = x_before_, v_ = v_before_;
@@ -138,6 +140,15 @@ class StrandSweep {
     }
     WETCURL_HD V at_first(const Bdf2<T>& scheme, int i) const {
         return scheme.predicted(x_[i], x_before_[i], v_[i]);
+    }
+    // Of velocities until forces were taken anew.
+    WETCURL_HD V change_at(int i) const { return looks_ > 1 ? V(of<V>(m_.change)[i]) : V{T(0), T(0), T(0)}; }
+    // Where and at which velocity forces are taken.
+    WETCURL_HD V look_at(const Bdf2<T>& scheme, int i) const {
+        return at_first(scheme, i) + scheme.h * change_at(i);
+    }
+    WETCURL_HD V velocity_at(const Bdf2<T>& scheme, int i) const {
+        return scheme.expected_velocity(v_[i]) + change_at(i);
     }
 
     // A row of the substitution: y, then u1, then (where a term couples two edges) u2.
@@ -178,8 +189,8 @@ class StrandSweep {
 
     // What an element whose last particle is i reads from memory.
     struct Inputs {
-        V x, x_before, v;  // of particle i-2
-        Q frame;           // of edge i-2, and the row of its twist's elimination
+        V x, x_before, v, change;  // of particle i-2
+        Q frame;                   // of edge i-2, and the row of its twist's elimination
         T pivot, right;
         V v_before;  // of particle i, and so on
         T mass, saturation, touching, pushed;
@@ -190,7 +201,7 @@ class StrandSweep {
     template <class Set>
     WETCURL_HD Inputs inputs_at(const Set& set, int i) const {
         Inputs in{};
-        in.x = x_[i - 2], in.x_before = x_before_[i - 2], in.v = v_[i - 2];
+        in.x = x_[i - 2], in.x_before = x_before_[i - 2], in.v = v_[i - 2], in.change = change_at(i - 2);
         in.v_before = v_before_[i];
         in.mass = of<const T>(m_.mass)[i];
         in.rest_length = of<const T>(m_.rest_length)[i - 1];
@@ -207,12 +218,13 @@ class StrandSweep {
         return in;
     }
 
-    // Of particle i, which a solid has pushed or is to push, where it is expected. Held while `pushed` is
-    // above 0; below it the surface may hold it again.
+    // Of particle i, which a solid has pushed or is to push, expected at x with velocity v. Held while
+    // `pushed` is above 0; below it the surface may hold it again.
     WETCURL_HD Hold<T> hold_of(int i, const SubstepMotion<T>& motion, T pushed, T h, T mass, const V& x,
                                const V& v) const {
         T momentum = pushed < 0 ? -pushed : pushed;
         Hold<T> hold = first_hold_of(i, motion, momentum, h, mass, x, v);
+        hold.gap += h * dot(change_at(i), hold.normal);
         hold.weight = pushed > 0 ? hold.stiff : T(0);
         return hold;
     }
@@ -254,7 +266,7 @@ class StrandSweep {
         view.saturation = saturation, view.touching = touching, view.phi = phi, view.normal = normal;
         view.surface_velocity = surface_velocity;
         view.turn = motion.turn, view.turn_center = motion.turn_center, view.drift = motion.drift;
-        if (has<CurlPush>(set)) view.chord = at_first(scheme, n - 1) - at_first(scheme, 0);
+        if (has<CurlPush>(set)) view.chord = look_at(scheme, n - 1) - look_at(scheme, 0);
         const ChainSystem<T> system{scheme.h, force, diagonal, upper1, upper2};
 
         EdgeFilterAdjoint<T> adjoint(has<Core>(set) ? T(get<Core>(k_.terms).beta) : T(1));
@@ -265,14 +277,21 @@ class StrandSweep {
             frame[0] = turned_about_itself(frame[0], turn);
             of<Q>(m_.ahead).set(n - 2, frame[0]);
         }
-        x[1] = at_first(scheme, n - 1), v[1] = scheme.expected_velocity(v_[n - 1]);
-        x[0] = at_first(scheme, n - 2), v[0] = scheme.expected_velocity(v_[n - 2]);
+        // Beside x and v, where and at which velocity particles were first expected.
+        V first_x[3], old_v[3];
+        first_x[1] = at_first(scheme, n - 1), x[1] = look_at(scheme, n - 1);
+        first_x[0] = at_first(scheme, n - 2), x[0] = look_at(scheme, n - 2);
+        old_v[1] = v_[n - 1], v[1] = velocity_at(scheme, n - 1);
+        old_v[0] = v_[n - 2], v[0] = velocity_at(scheme, n - 2);
         Inputs next = inputs_at(set, n - 1);
         for (int i = n - 1; i >= 2; --i) {
             const Inputs in = next;
             if (i > 2) next = inputs_at(set, i - 1);  // on its way while this row is worked on
-            x[2] = x[1], x[1] = x[0], x[0] = scheme.predicted(in.x, in.x_before, in.v);
-            v[2] = v[1], v[1] = v[0], v[0] = scheme.expected_velocity(in.v);
+            first_x[2] = first_x[1], first_x[1] = first_x[0];
+            first_x[0] = scheme.predicted(in.x, in.x_before, in.v);
+            x[2] = x[1], x[1] = x[0], x[0] = first_x[0] + scheme.h * in.change;
+            old_v[2] = old_v[1], old_v[1] = old_v[0], old_v[0] = in.v;
+            v[2] = v[1], v[1] = v[0], v[0] = scheme.expected_velocity(in.v) + in.change;
             upper2[0] = no_mat;
             mass[2] = in.mass, saturation[2] = in.saturation, touching[2] = in.touching;
             rest_length[1] = in.rest_length, limit_edge[1] = in.limit_edge, target[1] = in.target,
@@ -285,15 +304,17 @@ class StrandSweep {
                 of<Q>(m_.ahead).set(i - 2, frame[0]);
             }
             if (has<Core>(set)) core[1] = get<Core>(k_.terms).printed ? in.core : adjoint(in.core);
-            if (has<Adhesion>(set)) sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
+            if (has<Adhesion>(set))
+                sample_nearest(motion, first_x[2], phi[2], normal[2], surface_velocity[2]);
             assemble_present(set, view, system, std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
 
             // Row i is whole.
-            r[2] += scheme.right_side(mass[2], v[2], in.v_before, force[2] + mass[2] * k_.gravity);
+            r[2] += scheme.right_side(mass[2], old_v[2], in.v_before, v[2], force[2] + mass[2] * k_.gravity);
             diagonal[2] += identity_times(mass[2]);
             if (set.has(present::contact) && in.pushed > 0)
-                add_hold(hold_of(i, motion, in.pushed, scheme.h, mass[2], x[2], v[2]), scheme.h, v[2],
-                         diagonal[2], r[2]);
+                add_hold(hold_of(i, motion, in.pushed, scheme.h, mass[2], first_x[2],
+                                 scheme.expected_velocity(old_v[2])),
+                         scheme.h, v[2], diagonal[2], r[2]);
             M u1 = transposed(upper1[1]), u2 = transposed(upper2[0]), u11 = transposed(upper1[0]);
             eliminate(Row<T>{diagonal[2], &u1, penta(set) ? &u2 : nullptr, r[2]}, &diagonal[1], &r[1], &u11,
                       &diagonal[0], &r[0]);
@@ -319,16 +340,12 @@ class StrandSweep {
         }
     }
 
-    // Eliminates until the edges at their strain limit and the particles that surfaces hold are found, as the
-    // reference does.
+    // Eliminates until the edges at their strain limit and the particles that surfaces hold are found, and
+    // takes forces anew where edges turn far, as the reference does.
     template <class Set>
-    WETCURL_HD void solve(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) const {
-        const auto at = of<V>(m_.limit_edge);
+    WETCURL_HD void solve(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
         const auto pushed = of<T>(m_.pushed);
-        const auto rest_length = of<const T>(m_.rest_length), mass = of<const T>(m_.mass);
-        auto hold_at = [&](int i, const V& x) {
-            return hold_of(i, motion, pushed[i], scheme.h, mass[i], x, scheme.expected_velocity(v_[i]));
-        };
+        const auto mass = of<const T>(m_.mass);
         bool contacts = false;
         for (int i = 2; set.has(present::contact) && i < m_.n; ++i) {
             T momentum = pushed[i];
@@ -338,47 +355,88 @@ class StrandSweep {
             contacts = true;
             pushed.set(i, hold.weight > 0 ? momentum : -momentum);
         }
-        // Calls f(i, edge after the step, its particle's solution and where that was expected) for edges
-        // 1 .. n-2.
-        auto for_each_edge = [&](bool solved, auto f) {
-            const V zero{T(0), T(0), T(0)};
-            V d1 = zero, d2 = zero, x1 = zero;
-            for (int i = 0; i < m_.n; ++i) {
-                const V x = at_first(scheme, i);
-                V d = zero;
-                if (solved)
-                    d = i < 2 ? (T(1) / scheme.h) * (placed_root(motion, i) - x)
-                              : substituted(set, factors_at(set, i), d1, d2);
-                if (i >= 2) f(i - 1, (x - x1) + scheme.h * (d - d1), d, x);
-                d2 = d1, d1 = d, x1 = x;
-            }
-        };
-        auto take_edge = [&](int i, const V& e, const V&, const V&) { at.set(i, e); };
-        if (has<StrainLimit>(set)) for_each_edge(false, take_edge);
-        for (int solves = 1;; ++solves) {
-            eliminate_from_tip(set, motion, scheme);
-            if (!has<StrainLimit>(set) && !contacts) break;
-            // The twists' turns are done.
-            for (int i = 1; has<Twist>(set) && i + 1 < m_.n; ++i) of<T>(m_.twist, 2).set(2 * i + 1, T(0));
-            T farthest(0), changed(0);
-            const bool limit = has<StrainLimit>(set) && solves < StrainLimit::most_solves,
-                       holds = contacts && solves < most_contact_solves;
-            for_each_edge(true, [&](int i, const V& e, const V& d, const V& x) {
-                if (limit)
-                    farthest =
-                        maximum(farthest, get<StrainLimit>(k_.terms).unsettled(e, at[i], rest_length[i]));
-                if (holds && pushed[i + 1] != 0) {
-                    Hold<T> hold = hold_at(i + 1, x);
-                    const T change = weigh_again(scheme.h, d, hold);
-                    changed += change;
-                    if (change > 0) pushed.set(i + 1, -pushed[i + 1]);
-                }
+        while (true) {
+            solve_as_seen(set, motion, scheme, contacts);
+            if (looks_ == most_looks) break;
+            const auto rest_length = of<const T>(m_.rest_length);
+            T far(0);
+            for_each_solution(set, motion, scheme, true, [&](int i, const V&, const V& d, const V& d1) {
+                if (i >= 2) far = maximum(far, turned_far<T>(scheme.h * (d - d1), rest_length[i - 1]));
             });
-            if (farthest > 0) for_each_edge(true, take_edge);
-            if (!(farthest > 0) && !(changed > 0)) break;
+            if (!(far > 0)) break;
+            const auto change = of<V>(m_.change);
+            // A particle's place is read before its change is written.
+            for_each_solution(set, motion, scheme, true, [&](int i, const V&, const V& d, const V&) {
+                change.set(i, change_at(i) + d);
+            });
+            ++looks_;
+            Ahead ahead(scheme, Q::identity());
+            for (int i = 0; i < m_.n; ++i) {
+                const Outputs in = outputs_at(set, i);
+                look_ahead(set, ahead, i, look_at(scheme, i), velocity_at(scheme, i), in, in.frame);
+            }
+            finish(set, ahead);
         }
         // Only now: every solve is to see the same contacts.
         if (has<Adhesion>(set)) touch(motion, scheme);
+    }
+    // Calls f(i, its place, its solution, the solution of i-1); before one is there, with 0.
+    template <class Set, class F>
+    WETCURL_HD void for_each_solution(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
+                                      bool solved, F f) const {
+        const V zero{T(0), T(0), T(0)};
+        V d1 = zero, d2 = zero;
+        for (int i = 0; i < m_.n; ++i) {
+            const V x = look_at(scheme, i);
+            V d = zero;
+            if (solved)
+                d = i < 2 ? (T(1) / scheme.h) * (placed_root(motion, i) - x)
+                          : substituted(set, factors_at(set, i), d1, d2);
+            f(i, x, d, d1);
+            d2 = d1, d1 = d;
+        }
+    }
+    template <class Set>
+    WETCURL_HD void solve_as_seen(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
+                                  bool contacts) const {
+        const auto at = of<V>(m_.limit_edge);
+        const auto pushed = of<T>(m_.pushed);
+        const auto rest_length = of<const T>(m_.rest_length), mass = of<const T>(m_.mass);
+        auto take_edges = [&](bool solved) {
+            V x1{T(0), T(0), T(0)};
+            for_each_solution(set, motion, scheme, solved, [&](int i, const V& x, const V& d, const V& d1) {
+                if (i >= 2) at.set(i - 1, (x - x1) + scheme.h * (d - d1));
+                x1 = x;
+            });
+        };
+        if (has<StrainLimit>(set)) take_edges(false);
+        for (int solves = 1;; ++solves) {
+            eliminate_from_tip(set, motion, scheme);
+            // The twists' turns are done.
+            if (has<StrainLimit>(set) || contacts)
+                for (int i = 1; has<Twist>(set) && i + 1 < m_.n; ++i) of<T>(m_.twist, 2).set(2 * i + 1, T(0));
+            T farthest(0), changed(0);
+            const bool limit = has<StrainLimit>(set) && solves < StrainLimit::most_solves,
+                       holds = contacts && solves < most_contact_solves;
+            if (!limit && !holds) break;
+            V x1{T(0), T(0), T(0)};
+            for_each_solution(set, motion, scheme, true, [&](int i, const V& x, const V& d, const V& d1) {
+                if (limit && i >= 2)
+                    farthest =
+                        maximum(farthest, get<StrainLimit>(k_.terms).unsettled(
+                                              (x - x1) + scheme.h * (d - d1), at[i - 1], rest_length[i - 1]));
+                x1 = x;
+                if (holds && i >= 2 && pushed[i] != 0) {
+                    Hold<T> hold = hold_of(i, motion, pushed[i], scheme.h, mass[i], at_first(scheme, i),
+                                           scheme.expected_velocity(v_[i]));
+                    const T change = weigh_again(scheme.h, d, hold);
+                    changed += change;
+                    if (change > 0) pushed.set(i, -pushed[i]);
+                }
+            });
+            if (farthest > 0) take_edges(true);
+            if (!(farthest > 0) && !(changed > 0)) break;
+        }
     }
 
     // What particle i needs on the way from the root.
@@ -473,8 +531,9 @@ class StrandSweep {
         for (int i = 0; i < n; ++i) {
             const Outputs in = next;
             if (i + 1 < n) next = outputs_at(set, i + 1);
-            const V expected = scheme.predicted(in.x, in.x_before, in.v);
-            V x = expected, v = scheme.expected_velocity(in.v), x_old = in.x, v_old = in.v, d;
+            const V expected = scheme.predicted(in.x, in.x_before, in.v), change = change_at(i);
+            V x = expected + scheme.h * change, v = scheme.expected_velocity(in.v) + change, x_old = in.x,
+              v_old = in.v, d;
             if (i < 2) {
                 const V placed = placed_root(motion, i);
                 d = (T(1) / scheme.h) * (placed - x);
@@ -523,6 +582,7 @@ class StrandSweep {
     const ChainConstants<T>& k_;
     size_t block_;
     int lane_;
+    int looks_ = 1;  // how often forces were taken in this step
     LaneArray<V, T> x_, x_before_, v_, v_before_;
 };
 

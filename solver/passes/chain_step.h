@@ -30,10 +30,9 @@ struct Bdf2 {
         return x + before * (x_before - x) + h * expected_velocity(v);
     }
     // r = M (v~ - v^) + h f, and M on the diagonal. `expected`: v^.
-    WETCURL_HD Vec3<S> right_side(const S& mass, const Vec3<S>& expected, const Vec3<S>& v_before,
-                                  const Vec3<S>& force) const {
-        const Vec3<S> history = (now / share) * expected + before * v_before;
-        return mass * (history - expected) + h * force;
+    WETCURL_HD Vec3<S> right_side(const S& mass, const Vec3<S>& v, const Vec3<S>& v_before,
+                                  const Vec3<S>& expected, const Vec3<S>& force) const {
+        return mass * (now * v + before * v_before - expected) + h * force;
     }
 };
 
@@ -74,12 +73,13 @@ struct ChainScratch {
     std::vector<Sym3<S>> diagonal;
     std::vector<Mat3<S>> upper1, upper2;
     std::vector<S> twist;
-    std::vector<Hold<S>> hold;  // of particles that were pushed; filled before forces are taken
+    std::vector<Quat<S>> kept_frame;  // of strands for which forces are not taken anew
+    std::vector<Hold<S>> hold;        // of particles that were pushed; filled before forces are taken
 
     void resize(int n, const ChainTerms& terms, bool implicit, bool solids) {
         const size_t m = size_t(n);
         if (implicit && solids) hold.resize(m);
-        predicted_x.resize(m), force.resize(m);
+        predicted_x.resize(m), expected_v.resize(m), force.resize(m);
         if (std::get<std::optional<Core>>(terms)) core_pull.resize(2 * m);
         if (implicit) diagonal.resize(m), upper1.resize(m);
         if (implicit && couples_two_edges(terms)) upper2.resize(m);
@@ -123,13 +123,34 @@ bool update_limit_edges(const StrainLimit& limit, const ChainView<S>& c, const S
     return true;
 }
 
-// Which particles the surfaces hold, after a step h that changes velocities by dv (n). Returns whether others
-// than before.
+// How often forces are taken anew within a step at most.
+constexpr int most_looks = 4;
+// Above 0 for an edge that moves by `way` and so turns by more than a tenth: forces there are not what they
+// were linearised to be.
 template <class S>
-bool update_holds(int n, const S& h, const Vec3<S>* dv, const S* pushed, Hold<S>* hold) {
+WETCURL_HD S turned_far(const Vec3<S>& way, const S& rest_length) {
+    return dot(way, way) - S(Plain<S>(0.01)) * rest_length * rest_length;
+}
+// 1 for strands with such an edge after a step h that changes velocities by dv (n), 0 for others.
+template <class S>
+S turned_far(const ChainView<S>& c, const S& h, const Vec3<S>* dv) {
+    S far(0);
+    for (int i = 1; i + 1 < c.n; ++i)
+        far = maximum(far, turned_far<S>(h * (dv[i + 1] - dv[i]), c.rest_length[i]));
+    return select(far > S(0), S(1), S(0));
+}
+
+// Which particles the surfaces hold, after a step h that changes velocities by dv (n), in lanes that are
+// `active`. Returns whether others than before.
+template <class S>
+bool update_holds(int n, const S& h, const Vec3<S>* dv, const S* pushed, const S& active, Hold<S>* hold) {
     S changed(0);
-    for (int i = 2; i < n; ++i)
-        if (any_positive(pushed[i])) changed += weigh_again(h, dv[i], hold[i]);
+    for (int i = 2; i < n; ++i) {
+        if (!any_positive(pushed[i])) continue;
+        const S weight = hold[i].weight;
+        changed += active * weigh_again(h, dv[i], hold[i]);
+        hold[i].weight = select(active > S(0), hold[i].weight, weight);
+    }
     return any_positive(changed);
 }
 
@@ -166,20 +187,20 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     const int n = b.n;
     const Bdf2<S> scheme(b.dt, b.first, b.share);
     const S h = scheme.h;
-    for (int i = 0; i < n; ++i) s.predicted_x[i] = scheme.predicted(b.x[i], b.x_before[i], b.v[i]);
+    for (int i = 0; i < n; ++i) {
+        s.predicted_x[i] = scheme.predicted(b.x[i], b.x_before[i], b.v[i]);
+        s.expected_v[i] = scheme.expected_velocity(b.v[i]);
+    }
     view.x = s.predicted_x.data();
-    view.v = b.v;
-    if (b.share < 1) {
-        s.expected_v.resize(size_t(n));
-        for (int i = 0; i < n; ++i) s.expected_v[i] = scheme.expected_velocity(b.v[i]);
-        view.v = s.expected_v.data();
-    }
-    view.chord = view.x[n - 1] - view.x[0];
+    view.v = s.expected_v.data();
     view.core_pull = s.core_pull.data();
-    if (b.frame) {
-        transport_frames(n, b.frame, b.root_turn, view.x, b.frame);
+    auto look = [&](const Quat<Plain<S>>& root_turn) {
+        view.chord = view.x[n - 1] - view.x[0];
+        if (!b.frame) return;
+        transport_frames(n, b.frame, root_turn, view.x, b.frame);
         relax_frames(terms, view, h, s.twist.data(), b.frame);
-    }
+    };
+    look(b.root_turn);
     view.frame = b.frame;
     before_forces(view.x, view.v);
     const bool penta = !s.upper2.empty();
@@ -188,11 +209,10 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     const Vec3<S> gravity = cast<S>(b.gravity);
     const ChainSystem<S> system{h, s.force.data(), s.diagonal.data(), s.upper1.data(), s.upper2.data()};
     Vec3<S> known[2], root_force[2];
-    for (int i = 0; i < 2; ++i)
-        known[i] = (S(1) / h) * (b.root[i] - s.predicted_x[i]);  // v - v^ that takes the root to its place
-    // The force's place takes the right side, and then the solution v - v^.
+    // The force's place takes the right side, and then the solution: what the view's velocities change by.
     Vec3<S>* r = s.force.data();
     auto solve = [&] {
+        for (int i = 0; i < 2; ++i) known[i] = (S(1) / h) * (b.root[i] - view.x[i]);
         for (int i = 0; i < n; ++i) {
             s.force[i] = view.mass[i] * gravity;
             s.diagonal[i] = no_sym;
@@ -202,7 +222,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
         add_external_forces(b, s.force.data());
         for (int i = 2; i < n; ++i) {
-            r[i] = scheme.right_side(view.mass[i], view.v[i], b.v_before[i], r[i]);
+            r[i] = scheme.right_side(view.mass[i], b.v[i], b.v_before[i], view.v[i], r[i]);
             s.diagonal[i] += identity_times(view.mass[i]);
             if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, view.v[i], s.diagonal[i], r[i]);
         }
@@ -217,13 +237,36 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     };
     const auto& limit = std::get<std::optional<StrainLimit>>(terms);
     view.limit_edge = s.limit_edge.data();
-    for (int i = 0; limit && i + 1 < n; ++i) s.limit_edge[i] = edge(view, i);
-    bool again = true;
-    for (int solves = 1; again; ++solves) {
-        solve();
-        again = limit && solves < limit->most_solves &&
-                update_limit_edges(*limit, view, h, r, s.limit_edge.data());
-        if (b.pushed && solves < most_contact_solves) again |= update_holds(n, h, r, b.pushed, s.hold.data());
+    S active(1);  // lanes that are solved for anew
+    for (int looks = 1;; ++looks) {
+        for (int i = 0; limit && i + 1 < n; ++i) s.limit_edge[i] = edge(view, i);
+        bool again = true;
+        for (int solves = 1; again; ++solves) {
+            solve();
+            if (looks > 1)
+                for (int i = 0; i < n; ++i) r[i] = active * r[i];
+            again = limit && solves < limit->most_solves &&
+                    update_limit_edges(*limit, view, h, r, s.limit_edge.data());
+            if (b.pushed && solves < most_contact_solves)
+                again |= update_holds(n, h, r, b.pushed, active, s.hold.data());
+        }
+        if (looks == most_looks) break;
+        active = active * turned_far(view, h, r);
+        if (!any_positive(active)) break;
+        // Forces are taken anew where the solution has led those strands.
+        for (int i = 0; i < n; ++i) {
+            const Vec3<S> way = h * r[i];
+            s.predicted_x[i] += way, s.expected_v[i] += r[i];
+            if (b.pushed && i > 1 && any_positive(b.pushed[i])) s.hold[i].gap += dot(way, s.hold[i].normal);
+        }
+        if (b.frame) s.kept_frame.assign(b.frame, b.frame + n - 1);
+        look(Quat<Plain<S>>::identity());
+        for (int i = 0; b.frame && i + 1 < n; ++i) {
+            const auto moves = active > S(0);
+            const Quat<S>&at = b.frame[i], &was = s.kept_frame[size_t(i)];
+            b.frame[i] = {select(moves, at.w, was.w), select(moves, at.x, was.x), select(moves, at.y, was.y),
+                          select(moves, at.z, was.z)};
+        }
     }
     if (b.reaction) {
         // What rows 0 and 1 lack: h R = A d - r.
@@ -234,9 +277,9 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         if (penta && n > 2) row[0] += s.upper2[0] * r[2];
         if (penta && n > 3) row[1] += s.upper2[1] * r[3];
         for (int i = 0; i < 2; ++i)
-            b.reaction[i] =
-                (S(1) / h) * (row[i] + view.mass[i] * known[i] -
-                              scheme.right_side(view.mass[i], view.v[i], b.v_before[i], root_force[i]));
+            b.reaction[i] = (S(1) / h) * (row[i] + view.mass[i] * known[i] -
+                                          scheme.right_side(view.mass[i], b.v[i], b.v_before[i], view.v[i],
+                                                            root_force[i]));
     }
     for (int i = 0; i < n; ++i) {
         b.v_before[i] = view.v[i] + r[i];

@@ -16,7 +16,7 @@ Strands swept(const Scene& scene, const Set& set, int frames) {
     auto rows = [](auto& buffer) { return buffer.empty() ? nullptr : reinterpret_cast<T*>(buffer.data()); };
     const size_t cells = state.at(state.blocks, 0) * Lanes<T>::lanes;
     std::vector<T> core(3 * cells), factors(size_t(factor_rows(scene.chain)) * cells);
-    std::vector<T> ahead(4 * cells), twist(2 * cells), limit_edge(3 * cells);
+    std::vector<T> ahead(4 * cells), twist(2 * cells), limit_edge(3 * cells), change(3 * cells);
     const StrandMemory<T> memory{state.n,
                                  rows(state.x),
                                  rows(state.x_before),
@@ -29,6 +29,7 @@ Strands swept(const Scene& scene, const Set& set, int frames) {
                                  twist.data(),
                                  core.data(),
                                  limit_edge.data(),
+                                 change.data(),
                                  factors.data(),
                                  rows(state.root),
                                  rows(state.mass),

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <Eigen/SVD>
+#include <numeric>
 
 #include "solver/simulation.h"
 #include "tests/solver/one_strand.h"
@@ -465,6 +466,39 @@ TEST(Simulation, energy_of_undriven_hair_never_grows) {
     EXPECT_GT(kinetic, 1e-8);
     // Energies are stored in single precision.
     EXPECT_LE(most, start + 1e-6 * std::abs(start));
+}
+
+// Largest rise of the sum of energies above what it was before, of how far it falls in all.
+double largest_rise(const std::string& terms) {
+    const Scene scene = scene_of("fps = 24\n[groom]\ngrid = [4, 4]\nparticles = 50\n" + terms);
+    const auto simulation = make_simulation(scene, "double");
+    auto sum = [&] {
+        const auto e = simulation->energy();
+        return std::accumulate(e.begin(), e.end(), 0.0);
+    };
+    const double start = sum();
+    double low = start, rise = 0;
+    for (int f = 0; f < 48; ++f) {
+        simulation->advance();
+        rise = std::max(rise, sum() - low), low = std::min(low, sum());
+    }
+    EXPECT_LT(low, start);
+    return rise / (start - low);
+}
+
+// Hair that stands up all around falls onto a head: the head may take energy, never give it.
+TEST(Simulation, a_still_head_gives_no_energy) {
+    for (const char* friction : {"0", "0.3", "2"})
+        EXPECT_LT(largest_rise("[stretch]\n[bend]\n[core]\n[stiffness]\n[wetness]\n[[solid]]\nradius = "
+                               "0.095\nattached = 'head'\nfriction = " +
+                               std::string(friction)),
+                  2e-2)
+            << friction;
+}
+
+// Nothing keeps its edges from folding up and whipping about.
+TEST(Simulation, a_chain_without_bends_falls_without_gaining_energy) {
+    EXPECT_LT(largest_rise("[stretch]\n"), 1e-2);
 }
 
 }  // namespace
