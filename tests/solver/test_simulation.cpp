@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <Eigen/SVD>
 
+#include "solver/plan.h"
 #include "solver/simulation.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
