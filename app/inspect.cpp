@@ -16,6 +16,7 @@
 #include "app/run_solids.h"
 #include "learn/network_module.h"
 #include "learn/pairs.h"
+#include "solver/plan.h"
 #include "solver/simulation.h"
 
 namespace wetcurl {

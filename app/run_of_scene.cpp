@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "solver/plan.h"
+
 namespace wetcurl {
 
 RunHeader header_of(const Scene& scene, const Simulation& simulation, const std::string& method) {

@@ -5,7 +5,7 @@
 
 #include "cuda/strand_sweep.h"
 #include "solver/placement.h"
-#include "solver/simulation.h"
+#include "solver/plan.h"
 
 namespace wetcurl {
 

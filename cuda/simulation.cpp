@@ -69,7 +69,7 @@ class CudaSimulation final : public Simulation {
     void advance() override;
     void snapshot(RunFrame& frame) const override;
     std::optional<Divergence> divergence() const override;
-    std::vector<BufferSize> buffers() const override;
+    BufferList buffers() const override;
     double neighbours_mean() const override { return neighbours_mean_; }
     long limited_edges() const override { return limited_; }
     void use_adhesion_model(AdhesionModel* model) override {
@@ -335,20 +335,16 @@ void CudaSimulation<T>::advance() {
 template <class T>
 std::vector<double> CudaSimulation<T>::energies_of(int strand) const {
     const int block = strand / lanes, lane = strand % lanes;
-    auto gathered = [&](const auto& rows, auto one) {
-        std::vector<decltype(one)> out;
-        if (!rows.empty()) {
-            const T* lane_rows = reinterpret_cast<const T*>(&rows[state_.at(block, 0)]) + lane;
-            const LaneArray<decltype(one), const T> in{lane_rows};
-            for (int i = 0; i < state_.n; ++i) out.push_back(in[i]);
-        }
+    auto gathered = [&](const auto& rows) {
+        std::vector<decltype(state_.template lane_of<T>(rows[0], lane))> out;
+        for (int i = 0; !rows.empty() && i < state_.n; ++i)
+            out.push_back(state_.template lane_of<T>(rows[state_.at(block, i)], lane));
         return out;
     };
-    const auto x = gathered(state_.x, Vec3<T>{}), v = gathered(state_.v, Vec3<T>{}),
-               target = gathered(state_.target, Vec3<T>{});
-    const auto mass = gathered(state_.mass, T(0)), rest_length = gathered(state_.rest_length, T(0)),
-               rest_core = gathered(state_.rest_core, T(0));
-    const auto frame = gathered(state_.frame, Quat<T>{});
+    const auto x = gathered(state_.x), v = gathered(state_.v), target = gathered(state_.target);
+    const auto mass = gathered(state_.mass), rest_length = gathered(state_.rest_length),
+               rest_core = gathered(state_.rest_core);
+    const auto frame = gathered(state_.frame);
     ChainView<T> view{};
     view.n = state_.n;
     view.x = x.data(), view.v = v.data(), view.target = target.data();
@@ -383,11 +379,7 @@ void CudaSimulation<T>::snapshot(RunFrame& frame) const {
     for (const auto& e : each)
         for (size_t kind = 0; kind < e.size(); ++kind) sum[kind] += e[kind];
     frame.energy.assign(sum.begin(), sum.end());
-    frame.contact.clear();
-    if (!state_.touching.empty())
-        for (int s = 0; s < state_.strands; ++s)
-            for (int i = 0; i < state_.n; ++i)
-                frame.contact.push_back(state_.touching[state_.at(s / lanes, i)][s % lanes] > 0);
+    frame.contact = state_.contacts();
 }
 
 template <class T>
@@ -400,14 +392,12 @@ std::optional<Divergence> CudaSimulation<T>::divergence() const {
 }
 
 template <class T>
-std::vector<BufferSize> CudaSimulation<T>::buffers() const {
-    std::vector<BufferSize> out;
+BufferList CudaSimulation<T>::buffers() const {
+    BufferList out;
+    state_.list(out);
     auto add = [&](const std::string& name, size_t bytes) {
         if (bytes) out.push_back({name, bytes});
     };
-    ChainState<S>::for_each_buffer(state_, [&](const char* name, const auto& b) {
-        add(name, b.size() * sizeof(typename std::decay_t<decltype(b)>::value_type));
-    });
     add("core pull", core_.bytes()), add("factors", factors_.bytes());
     add("bend frames ahead", ahead_.bytes()), add("twist", twist_.bytes());
     add("limited edges", limit_edge_.bytes()), add("changes of velocity", change_.bytes());

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
 #include <vector>
 
+#include "solver/cost.h"
 #include "solver/rest_state.h"
 #include "solver/scene.h"
 
@@ -23,6 +26,9 @@ struct ChainState {
     std::vector<Quat<S>> frame;
 
     size_t at(int block, int i) const { return size_t(block) * size_t(n) + size_t(i); }
+    // The strand that a lane holds or copies; a block's strands, copies left out.
+    int strand_of(int block, int lane) const { return std::min(block * lanes + lane, strands - 1); }
+    int strands_in(int block) const { return std::min(lanes, strands - block * lanes); }
 
     // At rest on the head's first pose.
     explicit ChainState(const Scene& scene)
@@ -45,8 +51,7 @@ struct ChainState {
         const std::vector<float> depth = rest_depths_of(scene);
 #pragma omp parallel for schedule(dynamic)
         for (int block = 0; block < blocks; ++block)
-            for (int lane = 0; lane < lanes; ++lane)
-                place(scene, depth, block, lane, std::min(block * lanes + lane, strands - 1));
+            for (int lane = 0; lane < lanes; ++lane) place(scene, depth, block, lane, strand_of(block, lane));
     }
 
     // One lane of a number, a vector, a rotation.
@@ -56,6 +61,47 @@ struct ChainState {
     }
     static void put(Quat<S>& to, int lane, const Quatd& q) {
         put(to.w, lane, q.w), put(to.x, lane, q.x), put(to.y, lane, q.y), put(to.z, lane, q.z);
+    }
+    template <class U>
+    static U lane_of(const S& a, int lane) {
+        return U(a[lane]);
+    }
+    template <class U>
+    static Vec3<U> lane_of(const Vec3<S>& a, int lane) {
+        return {U(a.x[lane]), U(a.y[lane]), U(a.z[lane])};
+    }
+    template <class U>
+    static Quat<U> lane_of(const Quat<S>& a, int lane) {
+        return {U(a.w[lane]), U(a.x[lane]), U(a.y[lane]), U(a.z[lane])};
+    }
+
+    // Calls f(particle, cell, lane) for each particle: its index in arrays (strand, particle), and where the
+    // buffers here have it. A block is one thread's, so that f may write its lane of a cell.
+    template <class F>
+    void for_each_particle(F f) const {
+        visit([&](int block) { return strands_in(block); }, f);
+    }
+    // For the copies too.
+    template <class F>
+    void for_each_lane(F f) const {
+        visit([](int) { return lanes; }, f);
+    }
+    // A buffer (block, particle) as numbers U (strand, particle); empty where it is empty. And back.
+    template <class U, class V, class To>
+    void unpack(const std::vector<V>& from, std::vector<To>& to) const {
+        to.resize(from.empty() ? 0 : size_t(strands) * size_t(n));
+        if (!from.empty())
+            for_each_particle([&](size_t id, size_t k, int lane) { to[id] = lane_of<U>(from[k], lane); });
+    }
+    template <class From, class V>
+    void pack(const std::vector<From>& from, std::vector<V>& to) const {
+        for_each_lane([&](size_t id, size_t k, int lane) { put(to[k], lane, from[id]); });
+    }
+    // (strand, particle), 1 in contact; empty without adhesion.
+    std::vector<uint8_t> contacts() const {
+        std::vector<uint8_t> out;
+        unpack<uint8_t>(touching, out);
+        return out;
     }
 
     // What follows the water of one strand: `rest` at the saturation (n), null where the scene has none. What
@@ -81,18 +127,26 @@ struct ChainState {
         }
     }
 
-    // Calls f(name, buffer) for each.
-    template <class Self, class F>
-    static void for_each_buffer(Self& s, F f) {
-        f("positions", s.x), f("positions before", s.x_before), f("velocities", s.v),
-            f("velocities before", s.v_before);
-        f("roots", s.root), f("mass", s.mass), f("rest lengths", s.rest_length);
-        f("bend targets", s.target), f("bend frames", s.frame), f("core lengths", s.rest_core);
-        f("saturation", s.saturation), f("rest depth", s.rest_depth), f("printed curl", s.push);
-        f("adhesion contact", s.touching), f("contact momentum", s.pushed), f("air velocity", s.air);
+    void list(BufferList& to) const {
+        auto add = [&](const char* name, const auto& buffer) { add_buffer(to, name, buffer); };
+        add("positions", x), add("positions before", x_before);
+        add("velocities", v), add("velocities before", v_before);
+        add("roots", root), add("mass", mass), add("rest lengths", rest_length);
+        add("bend targets", target), add("bend frames", frame), add("core lengths", rest_core);
+        add("saturation", saturation), add("rest depth", rest_depth), add("printed curl", push);
+        add("adhesion contact", touching), add("contact momentum", pushed), add("air velocity", air);
     }
 
   private:
+    template <class Lanes, class F>
+    void visit(Lanes lanes_in, F f) const {
+#pragma omp parallel for schedule(static)
+        for (int block = 0; block < blocks; ++block)
+            for (int lane = 0; lane < lanes_in(block); ++lane) {
+                const size_t first = size_t(strand_of(block, lane)) * size_t(n);
+                for (int i = 0; i < n; ++i) f(first + size_t(i), at(block, i), lane);
+            }
+    }
     void place(const Scene& scene, const std::vector<float>& depth, int block, int lane, int s) {
         const Pose head = scene.motion.at(0);
         const StrandRest rest = rest_state_of(scene, s);
@@ -112,6 +166,14 @@ struct ChainState {
         put_water(scene, block, lane, rest, scene.saturation.empty() ? nullptr : &scene.saturation[first]);
     }
 };
+
+// A run that blew up has no neighbours to find; the caller asks `divergence` next. p [m].
+template <class U>
+bool is_finite(const std::vector<Vec3<U>>& p) {
+    return std::all_of(p.begin(), p.end(), [](const Vec3<U>& x) {
+        return std::abs(x.x) + std::abs(x.y) + std::abs(x.z) < U(1e6);
+    });
+}
 
 // Over the first `lanes` lanes.
 template <class S>
@@ -139,6 +201,11 @@ inline std::vector<std::string> kinds_of_energy(const ChainTerms& terms) {
     for_each_present(terms, [&](const auto& t) { kinds.push_back(t.name); });
     return kinds;
 }
+// Why a run cannot go on.
+struct Divergence {
+    int strand;
+    std::string largest_term;  // the kind of energy that grew most
+};
 // The one that is not finite, else the largest.
 inline size_t largest_energy(const std::vector<double>& e) {
     size_t largest = 0;

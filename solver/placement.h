@@ -49,6 +49,13 @@ void sample_nearest(const Placement<Plain<S>>& p, int n, const Vec3<S>* x, S* ph
     for (int i = 0; i < n; ++i) sample_nearest_of_all(p, x[i], phi[i], normal[i], surface_velocity[i]);
 }
 
+// The surface nearest to each particle, (block, particle); empty where no present term needs it.
+template <class S>
+struct NearestSurface {
+    std::vector<S> phi;  // [m]
+    std::vector<Vec3<S>> normal, velocity;
+};
+
 // Rotation vector of the way from one rotation to the other, over dt [rad/s].
 Vec3d angular_velocity(const Quatd& before, const Quatd& after, double dt);
 

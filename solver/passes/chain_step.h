@@ -86,6 +86,11 @@ struct ChainScratch {
         if (std::get<std::optional<Twist>>(terms)) twist.resize(2 * m);
         if (implicit && std::get<std::optional<StrainLimit>>(terms)) limit_edge.resize(m);
     }
+    size_t bytes() const {
+        return (predicted_x.size() + force.size() + core_pull.size() + limit_edge.size()) * sizeof(Vec3<S>) +
+               diagonal.size() * sizeof(Sym3<S>) + (upper1.size() + upper2.size()) * sizeof(Mat3<S>) +
+               twist.size() * sizeof(S) + hold.size() * sizeof(Hold<S>);
+    }
 };
 
 // The frame of an edge carried to its new place e.

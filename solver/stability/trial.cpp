@@ -5,6 +5,8 @@
 #include <numeric>
 #include <random>
 
+#include "solver/plan.h"
+
 namespace wetcurl {
 
 std::string setting(const std::string& key, double value) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "solver/plan.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "solver/baselines/particle_forces.h"
+#include "solver/plan.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {

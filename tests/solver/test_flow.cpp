@@ -8,6 +8,7 @@
 
 #include "solver/passes/cohesion.h"
 #include "solver/passes/flow.h"
+#include "solver/plan.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
 

@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <numeric>
 
+#include "solver/plan.h"
 #include "solver/simulation.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "solver/passes/strand_contact.h"
+#include "solver/plan.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {

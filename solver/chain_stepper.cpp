@@ -1,0 +1,243 @@
+// The substep of a block of strands, and what is told of all of them.
+#include "solver/chain_stepper.h"
+
+#include <omp.h>
+
+#include <algorithm>
+
+#include "solver/plan.h"
+
+namespace wetcurl {
+
+template <class T>
+ChainStepper<T>::ChainStepper(const Scene& scene)
+    : state(scene),
+      head(scene.motion.at(0)),
+      scene_(scene),
+      n_(state.n),
+      dt_(1 / (scene.fps * scene.integrator.substeps)),
+      spring_sum_(T(spring_sum(scene.chain))),
+      share_(T(predictor_share(scene))),
+      iben_(scene.baseline ? std::get_if<Iben2013>(&*scene.baseline) : nullptr),
+      scratch_(size_t(omp_get_max_threads())) {
+    const size_t cells = state.touching.size();
+    nearest_.phi.assign(cells, S(1e9));
+    nearest_.normal.assign(cells, {S(0), S(1), S(0)}), nearest_.velocity.assign(cells, {S(0), S(0), S(0)});
+    for (auto& s : scratch_)
+        s.resize(n_, scene_.chain, scene.integrator.kind == "implicit", !scene.solids.empty());
+}
+
+template <class T>
+ChainView<Pack<T>> ChainStepper<T>::view_of(int block) const {
+    auto from = [&](const auto& buffer) {
+        return buffer.empty() ? nullptr : buffer.data() + state.at(block, 0);
+    };
+    ChainView<S> view{};
+    view.n = n_;
+    view.x = from(state.x), view.v = from(state.v), view.frame = from(state.frame);
+    view.mass = from(state.mass), view.rest_length = from(state.rest_length);
+    view.target = from(state.target), view.push = from(state.push), view.rest_core = from(state.rest_core);
+    view.saturation = from(state.saturation), view.touching = from(state.touching);
+    view.phi = from(nearest_.phi), view.normal = from(nearest_.normal);
+    view.surface_velocity = from(nearest_.velocity), view.air = from(state.air);
+    return view;
+}
+
+// One substep. The new state is written over the one before.
+template <class T>
+void ChainStepper<T>::step_block(int block, const BlockState& now, const Placement<T>& p,
+                                 const GivenToChain<S>& given, bool first, ChainScratch<S>& scratch) {
+    const size_t k = state.at(block, 0);
+    Vec3<S> root[2];
+    for (int i = 0; i < 2; ++i)
+        root[i] = rotate(cast<S>(cast<T>(p.head.rotation)), state.root[size_t(block) * 2 + size_t(i)]) +
+                  cast<S>(cast<T>(p.head.translation));
+    const auto& bend = scene_.term<Bend>();
+    const auto& adhesion = scene_.term<Adhesion>();
+    BlockStep<S> step{n_,
+                      T(dt_),
+                      first,
+                      now.x,
+                      now.x_before,
+                      now.v,
+                      now.v_before,
+                      root,
+                      cast<T>(scene_.integrator.gravity),
+                      p.root_turn,
+                      bend ? &state.frame[k] : nullptr,
+                      state.pushed.empty() ? nullptr : &state.pushed[k],
+                      given.force ? given.force + k : nullptr,
+                      share_};
+    WorkMeter<S>* meter = meters_.empty() ? nullptr : &meters_[size_t(block)];
+    if (meter) step.reaction = meter->begin(step);
+    const S* rest_depth = state.rest_depth.empty() ? nullptr : &state.rest_depth[k];
+    ChainView<S> view = view_of(block);
+    view.given_adhesion = given.adhesion ? given.adhesion + k : nullptr;
+    view.turn = cast<S>(p.turn), view.turn_center = cast<S>(p.turn_center), view.drift = cast<S>(p.drift);
+    auto sample = [&](const Vec3<S>* x, const Vec3<S>* v) {
+        if (adhesion && !given.adhesion)
+            sample_nearest(p, n_, x, &nearest_.phi[k], &nearest_.normal[k], &nearest_.velocity[k]);
+        const S h = Bdf2<S>(step.dt, first).h;
+        auto hold = [&](auto contact) {
+            for (int i = 2; i < int(scratch.hold.size()); ++i)
+                scratch.hold[size_t(i)] = contact(rest_depth ? rest_depth[i] : S(0),
+                                                  hold_stiffness(spring_sum_, h, state.mass[k + size_t(i)]),
+                                                  x[i], v[i], step.pushed[i]);
+        };
+        if (p.few())
+            hold([&](auto&&... a) { return expected_contact(p.solids, a...); });
+        else
+            hold([&](auto&&... a) { return expected_contact_of_all(p, a...); });
+    };
+    Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
+    const bool implicit = scene_.integrator.kind == "implicit";
+    if (implicit)
+        implicit_step(scene_.chain, step, view, scratch, sample);
+    else
+        explicit_step(scene_.chain, step, view, scratch, sample), turn_left = step.root_turn;
+
+    Vec3<S>*x = now.x_before, *x_old = now.x, *v = now.v_before, *v_old = now.v;
+    if (iben_) iben_->limit_velocities(n_, T(dt_), x, v);
+    view.x = x, view.v = v;
+    if (meter) meter->add_step(step, view, turn_left, now.x, scratch);
+    auto counted = [&](double Work::*kind, auto act) {
+        if (meter)
+            meter->add_change(kind, step, view, turn_left, act);
+        else
+            act();
+    };
+    int limited = 0;
+    const auto& limit = scene_.term<StrainLimit>();
+    if (limit && !scratch.limit_edge.empty())
+        for (int i = 1; i + 1 < n_; ++i)
+            limited += count_lanes<S>(limit->holds(scratch.limit_edge[size_t(i)], view.rest_length[i]));
+    else if (limit)
+        counted(&Work::limiter, [&] {
+            auto* unlimited = scratch.predicted_x.data();
+            std::copy_n(x, n_, unlimited);
+            limited = limit_strain(n_, view.rest_length, T(limit->most), x);
+            for (int i = 2; i < n_; ++i) {
+                const Vec3<S> dx = x[i] - unlimited[i], dv = S(T(1 / dt_)) * dx;
+                x_old[i] += dx, v[i] += dv, v_old[i] += dv;
+            }
+        });
+    if (limited > 0) {
+#pragma omp atomic
+        limited_ += limited;
+    }
+    auto meet = [&](const auto& solid, bool deforms) {
+        bool met = false;
+        auto resolve = [&] {
+            met = resolve_contact(solid, implicit ? T(0) : solid.friction, n_, rest_depth, T(dt_), view.mass,
+                                  step.pushed, x, x_old, v, v_old);
+        };
+        if (deforms || norm(solid.velocity) + norm(solid.spin) > 0)
+            counted(&Work::solids, resolve);
+        else
+            resolve();
+        return met;
+    };
+    if (p.tree)
+        p.tree->for_each_met(n_, x, [&](size_t solid) { return meet(p.solids[solid], false); });
+    else
+        for (const auto& solid : p.solids) meet(solid, false);
+    for (const auto& solid : p.deforming) meet(solid, true);
+    if (adhesion) update_touching(n_, view.phi, T(adhesion->h_a), &state.touching[k]);
+    if (bend) transport_frames(n_, step.frame, turn_left, x, step.frame);
+}
+
+template <class T>
+void ChainStepper<T>::run(const std::vector<Placement<T>>& path, const GivenToChain<S>& given) {
+#pragma omp parallel for schedule(dynamic)
+    for (int block = 0; block < state.blocks; ++block) {
+        const size_t k = state.at(block, 0);
+        BlockState now{&state.x[k], &state.x_before[k], &state.v[k], &state.v_before[k]};
+        bool begins = first;
+        for (const auto& p : path) {
+            step_block(block, now, p, given, begins, scratch_[size_t(omp_get_thread_num())]);
+            std::swap(now.x, now.x_before);
+            std::swap(now.v, now.v_before);
+            begins = always_first();
+        }
+    }
+    if (path.size() % 2) {
+        std::swap(state.x, state.x_before);
+        std::swap(state.v, state.v_before);
+    }
+    head = path.back().head;
+    first = always_first();
+}
+
+template <class T>
+void ChainStepper<T>::find_nearest(const Placement<T>& p) {
+    for (int block = 0; block < state.blocks; ++block) {
+        const size_t k = state.at(block, 0);
+        sample_nearest(p, n_, &state.x[k], &nearest_.phi[k], &nearest_.normal[k], &nearest_.velocity[k]);
+    }
+}
+
+template <class T>
+std::vector<Pack<T>> ChainStepper<T>::energy_of(int block) const {
+    const ChainView<S> view = view_of(block);
+    return energies(scene_.chain, view, scene_.integrator.gravity);
+}
+
+template <class T>
+std::vector<double> ChainStepper<T>::energy() const {
+    std::vector<double> sum(kinds_of_energy(scene_.chain).size(), 0);
+    for (int block = 0; block < state.blocks; ++block) {
+        const auto e = energy_of(block);
+        for (size_t kind = 0; kind < e.size(); ++kind)
+            sum[kind] += sum_of_lanes(e[kind], state.strands_in(block));
+    }
+    return sum;
+}
+
+template <class T>
+std::optional<Divergence> ChainStepper<T>::divergence() const {
+    for (int s = 0; s < state.strands; ++s) {
+        const int block = s / S::lanes, lane = s % S::lanes;
+        const size_t k = state.at(block, 0);
+        double length = 0;
+        for (int i = 0; i + 1 < n_; ++i) length += double(state.rest_length[k + size_t(i)][lane]);
+        auto position = [&](int i) { return state.template lane_of<double>(state.x[k + size_t(i)], lane); };
+        for (int i = 0; i < n_; ++i) {
+            // Written so that NaN counts as far away.
+            if (norm(position(i) - position(0)) <= 10 * length) continue;
+            std::vector<double> of_strand;
+            for (const auto& kind : energy_of(block)) of_strand.push_back(double(kind[lane]));
+            return Divergence{s, kinds_of_energy(scene_.chain)[largest_energy(of_strand)]};
+        }
+    }
+    return std::nullopt;
+}
+
+template <class T>
+void ChainStepper<T>::count_work() {
+    meters_.clear();
+    for (int block = 0; block < state.blocks; ++block)
+        meters_.emplace_back(scene_.chain, scene_.integrator.gravity, n_, state.strands_in(block));
+}
+
+template <class T>
+Work ChainStepper<T>::work() const {
+    Work sum;
+    for (const auto& meter : meters_) sum += meter.work();
+    return sum;
+}
+
+template <class T>
+void ChainStepper<T>::list(BufferList& buffers) const {
+    state.list(buffers);
+    add_buffer(buffers, "adhesion distance", nearest_.phi),
+        add_buffer(buffers, "adhesion normal", nearest_.normal);
+    add_buffer(buffers, "adhesion surface velocity", nearest_.velocity);
+    size_t bytes = 0;
+    for (const auto& s : scratch_) bytes += s.bytes();
+    buffers.push_back({"scratch of the threads", bytes});
+}
+
+template class ChainStepper<float>;
+template class ChainStepper<double>;
+
+}  // namespace wetcurl

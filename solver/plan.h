@@ -1,0 +1,25 @@
+// What a scene asks of whoever steps it, on any device, told before anything runs. Ours.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "solver/scene.h"
+
+namespace wetcurl {
+
+// What the scene names and what it leaves out, by the names of terms and passes.
+struct Presence {
+    std::vector<std::string> present, absent;
+};
+Presence presence_of(const Scene& scene);
+
+// The largest h² k / m of the scene's springs in one substep; above 1e5 a float factorisation is not to be
+// trusted.
+double stiffness_number(const Scene& scene);
+// The share of v_n in the implicit step's predictor: 1 but where the core is stiffer than a step can tell.
+double predictor_share(const Scene& scene);
+// `precision`, or "double" where a float factorisation of this scene is not to be trusted.
+std::string trusted_precision(const Scene& scene, const std::string& precision);
+
+}  // namespace wetcurl
