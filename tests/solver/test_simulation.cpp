@@ -34,10 +34,10 @@ TEST(Simulation, of_low_resolution_is_every_second_strand_of_the_high_one) {
     int equal = 0;
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column)
-            for (int i = 0; i < 24; ++i)
+            for (int i = 0; i < coarse.groom.rest.particles; ++i)
                 equal += same_bits(a.positions.at(fine.groom.grid.at(2 * column, 2 * row), i),
                                    b.positions.at(coarse.groom.grid.at(column, row), i));
-    EXPECT_EQ(equal, 9 * 24);
+    EXPECT_EQ(equal, 9 * coarse.groom.rest.particles);
 }
 
 TEST(Simulation, without_gravity_the_drawn_shape_stays) {
