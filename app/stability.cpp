@@ -85,7 +85,7 @@ int stability_command(const StabilityCommandOptions& o) {
     refuse_device(o, "stability");
     if (o.scene.empty()) refuse_scene_options(o, "stability without a scene");
     check_files(o, "", {o.scene});
-    const auto names = chosen(o.methods);
+    const auto as_listed = chosen(o.methods);
     StabilityOptions options;
     options.quick = o.quick, options.scene = o.scene, options.set = o.set, options.only = o.only;
     if (o.seed) options.set.push_back(fmt::format("seed={}", *o.seed));
@@ -95,11 +95,11 @@ int stability_command(const StabilityCommandOptions& o) {
         if (guard.asked()) throw Interrupted("interrupted: the battery is judged whole, nothing is kept");
     };
     std::vector<std::vector<SweepPoint>> sweeps;
-    auto methods = names;
-    for (size_t k = 0; k < names.size(); ++k)
-        if (names[k].compared()) {
-            log_info(names[k].name + ": a sweep over its own parameters");
-            methods[k] = method_at(best_of(sweeps.emplace_back(swept(names[k], options))));
+    auto methods = as_listed;  // compared ones at the best of their sweeps
+    for (size_t k = 0; k < as_listed.size(); ++k)
+        if (as_listed[k].compared()) {
+            log_info(as_listed[k].name + ": a sweep over its own parameters");
+            methods[k] = method_at(best_of(sweeps.emplace_back(swept(as_listed[k], options))));
             go_on();
         }
     std::vector<StabilityJob> jobs;

@@ -148,6 +148,10 @@ struct Quat {
                 a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
     }
 };
+template <class S, class Mask>
+WETCURL_HD Quat<S> select(const Mask& mask, const Quat<S>& a, const Quat<S>& b) {
+    return {select(mask, a.w, b.w), select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
 using Quatf = Quat<float>;
 using Quatd = Quat<double>;
 

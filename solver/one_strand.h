@@ -56,26 +56,17 @@ struct OneStrand {
           normal(shape.size(), Vec3d{0, 1, 0}),
           surface_velocity(shape.size(), Vec3d{0, 0, 0}),
           core_pull(2 * shape.size()),
-          mass(shape.size(), 0.0),
+          mass(dry_masses(shape, linear_density)),
           saturation(shape.size(), 0.0),
           phi(shape.size(), 1.0),
           touching(shape.size(), 0.0),
           frame(frames_along(shape)) {
-        for (size_t i = 0; i + 1 < x.size(); ++i) {
-            rest_length.push_back(norm(x[i + 1] - x[i]));
-            mass[i] += 0.5 * linear_density * rest_length[i];
-            mass[i + 1] += 0.5 * linear_density * rest_length[i];
-        }
+        for (size_t i = 0; i + 1 < x.size(); ++i) rest_length.push_back(norm(x[i + 1] - x[i]));
     }
     double segment() const { return mean_length(rest_length); }
 
-    // The smoothed rest lengths that a core of this filter keeps, at the present positions.
-    void rest_on(const Core& core) {
-        rest_core.assign(size_t(n) - 1, 0.0);
-        smooth_edges<double>(
-            n - 1, core.beta, [&](int i) { return x[size_t(i) + 1] - x[size_t(i)]; },
-            [&](int i, const Vec3d& b) { rest_core[size_t(i)] = norm(b); });
-    }
+    // A core of this filter keeps the smoothed lengths of the present positions.
+    void rest_on(const Core& core) { rest_core = core_lengths(x, core.beta); }
 
     ChainView<double> view() { return view_at(x, frame); }
     ChainView<double> view_at(const Points& at, const std::vector<Quatd>& frames) {
@@ -109,7 +100,7 @@ struct OneStrand {
     }
 };
 
-// What a term adds: force (3n) and K = h C + h² H (3n x 3n).
+// What terms add: force (3n) and K = h C + h² H (3n x 3n).
 struct Assembled {
     Eigen::VectorXd force;
     Eigen::MatrixXd matrix;
@@ -149,21 +140,22 @@ inline Eigen::MatrixXd whole(const std::vector<Sym3<double>>& diagonal,
     return out;
 }
 
-template <class Term>
-Assembled assembled(const Term& term, const ChainView<double>& c, double h) {
+// What add(c, system) adds over a step of h [s].
+template <class Add>
+Assembled assembled_by(Add add, const ChainView<double>& c, double h) {
     const size_t n = size_t(c.n);
     const Sym3<double> none = identity_times(0.0);
     Points force(n, Vec3d{0, 0, 0});
     std::vector<Sym3<double>> diagonal(n, none);
     std::vector<Mat3<double>> upper1(n, to_mat3(none)), upper2(n, to_mat3(none));
-    assemble(term, c, ChainSystem<double>{h, force.data(), diagonal.data(), upper1.data(), upper2.data()});
+    add(c, ChainSystem<double>{h, force.data(), diagonal.data(), upper1.data(), upper2.data()});
     return {stacked(force), whole(diagonal, upper1, upper2)};
 }
-
-template <class Term>
-Eigen::VectorXd force_of(const Term& term, const ChainView<double>& c) {
+// The same without a matrix, which no term then makes.
+template <class Add>
+Eigen::VectorXd force_by(Add add, const ChainView<double>& c) {
     Points force(size_t(c.n), Vec3d{0, 0, 0});
-    assemble(term, c, ChainSystem<double>{0, force.data(), nullptr, nullptr, nullptr});
+    add(c, ChainSystem<double>{0, force.data(), nullptr, nullptr, nullptr});
     return stacked(force);
 }
 

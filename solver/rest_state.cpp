@@ -33,8 +33,6 @@ std::vector<Vec3d> points_of(const Strands& strands, int s) {
     return p;
 }
 
-namespace {
-
 std::vector<double> core_lengths(const std::vector<Vec3d>& p, double beta) {
     std::vector<double> out(p.size() - 1);
     smooth_edges<double>(
@@ -42,6 +40,9 @@ std::vector<double> core_lengths(const std::vector<Vec3d>& p, double beta) {
         [&](int i, const Vec3d& b) { out[size_t(i)] = norm(b); });
     return out;
 }
+
+namespace {
+
 // Of the strand that has the intrinsic shape `tbar`.
 std::vector<double> core_lengths_of(const std::vector<Vec3d>& tbar, double beta) {
     return core_lengths(shape_from_intrinsic(tbar, {0, 0, 0}, Quatd::identity()), beta);

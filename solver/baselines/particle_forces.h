@@ -38,9 +38,13 @@ class StrandPairs {
     void find(const std::vector<Vec3d>& x);
 
     // Calls visit(i, j), j within the radius on another strand, both wet: all j of an i by one thread.
-    // `begin(i)` comes before and `end(i)` after them, for every wet i.
-    template <class Begin, class Visit, class End>
-    void for_each(Begin begin, Visit visit, End end) const {
+    template <class Visit>
+    void for_each(Visit visit) const {
+        for_each([](size_t) {}, visit);
+    }
+    // The same, with begin(i) before them for every wet i.
+    template <class Begin, class Visit>
+    void for_each(Begin begin, Visit visit) const {
         const long count = long(grid_.size());
 #pragma omp parallel for schedule(dynamic, 256)
         for (long k = 0; k < count; ++k) {
@@ -53,14 +57,13 @@ class StrandPairs {
                     if (wet_[other] > 0) visit(i, size_t(grid_.order()[other]));
                 }
             });
-            end(i);
         }
     }
     // The sum of value(i, j) over pairs, each counted once.
     template <class Value>
     double sum(Value value) const {
         std::vector<double> of(grid_.size(), 0);
-        for_each([](size_t) {}, [&](size_t i, size_t j) { of[i] += 0.5 * value(i, j); }, [](size_t) {});
+        for_each([&](size_t i, size_t j) { of[i] += 0.5 * value(i, j); });
         return std::accumulate(of.begin(), of.end(), 0.0);
     }
     double saturation(size_t i) const { return double(saturation_[i]); }
@@ -77,6 +80,25 @@ class StrandPairs {
     // In the grid's order, a vector longer than there are points.
     std::vector<uint32_t> strand_;
     std::vector<float> wet_;
+};
+
+// Forces between strands, part of which each pair's `strength` times a kernel K of its distance is: what
+// methods of that kind share.
+class StrandForces : public ParticleForces {
+  public:
+    StrandForces(const Scene& scene, double strength, double radius, double (*kernel)(double r, double h));
+    // Of the part by K.
+    double potential(const std::vector<Vec3d>& x, double time) override;
+    double neighbours_mean() const override { return pairs_.neighbours_mean(); }
+    size_t bytes() const override;
+
+  protected:
+    const std::vector<double> mass_;  // (strand, particle) [kg]
+    StrandPairs pairs_;
+
+  private:
+    const double strength_;  // [N m^3/kg^2]
+    const akinci2013::KernelSum kernel_sum_;
 };
 
 }  // namespace wetcurl

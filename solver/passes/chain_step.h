@@ -266,12 +266,8 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         }
         if (b.frame) s.kept_frame.assign(b.frame, b.frame + n - 1);
         look(Quat<Plain<S>>::identity());
-        for (int i = 0; b.frame && i + 1 < n; ++i) {
-            const auto moves = active > S(0);
-            const Quat<S>&at = b.frame[i], &was = s.kept_frame[size_t(i)];
-            b.frame[i] = {select(moves, at.w, was.w), select(moves, at.x, was.x), select(moves, at.y, was.y),
-                          select(moves, at.z, was.z)};
-        }
+        for (int i = 0; b.frame && i + 1 < n; ++i)
+            b.frame[i] = select(active > S(0), b.frame[i], s.kept_frame[size_t(i)]);
     }
     if (b.reaction) {
         // What rows 0 and 1 lack: h R = A d - r.

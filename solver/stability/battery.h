@@ -49,8 +49,8 @@ struct StabilityCase {
     bool finite = true, passed = false;
     double gain = NAN;          // S1: largest displacement over the noise
     double energy_ratio = NAN;  // (E - E0 - W) / max(K + |W|), the largest
-    double kinetic_ratio =
-        NAN;  // S4: largest kinetic energy over what is allowed; S5, S9: at the end over m g L
+    // S4: largest kinetic energy over what is allowed; S5, S9: at the end over m g L
+    double kinetic_ratio = NAN;
     double rest_error = NAN;  // from the shape at rest, over the strand's length
 };
 
@@ -69,6 +69,9 @@ struct StabilityJob {
     std::string id;
     std::function<std::vector<StabilityCase>()> run;
 };
+// `method` must outlive the jobs.
+std::vector<StabilityJob> stability_jobs(const StabilityMethod& method, const StabilityOptions& options);
+
 // A compared method on a still wet head, at one value of its parameters.
 struct SweepPoint {
     const StabilityMethod* method = nullptr;
@@ -87,8 +90,5 @@ std::vector<SweepPoint> swept(const StabilityMethod& method, const StabilityOpti
 // The strongest effect among those that hold; where none has an effect, or none holds, the least jitter.
 const SweepPoint& best_of(const std::vector<SweepPoint>& points);
 StabilityMethod method_at(const SweepPoint& point);
-
-// `method` must outlive the jobs.
-std::vector<StabilityJob> stability_jobs(const StabilityMethod& method, const StabilityOptions& options);
 
 }  // namespace wetcurl

@@ -38,7 +38,7 @@ Scene scene_of(const StrandSetup& s, const StabilityMethod& method) {
     const double segment = sum / double(s.shapes.size() * (first.size() - 1));
     const double k = s.k_over_m * linear_density * segment;
     std::string text =
-        "[groom]\n[integrator]\nsubsteps = 1\n[stretch]\ndamping = 0\n[bend]\ndamping = "
+        "[groom]\ncurl_radius = 0\n[integrator]\nsubsteps = 1\n[stretch]\ndamping = 0\n[bend]\ndamping = "
         "0\n[core]\ndamping = 0\n";
     if (s.drag > 0 && method.takes_drag) text += "[stiffness]\nwet = 0\n" + setting("global ", s.drag) + "\n";
     std::vector<std::string> set{setting("fps", 1 / s.dt),
@@ -63,7 +63,7 @@ Scene scene_of(const StrandSetup& s, const StabilityMethod& method) {
 
 Trial::Trial(const StabilityMethod& method, Scene scene) : method_(method) { go_on_in(std::move(scene)); }
 
-void Trial::go_on_in(Scene scene, bool keep_history) {
+void Trial::go_on_in(Scene scene) {
     auto next = std::make_unique<Scene>(std::move(scene));
     const std::string precision = trusted_precision(*next, method_.precision);
     promoted_ = promoted_ || precision != method_.precision;
@@ -73,7 +73,7 @@ void Trial::go_on_in(Scene scene, bool keep_history) {
         const double before = total();
         given += simulation_->work().given();
         SimulationState state = simulation_->state();
-        state.first = state.first || !keep_history;
+        state.first = true;  // of the steps before mass and step may have been others
         simulation->restore(state);
         simulation_ = std::move(simulation);
         given += total() - before;

@@ -10,14 +10,14 @@ namespace wetcurl {
 
 // Of the scenes that the battery makes: strands of one shape each, in the groom's place.
 struct StrandSetup {
-    std::vector<Points> shapes;    // of equal numbers of particles
-    double k_over_m = 1e5;         // [1/s²] of stretch, bend and core alike
-    double dt = 1.0 / 240;         // [s], also the frame
-    double limiter = 0;            // allowed strain; 0: no limiter
-    Vec3d gravity{0, -9.81, 0};    // [m/s²]
-    double drag = 0;               // [1/s], Eq 13; 0, or a method without it: no such term
-    std::string more;              // TOML that is added: motion, solids, wet terms
-    std::vector<std::string> set;  // key.path=value
+    std::vector<Points> shapes = {};    // of equal numbers of particles
+    double k_over_m = 1e5;              // [1/s²] of stretch, bend and core alike
+    double dt = 1.0 / 240;              // [s], also the frame
+    double limiter = 0;                 // allowed strain; 0: no limiter
+    Vec3d gravity{0, -9.81, 0};         // [m/s²]
+    double drag = 0;                    // [1/s], Eq 13; 0, or a method without it: no such term
+    std::string more = {};              // TOML that is added: motion, solids, wet terms
+    std::vector<std::string> set = {};  // key.path=value
 };
 // key.path=value of a number, all digits kept.
 std::string setting(const std::string& key, double value);
@@ -32,14 +32,13 @@ class Trial {
     void advance();  // one frame, looked at
     void advance_for(double seconds);
     // Goes on in another scene of the same strands: other mass, step or terms. What the energy changes by is
-    // given from outside. `keep_history`: mass and step are the same.
-    void go_on_in(Scene scene, bool keep_history = false);
+    // given from outside.
+    void go_on_in(Scene scene);
     // The state is changed by hand; energy is counted from here on.
     void set(const SimulationState& state);
 
     const Scene& scene() const { return *scene_; }
     Simulation& simulation() { return *simulation_; }
-    bool promoted() const { return promoted_; }
     double total() const;
     double weight_length() const;  // m g L of all strands [J]
 
@@ -55,7 +54,7 @@ class Trial {
     const StabilityMethod& method_;
     std::unique_ptr<Scene> scene_;
     std::unique_ptr<Simulation> simulation_;
-    bool promoted_ = false;
+    bool promoted_ = false;  // to double, since single cannot be trusted with the scene
 };
 
 // The rms third difference of what is seen in the next eight frames, over a segment: once all should be

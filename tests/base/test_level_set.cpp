@@ -1,7 +1,5 @@
 // Level sets of meshes against analytic shapes: exact nodes, order in the spacing, open meshes, the cache.
 // Ours.
-#include <omp.h>
-
 #include <cmath>
 #include <cstring>
 
@@ -9,6 +7,7 @@
 #include "base/geometry/shapes.h"
 #include "base/log.h"
 #include "scratch.h"
+#include "tests/base/threads.h"
 
 namespace wetcurl {
 namespace {
@@ -17,6 +16,7 @@ using testing::bytes_of;
 using testing::expect_error;
 using testing::Random;
 using testing::Scratch;
+using testing::with_one_and_three_threads;
 
 bool same_bits(const LevelSet& a, const LevelSet& b) {
     return a.phi().size() == b.phi().size() &&
@@ -187,12 +187,7 @@ TEST(LevelSet, does_not_mind_which_way_triangles_are_turned) {
 
 TEST(LevelSet, has_the_same_bits_for_any_number_of_threads) {
     const Mesh mesh = triangulated(Capsule{0.05, 0.03}, 48);
-    const int before = omp_get_max_threads();
-    omp_set_num_threads(1);
-    const LevelSet one(mesh, 0.004);
-    omp_set_num_threads(3);
-    const LevelSet three(mesh, 0.004);
-    omp_set_num_threads(before);
+    const auto [one, three] = with_one_and_three_threads([&] { return LevelSet(mesh, 0.004); });
     EXPECT_TRUE(same_bits(one, three));
     EXPECT_GT(one.phi().size(), 10000u);
 }

@@ -1,16 +1,16 @@
 // Level sets of moving meshes against analytic spheres: distance, velocity, bits for any number of threads.
 // Ours.
-#include <omp.h>
-
 #include <cstring>
 
 #include "base/geometry/shapes.h"
 #include "scratch.h"
+#include "tests/base/threads.h"
 
 namespace wetcurl {
 namespace {
 
 using testing::Random;
+using testing::with_one_and_three_threads;
 
 constexpr double radius = 0.1, growth = 0.3, seconds = 1.0 / 24;  // [m], [m/s], [s]
 
@@ -138,12 +138,7 @@ TEST(MovingLevelSet, of_an_open_mesh_has_the_sign_of_one_that_is_exact_everywher
 }
 
 TEST(MovingLevelSet, has_the_same_bits_for_any_number_of_threads) {
-    const int threads = omp_get_max_threads();
-    omp_set_num_threads(1);
-    const GrowingSphere one(0.009);
-    omp_set_num_threads(3);
-    const GrowingSphere three(0.009);
-    omp_set_num_threads(threads);
+    const auto [one, three] = with_one_and_three_threads([] { return GrowingSphere(0.009); });
     const MovingGrid a = one.level_set.grid(1), b = three.level_set.grid(1);
     const size_t n = one.level_set.nodes();
     EXPECT_EQ(std::memcmp(a.phi, b.phi, n * sizeof(float)), 0);

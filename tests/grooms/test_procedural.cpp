@@ -1,12 +1,11 @@
 // The built-in groom: nesting, curls of the size asked for, a free face, nothing inside the head. Ours.
-#include <omp.h>
-
 #include <cstring>
 #include <numbers>
 
 #include "base/geometry/shapes.h"
 #include "solver/grooms/procedural.h"
 #include "tests/base/scratch.h"
+#include "tests/base/threads.h"
 
 namespace wetcurl {
 namespace {
@@ -56,13 +55,8 @@ TEST(Procedural, coarse_grids_are_every_second_root_to_the_bit) {
 }
 
 TEST(Procedural, same_seed_same_bits_for_any_number_of_threads_and_another_seed_other_strands) {
-    const int threads = omp_get_max_threads();
-    omp_set_num_threads(1);
-    const Groom one = groom("grid = [16, 16]");
-    omp_set_num_threads(4);
-    const Groom four = groom("grid = [16, 16]");
-    omp_set_num_threads(threads);
-    EXPECT_TRUE(same_bits(one, four));
+    const auto [one, three] = with_one_and_three_threads([] { return groom("grid = [16, 16]"); });
+    EXPECT_TRUE(same_bits(one, three));
     EXPECT_FALSE(same_bits(one, groom("grid = [16, 16]", 2)));
 }
 

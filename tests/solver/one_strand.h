@@ -8,6 +8,15 @@
 
 namespace wetcurl::testing {
 
+template <class Term>
+Assembled assembled(const Term& term, const ChainView<double>& c, double h) {
+    return assembled_by([&](const auto& view, const auto& system) { assemble(term, view, system); }, c, h);
+}
+template <class Term>
+Eigen::VectorXd force_of(const Term& term, const ChainView<double>& c) {
+    return force_by([&](const auto& view, const auto& system) { assemble(term, view, system); }, c);
+}
+
 // The strand's own step, as the simulation does it for a block of strands.
 class Stepper {
   public:

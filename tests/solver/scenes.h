@@ -14,7 +14,7 @@ namespace wetcurl::testing {
 inline const std::string dry_scene = R"(fps = 24
 [groom]
 grid = [4, 4]
-particles = 24
+particles = 28
 length = 0.15
 [integrator]
 substeps = 4

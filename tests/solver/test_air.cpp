@@ -1,11 +1,10 @@
 // The air field against analysis: Poisson's order and the multigrid's speed, divergence, diffusion,
 // advection, wind, energy, and the drag on a strand. Stam 1999; Fig 32.
-#include <omp.h>
-
 #include <cmath>
 #include <numbers>
 
 #include "solver/plan.h"
+#include "tests/base/threads.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
 
@@ -391,15 +390,11 @@ TEST(Air, is_not_there_where_it_is_not_named) {
     EXPECT_NE(std::find(absent.begin(), absent.end(), "air drag"), absent.end());
 }
 
-TEST(Air, moves_the_same_on_any_number_of_threads) {
+TEST(Air, gives_the_same_bits_for_one_and_three_threads) {
     const Scene scene = scene_of(blown, {"air.two_way=true", "air.grid=[32, 32, 32]"});
-    const int threads = omp_get_max_threads();
-    omp_set_num_threads(1);
-    const RunFrame one = after(scene, 3);
-    omp_set_num_threads(3);
-    const RunFrame three = after(scene, 3);
-    omp_set_num_threads(threads);
+    const auto [one, three] = with_one_and_three_threads([&] { return after(scene, 3); });
     EXPECT_TRUE(same_bits(one.positions, three.positions));
+    EXPECT_GT(farthest(one.positions, scene.groom.rest), 1e-3);
 }
 
 TEST(Air, bad_values_name_file_and_line) {

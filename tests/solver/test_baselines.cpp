@@ -1,11 +1,10 @@
 // Compared methods: their kernels against analytic properties, their pairs' symmetry, what they do to wet
 // and to dry strands, what they stand in the place of. EQUATIONS Sec. 4; Akinci 2013; the paper, Fig 41.
-#include <omp.h>
-
 #include <algorithm>
 
 #include "solver/baselines/particle_forces.h"
 #include "solver/plan.h"
+#include "tests/base/threads.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {
@@ -199,20 +198,13 @@ TEST(StrandForces, are_those_of_all_pairs_on_different_strands) {
     }
 }
 
-TEST(StrandForces, are_the_same_bits_for_one_and_two_threads) {
-    const int before = omp_get_max_threads();
+TEST(StrandForces, are_the_same_bits_for_one_and_three_threads) {
     for (const char* method : {"lin", "kim"}) {
-        std::vector<Vec3d> force[2];
-        for (int threads : {1, 2}) {
-            omp_set_num_threads(threads);
-            force[threads - 1] = forces_on(tuft(method));
-        }
-        EXPECT_GT(largest(force[0]), 0);
-        for (size_t k = 0; k < force[0].size(); ++k)
-            EXPECT_TRUE(force[0][k].x == force[1][k].x && force[0][k].y == force[1][k].y &&
-                        force[0][k].z == force[1][k].z);
+        const auto [one, three] = with_one_and_three_threads([&] { return forces_on(tuft(method)); });
+        EXPECT_GT(largest(one), 0);
+        for (size_t k = 0; k < one.size(); ++k)
+            EXPECT_TRUE(one[k].x == three[k].x && one[k].y == three[k].y && one[k].z == three[k].z);
     }
-    omp_set_num_threads(before);
 }
 
 TEST(StrandForces, draw_wet_strands_together_and_leave_dry_and_distant_ones) {

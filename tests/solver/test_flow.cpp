@@ -1,7 +1,5 @@
 // Water that lives, against analysis: diffusion's rate and order, the drained film of Jeffreys 1930, the
 // profile at rest, drying, exchange, the balance of all of it, and what of a simulation follows it. Ours.
-#include <omp.h>
-
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -9,6 +7,7 @@
 #include "solver/passes/cohesion.h"
 #include "solver/passes/flow.h"
 #include "solver/plan.h"
+#include "tests/base/threads.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
 
@@ -308,20 +307,15 @@ TEST(Flow, of_a_whole_simulation_keeps_its_balance_and_shows_what_it_holds) {
     EXPECT_NE(frame.saturation, scene.saturation);
 }
 
-TEST(Flow, gives_the_same_bits_for_one_and_two_threads) {
-    const int before = omp_get_max_threads();
+TEST(Flow, gives_the_same_bits_for_one_and_three_threads) {
     for (const char* precision : {"float", "double"}) {
         const Scene scene = scene_of(flowing, {"wetness.level=0.5", "groom.grid=[6, 6]"});
-        RunFrame runs[2];
-        for (int threads : {1, 2}) {
-            omp_set_num_threads(threads);
-            runs[threads - 1] = after(scene, 6, precision);
-        }
-        EXPECT_EQ(runs[0].saturation, runs[1].saturation);
-        EXPECT_EQ(runs[0].water, runs[1].water);
-        EXPECT_TRUE(same_bits(runs[0].seen(), runs[1].seen()));
+        const auto [one, three] = with_one_and_three_threads([&] { return after(scene, 6, precision); });
+        EXPECT_EQ(one.saturation, three.saturation);
+        EXPECT_EQ(one.water, three.water);
+        EXPECT_TRUE(same_bits(one.seen(), three.seen()));
+        EXPECT_NE(one.saturation, scene.saturation);
     }
-    omp_set_num_threads(before);
 }
 
 TEST(Flow, lists_of_the_cohesion_and_its_own_find_the_same_contacts) {

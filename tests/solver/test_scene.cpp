@@ -174,14 +174,14 @@ TEST(Scene, a_dry_twin_keeps_the_record_of_its_wetness_and_nothing_that_acts) {
 
 TEST(Scene, strides_take_every_second_root_each_way_with_its_saturation) {
     const Scene fine = scene_of(wet_scene), coarse = scene_of(wet_scene, {}, 2);
+    const int n = fine.groom.rest.particles;
     ASSERT_EQ(coarse.groom.rest.count, 4);
     for (int row = 0; row < 2; ++row)
         for (int column = 0; column < 2; ++column) {
             const int a = coarse.groom.grid.at(column, row), b = fine.groom.grid.at(2 * column, 2 * row);
-            for (int i = 0; i < 24; ++i) {
+            for (int i = 0; i < n; ++i) {
                 EXPECT_TRUE(same_bits(coarse.groom.rest.at(a, i), fine.groom.rest.at(b, i)));
-                EXPECT_EQ(coarse.saturation[size_t(a) * 24 + size_t(i)],
-                          fine.saturation[size_t(b) * 24 + size_t(i)]);
+                EXPECT_EQ(coarse.saturation[size_t(a * n + i)], fine.saturation[size_t(b * n + i)]);
             }
         }
 }

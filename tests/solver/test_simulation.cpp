@@ -1,13 +1,12 @@
 // Whole simulations on small grooms: the same bits for any number of threads, nested grids, equilibria,
 // contact, what is absent, what every parameter is for, divergence. DESIGN Sec. 3 and 5; Fig 28.
-#include <omp.h>
-
 #include <algorithm>
 #include <Eigen/SVD>
 #include <numeric>
 
 #include "solver/plan.h"
 #include "solver/simulation.h"
+#include "tests/base/threads.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
 
@@ -17,20 +16,14 @@ namespace {
 using namespace testing;
 using std::string;
 
-TEST(Simulation, gives_the_same_bits_for_one_and_two_threads) {
-    // Three blocks of double precision and more, so that two threads share them.
+TEST(Simulation, gives_the_same_bits_for_one_and_three_threads) {
+    // Three blocks of double precision and more, so that threads share them.
     const Scene scene = scene_of(wet_scene, {"groom.grid=[6, 6]"});
-    RunFrame runs[2];
-    const int before = omp_get_max_threads();
-    for (int threads : {1, 2}) {
-        omp_set_num_threads(threads);
-        runs[threads - 1] = after(scene, 6, "double");
-    }
-    omp_set_num_threads(before);
-    EXPECT_TRUE(same_bits(runs[0].positions, runs[1].positions));
-    EXPECT_TRUE(same_bits(runs[0].displayed, runs[1].displayed));
-    EXPECT_GT(farthest(runs[0].positions, scene.groom.rest), 1e-3);
-    EXPECT_GT(farthest(runs[0].positions, runs[0].displayed), 1e-3);
+    const auto [one, three] = with_one_and_three_threads([&] { return after(scene, 6, "double"); });
+    EXPECT_TRUE(same_bits(one.positions, three.positions));
+    EXPECT_TRUE(same_bits(one.displayed, three.displayed));
+    EXPECT_GT(farthest(one.positions, scene.groom.rest), 1e-3);
+    EXPECT_GT(farthest(one.positions, one.displayed), 1e-3);
 }
 
 TEST(Simulation, of_low_resolution_is_every_second_strand_of_the_high_one) {
@@ -43,10 +36,10 @@ TEST(Simulation, of_low_resolution_is_every_second_strand_of_the_high_one) {
     int equal = 0;
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column)
-            for (int i = 0; i < 24; ++i)
+            for (int i = 0; i < coarse.groom.rest.particles; ++i)
                 equal += same_bits(a.positions.at(fine.groom.grid.at(2 * column, 2 * row), i),
                                    b.positions.at(coarse.groom.grid.at(column, row), i));
-    EXPECT_EQ(equal, 9 * 24);
+    EXPECT_EQ(equal, 9 * coarse.groom.rest.particles);
 }
 
 TEST(Simulation, without_gravity_the_drawn_shape_stays) {

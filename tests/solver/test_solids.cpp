@@ -1,12 +1,11 @@
 // Solids that deform, and many of them: against analytic spheres, the work that they do, the plain loop.
 // Ours.
-#include <omp.h>
-
 #include <cstring>
 
 #include "solver/deforming_solids.h"
 #include "solver/placement.h"
 #include "solver/stability/trial.h"
+#include "tests/base/threads.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {
@@ -153,12 +152,7 @@ TEST(DeformingSolid, gives_the_same_bits_for_one_and_three_threads) {
     const std::string text = dry_scene + "[wetness]\n[adhesion]\n[cohesion]\n" +
                              breathing_sphere(scratch, {0.07, 0.11, 0.08}, 0.1, "[0, 0, 0]", 0.012);
     const Scene scene = scene_of(text);
-    const int threads = omp_get_max_threads();
-    omp_set_num_threads(1);
-    const RunFrame one = after(scene, 4);
-    omp_set_num_threads(3);
-    const RunFrame three = after(scene, 4);
-    omp_set_num_threads(threads);
+    const auto [one, three] = with_one_and_three_threads([&] { return after(scene, 4); });
     EXPECT_TRUE(same_bits(one.positions, three.positions));
     EXPECT_TRUE(same_bits(one.displayed, three.displayed));
     EXPECT_GT(farthest(one.positions, after(scene_of(text, {"frames=100"}), 1).positions), 1e-3);
