@@ -73,8 +73,10 @@ struct ChainScratch {
     std::vector<Sym3<S>> diagonal;
     std::vector<Mat3<S>> upper1, upper2;
     std::vector<S> twist;
-    std::vector<Quat<S>> kept_frame;  // of strands for which forces are not taken anew
-    std::vector<Hold<S>> hold;        // of particles that were pushed; filled before forces are taken
+    // Of strands for which forces are not taken anew.
+    std::vector<Vec3<S>> kept;
+    std::vector<Quat<S>> kept_frame;
+    std::vector<Hold<S>> hold;  // of particles that were pushed; filled before forces are taken
 
     void resize(int n, const ChainTerms& terms, bool implicit, bool solids) {
         const size_t m = size_t(n);
@@ -114,15 +116,16 @@ WETCURL_HD void relax_frames(const ChainTerms& terms, const ChainView<S>& view, 
         relax_twist(*std::get<std::optional<Bend>>(terms), *twist, view, view.x, h, scratch, frame);
 }
 
-// The edges after a step h that changes velocities by dv (n), of strands whose strain limit must be solved
-// for again; the others' stay, and so does their solution. Returns whether there are any.
+// The edges after a step h that changes velocities by dv (n), of `active` strands whose strain limit must be
+// solved for again; the others' stay, and so does their solution. Returns whether there are any.
 template <class S>
 bool update_limit_edges(const StrainLimit& limit, const ChainView<S>& c, const S& h, const Vec3<S>* dv,
-                        Vec3<S>* at) {
+                        const S& active, Vec3<S>* at) {
     S farthest(0);
     auto edge_after = [&](int i) { return edge(c, i) + h * (dv[i + 1] - dv[i]); };
     for (int i = 1; i + 1 < c.n; ++i)
         farthest = maximum(farthest, limit.unsettled(edge_after(i), at[i], c.rest_length[i]));
+    farthest = active * farthest;
     if (!any_positive(farthest)) return false;
     for (int i = 1; i + 1 < c.n; ++i) at[i] = select(farthest > S(0), edge_after(i), at[i]);
     return true;
@@ -242,16 +245,16 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     };
     const auto& limit = std::get<std::optional<StrainLimit>>(terms);
     view.limit_edge = s.limit_edge.data();
-    S active(1);  // lanes that are solved for anew
+    S active(1);  // lanes that are solved for; the others keep their solution
     for (int looks = 1;; ++looks) {
-        for (int i = 0; limit && i + 1 < n; ++i) s.limit_edge[i] = edge(view, i);
+        for (int i = 0; limit && i + 1 < n; ++i)
+            s.limit_edge[i] = select(active > S(0), edge(view, i), s.limit_edge[i]);
         bool again = true;
         for (int solves = 1; again; ++solves) {
             solve();
-            if (looks > 1)
-                for (int i = 0; i < n; ++i) r[i] = active * r[i];
+            for (int i = 0; looks > 1 && i < n; ++i) r[i] = select(active > S(0), r[i], s.kept[i]);
             again = limit && solves < limit->most_solves &&
-                    update_limit_edges(*limit, view, h, r, s.limit_edge.data());
+                    update_limit_edges(*limit, view, h, r, active, s.limit_edge.data());
             if (b.pushed && solves < most_contact_solves)
                 again |= update_holds(n, h, r, b.pushed, active, s.hold.data());
         }
@@ -259,15 +262,16 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         active = active * turned_far(view, h, r);
         if (!any_positive(active)) break;
         // Forces are taken anew where the solution has led those strands.
+        s.kept.assign(r, r + n);
         for (int i = 0; i < n; ++i) {
-            const Vec3<S> way = h * r[i];
-            s.predicted_x[i] += way, s.expected_v[i] += r[i];
+            const Vec3<S> dv = active * r[i], way = h * dv;
+            s.predicted_x[i] += way, s.expected_v[i] += dv;
             if (b.pushed && i > 1 && any_positive(b.pushed[i])) s.hold[i].gap += dot(way, s.hold[i].normal);
         }
         if (b.frame) s.kept_frame.assign(b.frame, b.frame + n - 1);
         look(Quat<Plain<S>>::identity());
         for (int i = 0; b.frame && i + 1 < n; ++i)
-            b.frame[i] = select(active > S(0), b.frame[i], s.kept_frame[size_t(i)]);
+            b.frame[i] = select(active > S(0), b.frame[i], s.kept_frame[i]);
     }
     if (b.reaction) {
         // What rows 0 and 1 lack: h R = A d - r.
