@@ -87,7 +87,7 @@ WETCURL_HD Vec3<S> slide_of(const Hold<S>& hold, const Vec3<S>& v) {
 // hardly moves creeps.
 template <class S>
 WETCURL_HD void weigh(const S& pushed, const S& stiff, const Vec3<S>& v, Hold<S>& hold) {
-    constexpr Plain<S> creep = 1e-5;  // [m/s]
+    constexpr Plain<S> creep = 1e-6;  // [m/s]
     hold.stiff = select(pushed > S(0), stiff, S(0));
     hold.weight = select(hold.gap < S(Plain<S>(1e-5)), hold.stiff, S(0));
     hold.drag = minimum(hold.friction * pushed / maximum(norm(slide_of(hold, v)), S(creep)), hold.stiff);
