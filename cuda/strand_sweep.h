@@ -356,14 +356,8 @@ class StrandSweep {
             pushed.set(i, hold.weight > 0 ? momentum : -momentum);
         }
         while (true) {
-            solve_as_seen(set, motion, scheme, contacts);
-            if (looks_ == most_looks) break;
-            const auto rest_length = of<const T>(m_.rest_length);
-            T far(0);
-            for_each_solution(set, motion, scheme, true, [&](int i, const V&, const V& d, const V& d1) {
-                if (i >= 2) far = maximum(far, turned_far<T>(scheme.h * (d - d1), rest_length[i - 1]));
-            });
-            if (!(far > 0)) break;
+            const bool far = solve_as_seen(set, motion, scheme, contacts);
+            if (!far || looks_ == most_looks) break;
             const auto change = of<V>(m_.change);
             // A particle's place is read before its change is written.
             for_each_solution(set, motion, scheme, true, [&](int i, const V&, const V& d, const V&) {
@@ -396,8 +390,9 @@ class StrandSweep {
             d2 = d1, d1 = d;
         }
     }
+    // Returns whether an edge turned far.
     template <class Set>
-    WETCURL_HD void solve_as_seen(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
+    WETCURL_HD bool solve_as_seen(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
                                   bool contacts) const {
         const auto at = of<V>(m_.limit_edge);
         const auto pushed = of<T>(m_.pushed);
@@ -415,16 +410,18 @@ class StrandSweep {
             // The twists' turns are done.
             if (has<StrainLimit>(set) || contacts)
                 for (int i = 1; has<Twist>(set) && i + 1 < m_.n; ++i) of<T>(m_.twist, 2).set(2 * i + 1, T(0));
-            T farthest(0), changed(0);
+            T farthest(0), changed(0), turned(0);
             const bool limit = has<StrainLimit>(set) && solves < StrainLimit::most_solves,
                        holds = contacts && solves < most_contact_solves;
-            if (!limit && !holds) break;
             V x1{T(0), T(0), T(0)};
             for_each_solution(set, motion, scheme, true, [&](int i, const V& x, const V& d, const V& d1) {
-                if (limit && i >= 2)
-                    farthest =
-                        maximum(farthest, get<StrainLimit>(k_.terms).unsettled(
-                                              (x - x1) + scheme.h * (d - d1), at[i - 1], rest_length[i - 1]));
+                if (i >= 2) {
+                    const V way = scheme.h * (d - d1);
+                    turned = maximum(turned, turned_far<T>(way, rest_length[i - 1]));
+                    if (limit)
+                        farthest = maximum(farthest, get<StrainLimit>(k_.terms).unsettled(
+                                                         (x - x1) + way, at[i - 1], rest_length[i - 1]));
+                }
                 x1 = x;
                 if (holds && i >= 2 && pushed[i] != 0) {
                     Hold<T> hold = hold_of(i, motion, pushed[i], scheme.h, mass[i], at_first(scheme, i),
@@ -435,7 +432,7 @@ class StrandSweep {
                 }
             });
             if (farthest > 0) take_edges(true);
-            if (!(farthest > 0) && !(changed > 0)) break;
+            if (!(farthest > 0) && !(changed > 0)) return turned > 0;
         }
     }
 

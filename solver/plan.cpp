@@ -58,7 +58,10 @@ double stiffness_number(const Scene& scene) {
 
 double predictor_share(const Scene& scene) {
     const auto& core = scene.term<Core>();
-    return core ? std::min(1.0, 1e5 / std::max(1.0, step_number(scene, core->k_c))) : 1;
+    const auto& bend = scene.term<Bend>();
+    const double core_number = core ? step_number(scene, core->k_c) : 0,
+                 bend_number = bend ? step_number(scene, bend->k_b) : 0;
+    return std::min({1.0, 1e5 / std::max(1.0, core_number), 1e4 / std::max(1.0, bend_number)});
 }
 
 std::string trusted_precision(const Scene& scene, const std::string& precision) {
