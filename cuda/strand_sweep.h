@@ -218,8 +218,8 @@ class StrandSweep {
         return in;
     }
 
-    // Of particle i, which a solid has pushed or is to push, expected at x with velocity v. Held while
-    // `pushed` is above 0; below it the surface may hold it again.
+    // Of particle i, which a solid has pushed or is to push, expected at x, with velocity v before. Held
+    // while `pushed` is above 0; below it the surface may hold it again.
     WETCURL_HD Hold<T> hold_of(int i, const SubstepMotion<T>& motion, T pushed, T h, T mass, const V& x,
                                const V& v) const {
         T momentum = pushed < 0 ? -pushed : pushed;
@@ -312,9 +312,8 @@ class StrandSweep {
             r[2] += scheme.right_side(mass[2], old_v[2], in.v_before, v[2], force[2] + mass[2] * k_.gravity);
             diagonal[2] += identity_times(mass[2]);
             if (set.has(present::contact) && in.pushed > 0)
-                add_hold(hold_of(i, motion, in.pushed, scheme.h, mass[2], first_x[2],
-                                 scheme.expected_velocity(old_v[2])),
-                         scheme.h, v[2], diagonal[2], r[2]);
+                add_hold(hold_of(i, motion, in.pushed, scheme.h, mass[2], first_x[2], old_v[2]), scheme.h,
+                         v[2], diagonal[2], r[2]);
             M u1 = transposed(upper1[1]), u2 = transposed(upper2[0]), u11 = transposed(upper1[0]);
             eliminate(Row<T>{diagonal[2], &u1, penta(set) ? &u2 : nullptr, r[2]}, &diagonal[1], &r[1], &u11,
                       &diagonal[0], &r[0]);
@@ -349,8 +348,8 @@ class StrandSweep {
         bool contacts = false;
         for (int i = 2; set.has(present::contact) && i < m_.n; ++i) {
             T momentum = pushed[i];
-            const Hold<T> hold = first_hold_of(i, motion, momentum, scheme.h, mass[i], at_first(scheme, i),
-                                               scheme.expected_velocity(v_[i]));
+            const Hold<T> hold =
+                first_hold_of(i, motion, momentum, scheme.h, mass[i], at_first(scheme, i), v_[i]);
             if (!(momentum > 0)) continue;
             contacts = true;
             pushed.set(i, hold.weight > 0 ? momentum : -momentum);
@@ -424,8 +423,8 @@ class StrandSweep {
                 }
                 x1 = x;
                 if (holds && i >= 2 && pushed[i] != 0) {
-                    Hold<T> hold = hold_of(i, motion, pushed[i], scheme.h, mass[i], at_first(scheme, i),
-                                           scheme.expected_velocity(v_[i]));
+                    Hold<T> hold =
+                        hold_of(i, motion, pushed[i], scheme.h, mass[i], at_first(scheme, i), v_[i]);
                     const T change = weigh_again(scheme.h, d, hold);
                     changed += change;
                     if (change > 0) pushed.set(i, -pushed[i]);
@@ -549,9 +548,8 @@ class StrandSweep {
                 pushed = of<T>(m_.pushed)[i], mass = of<const T>(m_.mass)[i];
                 if (pushed < 0) pushed = 0;
                 if (pushed > 0) {
-                    const V v_expected = scheme.expected_velocity(in.v);
-                    pushed = pushed_by(hold_of(i, motion, pushed, scheme.h, mass, expected, v_expected),
-                                       scheme.h, d);
+                    pushed =
+                        pushed_by(hold_of(i, motion, pushed, scheme.h, mass, expected, in.v), scheme.h, d);
                 }
             }
             if (set.has(present::contact) && i >= 2) {

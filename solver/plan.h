@@ -17,7 +17,8 @@ Presence presence_of(const Scene& scene);
 // The largest h² k / m of the scene's springs in one substep; above 1e5 a float factorisation is not to be
 // trusted.
 double stiffness_number(const Scene& scene);
-// The share of v_n in the implicit step's predictor: 1 but where the core is stiffer than a step can tell.
+// The share of v_n in the implicit step's predictor: 1 but where core or bends are stiffer than a step can
+// tell.
 double predictor_share(const Scene& scene);
 // `precision`, or "double" where a float factorisation of this scene is not to be trusted.
 std::string trusted_precision(const Scene& scene, const std::string& precision);

@@ -2,7 +2,7 @@
 // EQUATIONS: A (v - v^) = M (v~ - v^) + h f(x~ + h v^, v^), A = M + h C + h² H, x = x~ + h v, with the
 // history x~, v~ and step h of BDF2 (backward Euler in the first step) and the predictor v^ = v_n. Seen: the
 // higher-order predictor 2 v_n - v_{n-1} feeds energy in wherever H is a majoriser; none at all (v^ = 0)
-// kills a swing. Where what the majoriser adds across the strand outweighs the strand 1e5 times (core) or 1e4
+// kills a swing. Where what the majoriser adds across the strand outweighs the strand 1e5 times (core) or 4e4
 // times (bends), the swing of that weight fills the bends with energy; there v^ is a share of v_n.
 #pragma once
 
@@ -187,8 +187,8 @@ int limit_strain(int n, const S* rest_length, Plain<S> most, Vec3<S>* x) {
 }
 
 // The implicit step. `view` carries the terms' data; its x, v, frame and scratch are set here.
-// `before_forces(x, v)` is called once positions and velocities are known at which forces are taken; frames
-// are left there.
+// `before_forces(x, v)` is called once the positions are known at which forces are taken, with the velocities
+// before; frames are left there.
 template <class S, class BeforeForces>
 void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
                    BeforeForces before_forces) {
@@ -210,7 +210,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     };
     look(b.root_turn);
     view.frame = b.frame;
-    before_forces(view.x, view.v);
+    before_forces(view.x, b.v);
     const bool penta = !s.upper2.empty();
     const Sym3<S> no_sym = identity_times(S(0));
     const Mat3<S> no_mat = to_mat3(no_sym);
