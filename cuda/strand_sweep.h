@@ -20,7 +20,7 @@ namespace wetcurl {
 namespace present {
 template <class Term, size_t k = 0>
 constexpr int place_of() {
-    if constexpr (std::is_same_v<std::tuple_element_t<k, ChainTerms>, std::optional<Term>>)
+    if constexpr (std::is_same_v<std::tuple_element_t<k, ChainTerms>, Slot<Term>>)
         return int(k);
     else
         return place_of<Term, k + 1>();

@@ -19,8 +19,9 @@ bool is_printed(Table t, const std::string& fallback = "variational") {
 }
 
 // A term, where its table is written (and printed, where it is a printed form's alone).
-template <class Term>
-void read_term(std::optional<Term>& slot, Table root) {
+template <class TermSlot>
+void read_term(TermSlot& slot, Table root) {
+    using Term = typename TermSlot::value_type;
     if (!root.has(Term::table)) return;
     const Table t = root.table(Term::table);
     if constexpr (requires { Term::printed_only; })

@@ -56,12 +56,12 @@ struct Scene {
     std::string rest = "drawn";      // drawn | sag_free
     Integrator integrator;
     ChainTerms chain;
-    std::optional<Wetness> wetness;
-    std::optional<Flow> flow;  // of the water
-    std::optional<Curl> curl;
-    std::optional<Cohesion> cohesion;
-    std::optional<StrandContact> strand_contact;
-    std::optional<Air> air;
+    Slot<Wetness> wetness;
+    Slot<Flow> flow;  // of the water
+    Slot<Curl> curl;
+    Slot<Cohesion> cohesion;
+    Slot<StrandContact> strand_contact;
+    Slot<Air> air;
     std::string adhesion_model;        // file of a network in Eq 11's place; "": Eq 11
     std::optional<Baseline> baseline;  // a compared method in place of ours
     std::optional<Learned> learned;
@@ -75,12 +75,12 @@ struct Scene {
     std::vector<std::string> files;  // what it was read from: scene, includes, hair, meshes, networks
 
     template <class Term>
-    std::optional<Term>& term() {
-        return std::get<std::optional<Term>>(chain);
+    Slot<Term>& term() {
+        return std::get<Slot<Term>>(chain);
     }
     template <class Term>
-    const std::optional<Term>& term() const {
-        return std::get<std::optional<Term>>(chain);
+    const Slot<Term>& term() const {
+        return std::get<Slot<Term>>(chain);
     }
     bool has_deforming_solid() const {
         for (const auto& s : solids)

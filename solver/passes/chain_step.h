@@ -82,11 +82,11 @@ struct ChainScratch {
         const size_t m = size_t(n);
         if (implicit && solids) hold.resize(m);
         predicted_x.resize(m), expected_v.resize(m), force.resize(m);
-        if (std::get<std::optional<Core>>(terms)) core_pull.resize(2 * m);
+        if (std::get<Slot<Core>>(terms)) core_pull.resize(2 * m);
         if (implicit) diagonal.resize(m), upper1.resize(m);
         if (implicit && couples_two_edges(terms)) upper2.resize(m);
-        if (std::get<std::optional<Twist>>(terms)) twist.resize(2 * m);
-        if (implicit && std::get<std::optional<StrainLimit>>(terms)) limit_edge.resize(m);
+        if (std::get<Slot<Twist>>(terms)) twist.resize(2 * m);
+        if (implicit && std::get<Slot<StrainLimit>>(terms)) limit_edge.resize(m);
     }
     size_t bytes() const {
         return (predicted_x.size() + force.size() + core_pull.size() + limit_edge.size()) * sizeof(Vec3<S>) +
@@ -112,8 +112,8 @@ WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>
 template <class S>
 WETCURL_HD void relax_frames(const ChainTerms& terms, const ChainView<S>& view, const S& h, S* scratch,
                              Quat<S>* frame) {
-    if (const auto& twist = std::get<std::optional<Twist>>(terms))
-        relax_twist(*std::get<std::optional<Bend>>(terms), *twist, view, view.x, h, scratch, frame);
+    if (const auto& twist = std::get<Slot<Twist>>(terms))
+        relax_twist(*std::get<Slot<Bend>>(terms), *twist, view, view.x, h, scratch, frame);
 }
 
 // The edges after a step h that changes velocities by dv (n), of `active` strands whose strain limit must be
@@ -243,7 +243,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
             solve_blocks<false>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
         for (int i = 0; i < 2; ++i) root_force[i] = r[i], r[i] = known[i];
     };
-    const auto& limit = std::get<std::optional<StrainLimit>>(terms);
+    const auto& limit = std::get<Slot<StrainLimit>>(terms);
     view.limit_edge = s.limit_edge.data();
     S active(1);  // lanes that are solved for; the others keep their solution
     for (int looks = 1;; ++looks) {

@@ -39,8 +39,8 @@ S work_of_roots(const Vec3<S>* reaction_before, const Vec3<S>* reaction, const V
 // The torque [N m] that holds the frame of edge 0 against bend and twist at edge 1.
 template <class S>
 S root_torque(const ChainTerms& terms, const ChainView<S>& c) {
-    const auto& bend = std::get<std::optional<Bend>>(terms);
-    const auto& twist = std::get<std::optional<Twist>>(terms);
+    const auto& bend = std::get<Slot<Bend>>(terms);
+    const auto& twist = std::get<Slot<Twist>>(terms);
     if (!bend || c.n < 3) return S(0);
     S slope, bound;
     bend_by_turn(*bend, c.frame[0], c.target[1], edge(c, 1), slope, bound);
@@ -58,7 +58,7 @@ S root_spin(const Quat<S>& frame_before, const Quat<S>& frame) {
 // force (n) of one term alone; false: there is no such term.
 template <class Term, class S>
 bool forces_of(const ChainTerms& terms, const ChainView<S>& c, const S& h, Vec3<S>* force) {
-    const auto& term = std::get<std::optional<Term>>(terms);
+    const auto& term = std::get<Slot<Term>>(terms);
     if (!term) return false;
     std::fill_n(force, c.n, Vec3<S>{S(0), S(0), S(0)});
     assemble(*term, c, ChainSystem<S>{h, force, nullptr, nullptr, nullptr});
@@ -132,7 +132,7 @@ class WorkMeter {
         : terms_(terms),
           gravity_(gravity),
           lanes_(lanes),
-          with_frames_(std::get<std::optional<Bend>>(terms).has_value()),
+          with_frames_(std::get<Slot<Bend>>(terms).has_value()),
           frame_(with_frames_ ? size_t(n) : 0) {}
 
     // Before a step: where its reactions are to be put.
@@ -161,7 +161,7 @@ class WorkMeter {
         work_.wind += sum_of_lanes(work_of_wind(terms_, view, step.dt, scratch.force.data()), lanes_);
         add_forces(step, from, view.x);
         work_.solids += sum_of_lanes(work_of_holds(step, scratch.hold, view.v), lanes_);
-        const auto& limit = std::get<std::optional<StrainLimit>>(terms_);
+        const auto& limit = std::get<Slot<StrainLimit>>(terms_);
         if (limit && !scratch.limit_edge.empty())
             work_.limiter += sum_of_lanes(work_of_limit(*limit, view, from), lanes_);
     }

@@ -16,9 +16,12 @@
 
 namespace wetcurl {
 
-using ChainTerms = std::tuple<std::optional<Stretch>, std::optional<Bend>, std::optional<Twist>,
-                              std::optional<Core>, std::optional<CurlPush>, std::optional<Adhesion>,
-                              std::optional<Stiffness>, std::optional<AirDrag>, std::optional<StrainLimit>>;
+// The place of a term that a scene names or does not.
+template <class Term>
+using Slot = std::optional<Term>;
+
+using ChainTerms = std::tuple<Slot<Stretch>, Slot<Bend>, Slot<Twist>, Slot<Core>, Slot<CurlPush>,
+                              Slot<Adhesion>, Slot<Stiffness>, Slot<AirDrag>, Slot<StrainLimit>>;
 
 // Calls f(term) for each term that the scene names, in the order of the list.
 template <class Terms, class F>
