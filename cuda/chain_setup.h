@@ -11,7 +11,12 @@ namespace wetcurl {
 
 template <class T>
 ChainConstants<T> chain_constants(const Scene& scene, double dt) {
-    return {scene.chain, T(dt), T(spring_sum(scene.chain)), T(predictor_share(scene)),
+    return {scene.chain,
+            T(dt),
+            T(spring_sum(scene.chain)),
+            T(predictor_share(scene)),
+            T(scene.integrator.turn),
+            scene.integrator.looks,
             cast<T>(scene.integrator.gravity)};
 }
 

@@ -431,6 +431,9 @@ std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::
     if (scene.flow) throw Error("--device cuda keeps water where it is; --device cpu runs [wetness.flow]");
     if (scene.has_deforming_solid())
         throw Error("--device cuda does not rebuild the level sets of [[solid.mesh]]; --device cpu does");
+    if (scene.cohesion && scene.cohesion->strength > 0)
+        throw Error(
+            "--device cuda shows cohesion and steps without it; --device cpu runs [cohesion] strength");
     if (scene.strand_contact)
         throw Error("--device cuda steps strands apart from each other; --device cpu runs [strand_contact]");
     if (scene.air) throw Error("--device cuda does not move the air of [air]; --device cpu does");

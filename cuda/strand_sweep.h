@@ -72,7 +72,8 @@ struct StrandMemory {
 template <class T>
 struct ChainConstants {
     ChainTerms terms;
-    T dt, spring_sum, share;
+    T dt, spring_sum, share, turn;
+    int looks;  // as of a BlockStep
     Vec3<T> gravity;
 };
 
@@ -147,7 +148,7 @@ class StrandSweep {
     WETCURL_HD V look_at(const Bdf2<T>& scheme, int i) const {
         return at_first(scheme, i) + scheme.h * change_at(i);
     }
-    WETCURL_HD V velocity_at(const Bdf2<T>& scheme, int i) const {
+    WETCURL_HD V look_velocity(const Bdf2<T>& scheme, int i) const {
         return scheme.expected_velocity(v_[i]) + change_at(i);
     }
 
@@ -281,8 +282,8 @@ class StrandSweep {
         V first_x[3], old_v[3];
         first_x[1] = at_first(scheme, n - 1), x[1] = look_at(scheme, n - 1);
         first_x[0] = at_first(scheme, n - 2), x[0] = look_at(scheme, n - 2);
-        old_v[1] = v_[n - 1], v[1] = velocity_at(scheme, n - 1);
-        old_v[0] = v_[n - 2], v[0] = velocity_at(scheme, n - 2);
+        old_v[1] = v_[n - 1], v[1] = look_velocity(scheme, n - 1);
+        old_v[0] = v_[n - 2], v[0] = look_velocity(scheme, n - 2);
         Inputs next = inputs_at(set, n - 1);
         for (int i = n - 1; i >= 2; --i) {
             const Inputs in = next;
@@ -304,8 +305,7 @@ class StrandSweep {
                 of<Q>(m_.ahead).set(i - 2, frame[0]);
             }
             if (has<Core>(set)) core[1] = get<Core>(k_.terms).printed ? in.core : adjoint(in.core);
-            if (has<Adhesion>(set))
-                sample_nearest(motion, first_x[2], phi[2], normal[2], surface_velocity[2]);
+            if (has<Adhesion>(set)) sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
             assemble_present(set, view, system, std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
 
             // Row i is whole.
@@ -334,7 +334,7 @@ class StrandSweep {
         for (int i = 0; i < m_.n; ++i) {
             T phi;
             V normal, surface_velocity;
-            sample_nearest(motion, at_first(scheme, i), phi, normal, surface_velocity);
+            sample_nearest(motion, look_at(scheme, i), phi, normal, surface_velocity);
             touching.set(i, updated_touching(touching[i], phi, T(get<Adhesion>(k_.terms).h_a)));
         }
     }
@@ -356,7 +356,7 @@ class StrandSweep {
         }
         while (true) {
             const bool far = solve_as_seen(set, motion, scheme, contacts);
-            if (!far || looks_ == most_looks) break;
+            if (!far || looks_ == k_.looks) break;
             const auto change = of<V>(m_.change);
             // A particle's place is read before its change is written.
             for_each_solution(set, motion, scheme, true, [&](int i, const V&, const V& d, const V&) {
@@ -366,7 +366,7 @@ class StrandSweep {
             Ahead ahead(scheme, Q::identity());
             for (int i = 0; i < m_.n; ++i) {
                 const Outputs in = outputs_at(set, i);
-                look_ahead(set, ahead, i, look_at(scheme, i), velocity_at(scheme, i), in, in.frame);
+                look_ahead(set, ahead, i, look_at(scheme, i), look_velocity(scheme, i), in, in.frame);
             }
             finish(set, ahead);
         }
@@ -404,6 +404,7 @@ class StrandSweep {
             });
         };
         if (has<StrainLimit>(set)) take_edges(false);
+        const T turn = far_turn(k_.turn, T(contacts));
         for (int solves = 1;; ++solves) {
             eliminate_from_tip(set, motion, scheme);
             // The twists' turns are done.
@@ -416,7 +417,7 @@ class StrandSweep {
             for_each_solution(set, motion, scheme, true, [&](int i, const V& x, const V& d, const V& d1) {
                 if (i >= 2) {
                     const V way = scheme.h * (d - d1);
-                    turned = maximum(turned, turned_far<T>(way, rest_length[i - 1]));
+                    turned = maximum(turned, turned_far<T>(way, rest_length[i - 1], turn));
                     if (limit)
                         farthest = maximum(farthest, get<StrainLimit>(k_.terms).unsettled(
                                                          (x - x1) + way, at[i - 1], rest_length[i - 1]));

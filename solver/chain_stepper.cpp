@@ -67,16 +67,20 @@ void ChainStepper<T>::step_block(int block, const BlockState& now, const Placeme
                       bend ? &state.frame[k] : nullptr,
                       state.pushed.empty() ? nullptr : &state.pushed[k],
                       given.force ? given.force + k : nullptr,
-                      share_};
+                      given.stiffness ? given.stiffness + k : nullptr,
+                      share_,
+                      scene_.integrator.looks,
+                      T(scene_.integrator.turn)};
     WorkMeter<S>* meter = meters_.empty() ? nullptr : &meters_[size_t(block)];
     if (meter) step.reaction = meter->begin(step);
     const S* rest_depth = state.rest_depth.empty() ? nullptr : &state.rest_depth[k];
     ChainView<S> view = view_of(block);
     view.given_adhesion = given.adhesion ? given.adhesion + k : nullptr;
     view.turn = cast<S>(p.turn), view.turn_center = cast<S>(p.turn_center), view.drift = cast<S>(p.drift);
-    auto sample = [&](const Vec3<S>* x, const Vec3<S>* v) {
+    auto sample = [&](const Vec3<S>* x, const Vec3<S>* v, int looks) {
         if (adhesion && !given.adhesion)
             sample_nearest(p, n_, x, &nearest_.phi[k], &nearest_.normal[k], &nearest_.velocity[k]);
+        if (looks > 0) return;
         const S h = Bdf2<S>(step.dt, first).h;
         auto hold = [&](auto contact) {
             for (int i = 2; i < int(scratch.hold.size()); ++i)

@@ -16,6 +16,7 @@ namespace wetcurl {
 template <class S>
 struct GivenToChain {
     const Vec3<S>* force = nullptr;  // [N]
+    const S* stiffness = nullptr;    // [N/m] of `force`, as of a BlockStep
     const S* adhesion = nullptr;     // F.n / (sigma m a_max) in Eq 11's place
 };
 
@@ -29,6 +30,7 @@ class ChainStepper {
     ChainState<S> state;
     Pose head;
     bool first = true;  // no history: the next substep is backward Euler
+    Bdf2<S> scheme() const { return {T(dt_), first, share_}; }  // of the next implicit substep
 
     // Substeps along a path of placements: each block all of them before the next, so that its strands stay
     // in cache.

@@ -17,6 +17,7 @@ Presence presence_of(const Scene& scene) {
     note(scene.flow.has_value(), Flow::name);
     note(scene.curl.has_value(), Curl::name);
     note(scene.cohesion.has_value(), Cohesion::name);
+    note(scene.cohesion && scene.cohesion->strength > 0, "cohesion in the solve");
     note(scene.air.has_value(), Air::name);
     note(!scene.solids.empty(), "contact");
     note(scene.strand_contact.has_value(), StrandContact::name);

@@ -150,6 +150,13 @@ void read_wet(Scene& scene, Table root) {
     }
     read_term(scene.cohesion, root);
     if (scene.cohesion) scene.cohesion->passes = int(root.table("cohesion").integer("passes", 10, 1, 1000));
+    if (scene.cohesion && scene.cohesion->strength > 0) {
+        const Table t = root.table("cohesion");
+        if (scene.baseline)
+            t.fail("strength", "draws strands in place of a [baseline], which this scene names");
+        if (scene.integrator.kind == "explicit") t.fail("strength", "needs [integrator] kind = \"implicit\"");
+        if (scene.flow) t.fail("strength", "goes by the water at the start; [wetness.flow] moves it");
+    }
     for (const char* wet : {"curl", "cohesion", "adhesion"})
         if (root.has(wet) && !scene.wetness)
             root.fail(wet, std::string("[") + wet + "] acts on wet hair and needs a [wetness] table");
@@ -256,6 +263,8 @@ Scene read_scene(Config config, const SceneOptions& options) {
     Integrator& in = scene.integrator;
     in.kind = t.choice("kind", is_iben(scene) ? "explicit" : "implicit", {"implicit", "explicit"});
     in.substeps = int(t.integer("substeps", 10, 1, 1'000'000));
+    in.looks = int(t.integer("looks", 4, 1, 1000));
+    in.turn = t.number("turn", 0.002, 0, 10);
     in.settle = t.number("settle", 0, 0, 1000);
     in.gravity = vec3(t.numbers("gravity", {0, -9.81, 0}, -1e5, 1e5));
 

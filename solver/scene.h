@@ -25,7 +25,9 @@ namespace wetcurl {
 struct Integrator {
     std::string kind = "implicit";  // implicit: BDF2; explicit: symplectic Euler, the paper's
     int substeps = 10;              // a frame
-    double settle = 0;              // [s] simulated before frame 0 with everything held at its first pose
+    int looks = 4;        // within a step forces are taken anew where edges turn far, so often at most
+    double turn = 0.002;  // [rad] what is far
+    double settle = 0;    // [s] simulated before frame 0 with everything held at its first pose
     Vec3d gravity{0, -9.81, 0};
 };
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "solver/chain_stepper.h"
-#include "solver/couplings/compared_forces.h"
+#include "solver/couplings/forces_on_strands.h"
 #include "solver/couplings/hair_in_air.h"
 #include "solver/couplings/touching_strands.h"
 #include "solver/couplings/water_in_hair.h"
@@ -18,6 +18,8 @@ namespace {
 
 template <class T>
 class CpuSimulation final : public Simulation {
+    using S = Pack<T>;
+
   public:
     explicit CpuSimulation(const Scene& scene);
     void advance() override;
@@ -69,7 +71,7 @@ class CpuSimulation final : public Simulation {
         if (s.water_) f("saturation", s.water_->seconds);
         if (s.air_) f("air", s.air_->seconds);
         if (s.surfaces_) f("level set", s.surface_seconds_);
-        if (s.forces_) f("baseline", s.forces_->seconds);
+        if (s.forces_) f(s.forces_->name(), s.forces_->seconds);
         if (s.between_strands_) f(StrandContact::name, s.between_strands_->seconds);
     }
 
@@ -83,7 +85,7 @@ class CpuSimulation final : public Simulation {
     Strands displayed_;  // or where the strands are, for water alone
     std::optional<HairInAir<T>> air_;
     std::optional<DeformingSolids> surfaces_;
-    std::optional<ComparedForces<T>> forces_;
+    std::optional<ForcesOnStrands<T>> forces_;
     std::optional<TouchingStrands<T>> between_strands_;
     std::optional<AdhesionNetwork<T>> network_;  // once it is asked for
     double chain_seconds_ = 0, list_seconds_ = 0, cohesion_seconds_ = 0, surface_seconds_ = 0,
@@ -104,7 +106,7 @@ CpuSimulation<T>::CpuSimulation(const Scene& scene)
     if (scene.strand_contact) between_strands_.emplace(scene, chain_.state);
     for_each_stage(*this, [&](const char* name, double) { stages.push_back(name); });
     energy_kinds = kinds_of_energy(scene.chain);
-    if (forces_) energy_kinds.push_back("baseline");
+    if (forces_) energy_kinds.push_back(forces_->name());
 
     if (const long steps = std::lround(scene.integrator.settle / dt_); steps > 0) {
         const auto held = placement(0, 0, false);
@@ -153,10 +155,13 @@ void CpuSimulation<T>::ask_network(int done) {
 // Substeps from the time as it is: one where strands do not go alone.
 template <class T>
 void CpuSimulation<T>::run(const std::vector<Placement<T>>& path) {
-    if (forces_) forces_->evaluate(chain_.state, time_, dt_, chain_.counts_work());
+    if (forces_) forces_->evaluate(chain_.state, chain_.scheme(), time_, dt_, chain_.counts_work());
     {
         const StageTimer timer(chain_seconds_);
-        chain_.run(path, {forces_ ? forces_->force() : nullptr, network_ ? network_->given() : nullptr});
+        GivenToChain<S> given;
+        if (forces_) given.force = forces_->force(), given.stiffness = forces_->stiffness();
+        if (network_) given.adhesion = network_->given();
+        chain_.run(path, given);
     }
     if (between_strands_) touch_strands();
 }

@@ -21,6 +21,14 @@ WETCURL_HD S kernel_shape(const S& r, const S& h) {
     return outer * outer * outer - inner * inner * inner;
 }
 
+// The integral of s W(s) / W(0) ds from r to h [m²].
+template <class S>
+WETCURL_HD S kernel_shape_moment(const S& r, const S& h) {
+    const S u = maximum(S(1) - r / h, S(0)), v = maximum(S(1) - S(2) * r / h, S(0));
+    const S u4 = u * u * u * u, v4 = v * v * v * v;
+    return h * h * (u4 * (S(0.5) - S(0.4) * u) - v4 * (S(0.0625) - S(0.05) * v));
+}
+
 // W(r) [1/m^3], 0 beyond h.
 template <class S>
 WETCURL_HD S kernel(const S& r, const S& h) {

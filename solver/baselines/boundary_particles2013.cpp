@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/geometry/neighbor_grid.h"
-#include "solver/baselines/particle_forces.h"
+#include "solver/passes/particle_forces.h"
 
 namespace wetcurl {
 

@@ -1,7 +1,7 @@
 // Kim 2016: densities, normals, forces, each one pass over pairs.
 #include "solver/baselines/kim2016.h"
 
-#include "solver/baselines/particle_forces.h"
+#include "solver/baselines/strand_forces.h"
 
 namespace wetcurl {
 

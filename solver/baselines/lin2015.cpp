@@ -1,7 +1,7 @@
 // Lin 2015: one pass over pairs.
 #include "solver/baselines/lin2015.h"
 
-#include "solver/baselines/particle_forces.h"
+#include "solver/baselines/strand_forces.h"
 
 namespace wetcurl {
 

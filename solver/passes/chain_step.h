@@ -50,7 +50,13 @@ struct BlockStep {
     Quat<S>* frame;            // (n-1) or null; the caller carries them on to where the step ends
     S* pushed;  // (n) [kg m/s] by surfaces in the step before, then in this one; null: no solids
     const Vec3<S>* external = nullptr;  // (n) [N] beside the terms', at the positions now; null: none
-    Plain<S> share = 1;                 // of v_n in the predictor
+    // (n) [N/m]: `external` is at the predicted positions, and no steeper than this there; null: explicit.
+    const S* external_stiffness = nullptr;
+    Plain<S> share = 1;  // of v_n in the predictor
+    // Implicit: forces are taken anew within the step where an edge turns by more than `turn` [rad], `looks`
+    // times at most.
+    int looks = 4;
+    Plain<S> turn = Plain<S>(0.002);
     Vec3<S>* reaction = nullptr;  // (2) [N] that moved particles 0 and 1 as prescribed; null: not asked for
 };
 
@@ -58,6 +64,17 @@ template <class S>
 void add_external_forces(const BlockStep<S>& b, Vec3<S>* force) {
     if (!b.external) return;
     for (int i = 0; i < b.n; ++i) force[i] += b.external[i];
+}
+// The same at x, where forces are taken, by their stiffness, which joins the matrix.
+template <class S>
+void add_external_stiffness(const BlockStep<S>& b, const Bdf2<S>& scheme, const Vec3<S>* x, Vec3<S>* force,
+                            Sym3<S>* diagonal) {
+    if (!b.external_stiffness) return;
+    for (int i = 0; i < b.n; ++i) {
+        const S k = b.external_stiffness[i];
+        force[i] -= k * (x[i] - scheme.predicted(b.x[i], b.x_before[i], b.v[i]));
+        diagonal[i] += identity_times(scheme.h * scheme.h * k);
+    }
 }
 
 // A spring [kg] beside which those that meet at a particle are soft: a hold gives way by a hundredth.
@@ -131,20 +148,28 @@ bool update_limit_edges(const StrainLimit& limit, const ChainView<S>& c, const S
     return true;
 }
 
-// How often forces are taken anew within a step at most.
-constexpr int most_looks = 4;
-// Above 0 for an edge that moves by `way` and so turns by more than a tenth: forces there are not what they
+// Above 0 for an edge that moves by `way` and so turns by more than `turn`: forces there are not what they
 // were linearised to be.
 template <class S>
-WETCURL_HD S turned_far(const Vec3<S>& way, const S& rest_length) {
-    return dot(way, way) - S(Plain<S>(0.01)) * rest_length * rest_length;
+WETCURL_HD S turned_far(const Vec3<S>& way, const S& rest_length, const S& turn) {
+    const S most = turn * rest_length;
+    return dot(way, way) - most * most;
 }
-// 1 for strands with such an edge after a step h that changes velocities by dv (n), 0 for others.
+// What is far for a strand that surfaces push or not. Seen: a stiff strand that a ball sweeps gains energy
+// where its swing is damped by one step, which takes forces once, and not by the next.
 template <class S>
-S turned_far(const ChainView<S>& c, const S& h, const Vec3<S>* dv) {
-    S far(0);
+WETCURL_HD S far_turn(Plain<S> turn, const S& pushed) {
+    return select(pushed > S(0), maximum(S(turn), S(Plain<S>(0.1))), S(turn));
+}
+// 1 for strands with such an edge after a step h that changes velocities by dv (n), 0 for others. `pushed`
+// (n) by surfaces; null: there are none.
+template <class S>
+S turned_far(const ChainView<S>& c, const S& h, const Vec3<S>* dv, const S* pushed, Plain<S> most) {
+    S far(0), push(0);
+    for (int i = 2; pushed && i < c.n; ++i) push = maximum(push, pushed[i]);
+    const S turn = far_turn(most, push);
     for (int i = 1; i + 1 < c.n; ++i)
-        far = maximum(far, turned_far<S>(h * (dv[i + 1] - dv[i]), c.rest_length[i]));
+        far = maximum(far, turned_far<S>(h * (dv[i + 1] - dv[i]), c.rest_length[i], turn));
     return select(far > S(0), S(1), S(0));
 }
 
@@ -187,8 +212,8 @@ int limit_strain(int n, const S* rest_length, Plain<S> most, Vec3<S>* x) {
 }
 
 // The implicit step. `view` carries the terms' data; its x, v, frame and scratch are set here.
-// `before_forces(x, v)` is called once the positions are known at which forces are taken, with the velocities
-// before; frames are left there.
+// `before_forces(x, v, looks)` is called once the positions are known at which forces are taken, with the
+// velocities before, `looks` times so far in the step; frames are left there.
 template <class S, class BeforeForces>
 void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
                    BeforeForces before_forces) {
@@ -210,7 +235,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     };
     look(b.root_turn);
     view.frame = b.frame;
-    before_forces(view.x, b.v);
+    before_forces(view.x, b.v, 0);
     const bool penta = !s.upper2.empty();
     const Sym3<S> no_sym = identity_times(S(0));
     const Mat3<S> no_mat = to_mat3(no_sym);
@@ -229,6 +254,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         }
         for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
         add_external_forces(b, s.force.data());
+        add_external_stiffness(b, scheme, view.x, s.force.data(), s.diagonal.data());
         for (int i = 2; i < n; ++i) {
             r[i] = scheme.right_side(view.mass[i], b.v[i], b.v_before[i], view.v[i], r[i]);
             s.diagonal[i] += identity_times(view.mass[i]);
@@ -258,8 +284,8 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
             if (b.pushed && solves < most_contact_solves)
                 again |= update_holds(n, h, r, b.pushed, active, s.hold.data());
         }
-        if (looks == most_looks) break;
-        active = active * turned_far(view, h, r);
+        if (looks == b.looks) break;
+        active = active * turned_far(view, h, r, b.pushed, b.turn);
         if (!any_positive(active)) break;
         // Forces are taken anew where the solution has led those strands.
         s.kept.assign(r, r + n);
@@ -272,6 +298,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         look(Quat<Plain<S>>::identity());
         for (int i = 0; b.frame && i + 1 < n; ++i)
             b.frame[i] = select(active > S(0), b.frame[i], s.kept_frame[i]);
+        before_forces(view.x, b.v, looks);
     }
     if (b.reaction) {
         // What rows 0 and 1 lack: h R = A d - r.
@@ -304,7 +331,7 @@ void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     view.frame = b.frame;
     view.chord = view.x[b.n - 1] - view.x[0];
     view.core_pull = s.core_pull.data();
-    before_forces(view.x, view.v);
+    before_forces(view.x, view.v, 0);
     const Vec3<S> gravity = cast<S>(b.gravity);
     for (int i = 0; i < b.n; ++i) s.force[i] = view.mass[i] * gravity;
     const ChainSystem<S> system{S(b.dt), s.force.data(), nullptr, nullptr, nullptr};

@@ -54,7 +54,7 @@ struct SceneText {
 };
 
 // Hair is at rest once its particles move by no more in a frame, in segments.
-constexpr double still_enough = 2e-4;
+constexpr double still_enough = 5e-5;
 
 StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer, double pull, double radius,
                           double limiter) {

@@ -14,7 +14,7 @@ namespace wetcurl {
 
 struct Cohesion {
     static constexpr const char *name = "cohesion", *table = "cohesion";
-    double h_c, lambda, coherence, stretch;
+    double h_c, lambda, coherence, stretch, strength;
     int passes = 10;
     static constexpr Parameter<Cohesion> parameters[] = {
         {"radius", &Cohesion::h_c, "m", 0.012, 1e-6, 1, "Eq 10, h: support of W"},
@@ -23,6 +23,8 @@ struct Cohesion {
          "length along the strand over which the displacement is smoothed (ours)"},
         {"stretch", &Cohesion::stretch, "1", 0.05, 0, 1000,
          "most that a displayed edge is longer than the simulated one (ours)"},
+        {"strength", &Cohesion::strength, "1/s^2", 0, 0, 1e12,
+         "Sec. VI.A.2, of forces in every substep beside what is displayed; 0: none (ours)"},
     };
 
     // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and sigma_j V_j. All weights
@@ -37,6 +39,8 @@ struct Cohesion {
             weight += volume * w;
         }
     };
+    // The spring of touching particles [N/m], both drenched.
+    double spring(double m_i, double m_j) const { return strength * 2 * m_i * m_j / (m_i + m_j); }
     // sum V_k W_ik / W(0) over the particle's own strand, for each unit of its volume: segments of `length`
     // on a line.
     WETCURL_HD double own_weight(double length) const {

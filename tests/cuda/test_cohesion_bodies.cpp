@@ -120,7 +120,7 @@ double farthest(const Strands& a, const Strands& b) {
 TEST(CohesionBodies, do_what_the_reference_pass_does) {
     for (int particles : {2, 20, 33, 100})
         for (double coherence : {0.0, 0.015}) {
-            Cohesion term{0.004, 0.85, coherence, 0.05};
+            Cohesion term{0.004, 0.85, coherence, 0.05, 0};
             term.passes = 3;
             const Tuft hair(40, particles, unsigned(particles));
             const Result wanted = by_reference(hair, term), got = by_bodies(hair, term);
@@ -137,7 +137,7 @@ TEST(CohesionBodies, find_no_neighbour_for_what_is_not_finite) {
     hair.p.at(2, 7) = {NAN, 0, 0};
     hair.p.at(3, 7) = {INFINITY, 0, 0};
     hair.p.at(1, 7) = {1e30f, 0, 0};
-    const Result got = by_bodies(hair, Cohesion{0.004, 0.85, 0.0, unbounded});
+    const Result got = by_bodies(hair, Cohesion{0.004, 0.85, 0.0, unbounded, 0});
     EXPECT_TRUE(std::isnan(got.displayed.at(2, 7).x));
     EXPECT_TRUE(std::isfinite(got.displayed.at(0, 7).x));
 }

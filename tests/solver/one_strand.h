@@ -41,7 +41,7 @@ class Stepper {
                                   root_turn,
                                   bend ? s_.frame.data() : nullptr,
                                   nullptr};
-        implicit_step(terms_, b, s_.view(), scratch_, [](const Vec3d*, const Vec3d*) {});
+        implicit_step(terms_, b, s_.view(), scratch_, [](const Vec3d*, const Vec3d*, int) {});
         std::swap(s_.x, x_before_);
         std::swap(s_.v, v_before_);
         if (bend) s_.frame = s_.frames_at(s_.x);

@@ -2,7 +2,7 @@
 // and to dry strands, what they stand in the place of. EQUATIONS Sec. 4; Akinci 2013; the paper, Fig 41.
 #include <algorithm>
 
-#include "solver/baselines/particle_forces.h"
+#include "solver/couplings/forces_on_strands.h"
 #include "solver/plan.h"
 #include "tests/base/threads.h"
 #include "tests/solver/scenes.h"

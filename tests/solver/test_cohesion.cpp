@@ -15,7 +15,7 @@ constexpr double support = 0.012, tightness = 0.85;
 
 // Eq 10 itself: no smoothing along the strand.
 Cohesion eq10(int passes = 1) {
-    Cohesion c{support, tightness, 0, unbounded};
+    Cohesion c{support, tightness, 0, unbounded, 0};
     c.passes = passes;
     return c;
 }

@@ -361,11 +361,12 @@ center = [0, 10, 0]
         auto dry = more, wet = more;
         dry.insert(dry.end(), {"wetness.level=0", "wetness.jitter=0"});
         wet.push_back("wetness.jitter=0");
-        const Scene becoming = scene_of(text + drench, dry), being = scene_of(text, wet);
-        const auto a = make_simulation(becoming, "double"), b = make_simulation(being, "double");
-        const auto before = a->energy();
+        const Scene becoming = scene_of(text + drench, dry), being = scene_of(text, wet),
+                    staying = scene_of(text, dry);
+        const auto a = make_simulation(becoming, "double"), b = make_simulation(being, "double"),
+                   c = make_simulation(staying, "double");
         a->advance();
-        b->restore(a->state());
+        b->restore(a->state()), c->restore(a->state());
         RunFrame seen[2];
         a->snapshot(seen[0]), b->snapshot(seen[1]);
         EXPECT_EQ(seen[0].saturation, being.saturation);
@@ -375,7 +376,7 @@ center = [0, 10, 0]
         for (size_t kind = 0; kind < e.size(); ++kind) {
             EXPECT_NEAR(e[kind], wanted[kind], 1e-12 * std::abs(wanted[kind])) << a->energy_kinds[kind];
         }
-        EXPECT_GT(std::abs(e[1]), 1.1 * std::abs(before[1]));  // of gravity: it weighs more
+        EXPECT_GT(std::abs(e[1]), 1.1 * std::abs(c->energy()[1]));  // of gravity: it weighs more
         // And on from there they move alike: adhesion and drag read it as well.
         for (int f = 0; f < 4; ++f) a->advance(), b->advance();
         a->snapshot(seen[0]), b->snapshot(seen[1]);

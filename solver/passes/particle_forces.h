@@ -1,4 +1,5 @@
-// What a compared method adds to the dynamics: a force on every particle, explicit, once a substep. Ours.
+// Forces on all particles at once, taken once a substep: of a compared method, or of cohesion inside the
+// solve. Ours.
 #pragma once
 
 #include <bit>
@@ -14,8 +15,12 @@ namespace wetcurl {
 class ParticleForces {
   public:
     virtual ~ParticleForces() = default;
+    virtual const char* name() const { return "baseline"; }
     // x (strand, particle) [m] at `time` [s], when a substep begins -> force (strand, particle) [N].
     virtual void evaluate(const std::vector<Vec3d>& x, double time, std::vector<Vec3d>& force) = 0;
+    // (strand, particle) [N/m] that outweigh the slopes of those forces taken together, so that an implicit
+    // step may take them anywhere, and takes them where it expects to end; null: explicit forces.
+    virtual const std::vector<double>* stiffness() const { return nullptr; }
     // [J] of those forces that have a potential, particles at x.
     virtual double potential(const std::vector<Vec3d>& x, double time) = 0;
     // [J] that solids give while they move and hair at x does not.
@@ -23,10 +28,6 @@ class ParticleForces {
     virtual double neighbours_mean() const = 0;  // of the last call
     virtual size_t bytes() const = 0;
 };
-
-// Of the method that the scene names; null where it names none, or one that has no force of its own.
-// The scene must outlive it.
-std::unique_ptr<ParticleForces> make_particle_forces(const Scene& scene);
 
 // m (strand, particle) [kg], water included.
 std::vector<double> particle_masses(const Scene& scene);
@@ -80,25 +81,6 @@ class StrandPairs {
     // In the grid's order, a vector longer than there are points.
     std::vector<uint32_t> strand_;
     std::vector<float> wet_;
-};
-
-// Forces between strands, part of which each pair's `strength` times a kernel K of its distance is: what
-// methods of that kind share.
-class StrandForces : public ParticleForces {
-  public:
-    StrandForces(const Scene& scene, double strength, double radius, double (*kernel)(double r, double h));
-    // Of the part by K.
-    double potential(const std::vector<Vec3d>& x, double time) override;
-    double neighbours_mean() const override { return pairs_.neighbours_mean(); }
-    size_t bytes() const override;
-
-  protected:
-    const std::vector<double> mass_;  // (strand, particle) [kg]
-    StrandPairs pairs_;
-
-  private:
-    const double strength_;  // [N m^3/kg^2]
-    const akinci2013::KernelSum kernel_sum_;
 };
 
 }  // namespace wetcurl

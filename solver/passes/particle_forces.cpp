@@ -1,5 +1,5 @@
-// The search for pairs, and the list of methods that bring forces.
-#include "solver/baselines/particle_forces.h"
+// The search for pairs.
+#include "solver/passes/particle_forces.h"
 
 #include <algorithm>
 
@@ -11,16 +11,6 @@ std::vector<double> particle_masses(const Scene& scene) {
     std::vector<double> mass;
     for (float volume : volumes_of(scene)) mass.push_back(double(volume) * scene.volume_density);
     return mass;
-}
-
-std::unique_ptr<ParticleForces> make_particle_forces(const Scene& scene) {
-    if (!scene.baseline) return nullptr;
-    return std::visit(
-        [&](const auto& method) -> std::unique_ptr<ParticleForces> {
-            if constexpr (requires { method.forces(scene); }) return method.forces(scene);
-            return nullptr;
-        },
-        *scene.baseline);
 }
 
 StrandPairs::StrandPairs(const Scene& scene, double radius)
@@ -44,25 +34,6 @@ void StrandPairs::find(const std::vector<Vec3d>& x) {
 size_t StrandPairs::bytes() const {
     return near_.capacity() * sizeof(Vec3f) + strand_.capacity() * sizeof(uint32_t) +
            wet_.capacity() * sizeof(float) + grid_.bytes() + list_.bytes();
-}
-
-StrandForces::StrandForces(const Scene& scene, double strength, double radius,
-                           double (*kernel)(double r, double h))
-    : mass_(particle_masses(scene)),
-      pairs_(scene, radius),
-      strength_(strength),
-      kernel_sum_(kernel, radius) {}
-
-double StrandForces::potential(const std::vector<Vec3d>& x, double) {
-    pairs_.find(x);
-    return pairs_.sum([&](size_t i, size_t j) {
-        return -strength_ * pairs_.saturation(i) * pairs_.saturation(j) * mass_[i] * mass_[j] *
-               kernel_sum_(norm(x[i] - x[j]));
-    });
-}
-
-size_t StrandForces::bytes() const {
-    return mass_.capacity() * sizeof(double) + pairs_.bytes() + kernel_sum_.bytes();
 }
 
 }  // namespace wetcurl

@@ -1,0 +1,25 @@
+// Potential and memory of forces between strands.
+#include "solver/baselines/strand_forces.h"
+
+namespace wetcurl {
+
+StrandForces::StrandForces(const Scene& scene, double strength, double radius,
+                           double (*kernel)(double r, double h))
+    : mass_(particle_masses(scene)),
+      pairs_(scene, radius),
+      strength_(strength),
+      kernel_sum_(kernel, radius) {}
+
+double StrandForces::potential(const std::vector<Vec3d>& x, double) {
+    pairs_.find(x);
+    return pairs_.sum([&](size_t i, size_t j) {
+        return -strength_ * pairs_.saturation(i) * pairs_.saturation(j) * mass_[i] * mass_[j] *
+               kernel_sum_(norm(x[i] - x[j]));
+    });
+}
+
+size_t StrandForces::bytes() const {
+    return mass_.capacity() * sizeof(double) + pairs_.bytes() + kernel_sum_.bytes();
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,28 @@
+// What compared methods that draw strands together share. Ours.
+#pragma once
+
+#include "solver/baselines/akinci2013.h"
+#include "solver/passes/particle_forces.h"
+
+namespace wetcurl {
+
+// Forces between strands, part of which each pair's `strength` times a kernel K of its distance is: what
+// methods of that kind share.
+class StrandForces : public ParticleForces {
+  public:
+    StrandForces(const Scene& scene, double strength, double radius, double (*kernel)(double r, double h));
+    // Of the part by K.
+    double potential(const std::vector<Vec3d>& x, double time) override;
+    double neighbours_mean() const override { return pairs_.neighbours_mean(); }
+    size_t bytes() const override;
+
+  protected:
+    const std::vector<double> mass_;  // (strand, particle) [kg]
+    StrandPairs pairs_;
+
+  private:
+    const double strength_;  // [N m^3/kg^2]
+    const akinci2013::KernelSum kernel_sum_;
+};
+
+}  // namespace wetcurl
