@@ -120,6 +120,15 @@ struct Mat3 {
         return *this;
     }
 };
+// to = from, row by row: of packs, a copy of the whole is a call of memcpy.
+template <class S>
+WETCURL_HD void assign(Mat3<S>& to, const Mat3<S>& from) {
+    to.r0 = from.r0, to.r1 = from.r1, to.r2 = from.r2;
+}
+template <class S>
+WETCURL_HD void set_zero(Mat3<S>& m) {
+    m.r0 = m.r1 = m.r2 = Vec3<S>{S(0), S(0), S(0)};
+}
 template <class S>
 WETCURL_HD Vec3<S> transposed_times(const Mat3<S>& m, const Vec3<S>& v) {
     return v.x * m.r0 + v.y * m.r1 + v.z * m.r2;

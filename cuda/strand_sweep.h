@@ -489,7 +489,7 @@ class StrandSweep {
             of<V>(m_.core).set(i - 1, core.pull(a.edges(e), a.rates(rate), in.rest_core));
         }
         if (!has<Bend>(set)) return;
-        const Q here = carried_frame(a.root_turn * frame, e);
+        const Q here = transported(a.root_turn * frame, e);
         of<Q>(m_.ahead).set(i - 1, here);
         if (has<Twist>(set) && i > 1) {
             const Twist& twist = get<Twist>(k_.terms);
@@ -563,7 +563,7 @@ class StrandSweep {
             if (moved) x_.set(i, x_old), v_.set(i, v_old);
             Q frame{};
             if (has<Bend>(set) && i > 0) {
-                frame = carried_frame(in.frame, x - x1);
+                frame = transported(in.frame, x - x1);
                 if (last) of<Q>(m_.frame).set(i - 1, frame);
             }
             look_ahead(set, ahead, i, following.predicted(x, x_old, v), following.expected_velocity(v), in,

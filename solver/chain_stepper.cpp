@@ -129,11 +129,12 @@ void ChainStepper<T>::step_block(int block, const BlockState& now, const Placeme
 #pragma omp atomic
         limited_ += limited;
     }
+    const S* clearance = scratch.clearance.empty() ? nullptr : scratch.clearance.data();
     auto meet = [&](const auto& solid, bool deforms) {
         bool met = false;
         auto resolve = [&] {
-            met = resolve_contact(solid, implicit ? T(0) : solid.friction, n_, rest_depth, T(dt_), view.mass,
-                                  step.pushed, x, x_old, v, v_old);
+            met = resolve_contact(solid, implicit ? T(0) : solid.friction, n_, rest_depth, clearance, T(dt_),
+                                  view.mass, step.pushed, x, x_old, v, v_old);
         };
         if (deforms || norm(solid.velocity) + norm(solid.spin) > 0)
             counted(&Work::solids, resolve);

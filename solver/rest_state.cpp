@@ -11,9 +11,7 @@ namespace wetcurl {
 
 std::vector<Quatd> frames_along(const std::vector<Vec3d>& p) {
     std::vector<Quatd> frame{root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0}))};
-    for (size_t i = 1; i + 1 < p.size(); ++i)
-        frame.push_back(
-            transported(frame.back(), normalized(p[i + 1] - p[i], frame_direction(frame.back()))));
+    for (size_t i = 1; i + 1 < p.size(); ++i) frame.push_back(transported(frame.back(), p[i + 1] - p[i]));
     return frame;
 }
 
@@ -83,7 +81,7 @@ std::vector<double> free_of_sag(const Scene& scene, const std::vector<Vec3d>& p,
                          slope, bound);
             torque -= slope;
         }
-        const auto gradient = Twist::gradient(before, e);
+        const auto gradient = Twist::gradient(Twist::Direction<double>(before), Twist::Direction<double>(e));
         weight += dry_mass[i + 1] * scene.integrator.gravity;  // G_i, all the weight beyond edge i
         const Vec3d need = weight - reaction - torque * gradient.after;
         const double l = norm(e);

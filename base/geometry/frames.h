@@ -12,26 +12,26 @@ WETCURL_HD Vec3<S> frame_direction(const Quat<S>& f) {
             S(2) * (f.x * f.z - f.w * f.y)};
 }
 
-// The frame turned minimally so that its first axis is the unit vector `direction`.
+// The frame turned minimally so that its first axis points along e, of any length; where e has none it stays.
 template <class S>
-WETCURL_HD Quat<S> transported(const Quat<S>& f, const Vec3<S>& direction) {
-    return normalized(minimal_rotation(frame_direction(f), direction) * f);
+WETCURL_HD Quat<S> transported(const Quat<S>& f, const Vec3<S>& e) {
+    const Vec3<S> a = frame_direction(f);
+    const S length = norm(e), along = length + dot(a, e);
+    const Vec3<S> v = cross(a, e);
+    Quat<S> q{select(length < S(tiny_length<S>), S(1), along), v.x, v.y, v.z};  // |e| times 1 + cos, and sin
+    // A half turn goes about a perpendicular axis.
+    const S opposed = S(4 * std::numeric_limits<Plain<S>>::epsilon()) * length - along;
+    if (any_positive(opposed)) {
+        const Vec3<S> p = any_perpendicular(a);
+        q = select(opposed > S(0), Quat<S>{S(0), p.x, p.y, p.z}, q);
+    }
+    return normalized(q * f);
 }
 
 // The frame of a root edge: minimal rotation of the world's axes.
 template <class S>
 WETCURL_HD Quat<S> root_frame_of(const Vec3<S>& direction) {
     return minimal_rotation(Vec3<S>{S(1), S(0), S(0)}, direction);
-}
-
-// Twist of `f` against `reference`, both with the same first axis: the sine and cosine of half the angle.
-template <class S>
-WETCURL_HD void half_twist(const Quat<S>& f, const Quat<S>& reference, S& cosine, S& sine) {
-    Quat<S> d = conjugate(f) * reference;  // in f's own axes: a turn about x
-    S scale = S(1) / maximum(sqrt(d.w * d.w + d.x * d.x), S(Plain<S>(1e-20)));
-    auto negative = d.w < S(0);
-    cosine = select(negative, -d.w, d.w) * scale;
-    sine = select(negative, -d.x, d.x) * scale;
 }
 
 // The frame turned by an angle about its own first axis; angles beyond half a turn count as half a turn.

@@ -65,35 +65,45 @@ WETCURL_HD void eliminate(const Row<S>& row, Sym3<S>* diagonal1, Vec3<S>* r1, Ma
     const Factor3<S> f(row.diagonal);
     const Vec3<S> y = f.solve(row.r);
     if (row.u1) {
-        const Mat3<S> u1 = *row.u1, p = f.solve(u1);
+        const Mat3<S>& u1 = *row.u1;
+        const Mat3<S> p = f.solve(u1);
         subtract_symmetric(*diagonal1, u1, p);
         *r1 -= transposed_times(u1, y);
-        *row.u1 = p;
         if (row.u2) {
-            const Mat3<S> u2 = *row.u2, q = f.solve(u2);
+            const Mat3<S>& u2 = *row.u2;
+            const Mat3<S> q = f.solve(u2);
             *u11 -= transposed_product(u1, q);
             subtract_symmetric(*diagonal2, u2, q);
             *r2 -= transposed_times(u2, y);
-            *row.u2 = q;
+            assign(*row.u2, q);
         }
+        assign(*row.u1, p);
     }
     row.r = y;
+}
+
+// Of a whole system: takes row i off those after it, and the substitution once all are.
+template <bool Penta, class S>
+WETCURL_HD void eliminate_row(int i, int n, Sym3<S>* diagonal, Mat3<S>* upper1, Mat3<S>* upper2, Vec3<S>* r) {
+    const Row<S> row{diagonal[i], i + 1 < n ? &upper1[i] : nullptr, Penta && i + 2 < n ? &upper2[i] : nullptr,
+                     r[i]};
+    eliminate(row, &diagonal[i + 1], &r[i + 1], &upper1[i + 1], &diagonal[i + 2], &r[i + 2]);
+}
+template <bool Penta, class S>
+WETCURL_HD void substitute_rows(int first, int n, const Mat3<S>* upper1, const Mat3<S>* upper2, Vec3<S>* r) {
+    for (int i = n - 2; i >= first; --i) {
+        r[i] -= upper1[i] * r[i + 1];
+        if constexpr (Penta)
+            if (i + 2 < n) r[i] -= upper2[i] * r[i + 2];
+    }
 }
 
 // Solves A x = r for rows first..n-1 in place: r becomes x; diagonal, upper1, upper2 are destroyed.
 template <bool Penta, class S>
 WETCURL_HD void solve_blocks(int first, int n, Sym3<S>* diagonal, Mat3<S>* upper1, Mat3<S>* upper2,
                              Vec3<S>* r) {
-    for (int i = first; i < n; ++i) {
-        const Row<S> row{diagonal[i], i + 1 < n ? &upper1[i] : nullptr,
-                         Penta && i + 2 < n ? &upper2[i] : nullptr, r[i]};
-        eliminate(row, &diagonal[i + 1], &r[i + 1], &upper1[i + 1], &diagonal[i + 2], &r[i + 2]);
-    }
-    for (int i = n - 2; i >= first; --i) {
-        r[i] -= upper1[i] * r[i + 1];
-        if constexpr (Penta)
-            if (i + 2 < n) r[i] -= upper2[i] * r[i + 2];
-    }
+    for (int i = first; i < n; ++i) eliminate_row<Penta>(i, n, diagonal, upper1, upper2, r);
+    substitute_rows<Penta>(first, n, upper1, upper2, r);
 }
 
 }  // namespace wetcurl

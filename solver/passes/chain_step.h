@@ -60,23 +60,6 @@ struct BlockStep {
     Vec3<S>* reaction = nullptr;  // (2) [N] that moved particles 0 and 1 as prescribed; null: not asked for
 };
 
-template <class S>
-void add_external_forces(const BlockStep<S>& b, Vec3<S>* force) {
-    if (!b.external) return;
-    for (int i = 0; i < b.n; ++i) force[i] += b.external[i];
-}
-// The same at x, where forces are taken, by their stiffness, which joins the matrix.
-template <class S>
-void add_external_stiffness(const BlockStep<S>& b, const Bdf2<S>& scheme, const Vec3<S>* x, Vec3<S>* force,
-                            Sym3<S>* diagonal) {
-    if (!b.external_stiffness) return;
-    for (int i = 0; i < b.n; ++i) {
-        const S k = b.external_stiffness[i];
-        force[i] -= k * (x[i] - scheme.predicted(b.x[i], b.x_before[i], b.v[i]));
-        diagonal[i] += identity_times(scheme.h * scheme.h * k);
-    }
-}
-
 // A spring [kg] beside which those that meet at a particle are soft: a hold gives way by a hundredth.
 template <class S>
 WETCURL_HD S hold_stiffness(Plain<S> spring_sum, const S& h, const S& mass) {
@@ -86,7 +69,7 @@ WETCURL_HD S hold_stiffness(Plain<S> spring_sum, const S& h, const S& mass) {
 // Buffers of one thread, for one block.
 template <class S>
 struct ChainScratch {
-    std::vector<Vec3<S>> predicted_x, force, core_pull, limit_edge, expected_v;
+    std::vector<Vec3<S>> predicted_x, force, solution, core_pull, limit_edge, expected_v;
     std::vector<Sym3<S>> diagonal;
     std::vector<Mat3<S>> upper1, upper2;
     std::vector<S> twist;
@@ -94,35 +77,34 @@ struct ChainScratch {
     std::vector<Vec3<S>> kept;
     std::vector<Quat<S>> kept_frame;
     std::vector<Hold<S>> hold;  // of particles that were pushed; filled before forces are taken
+    std::vector<S> clearance;   // [m] (n) that the implicit step left between particles and surfaces at least
 
     void resize(int n, const ChainTerms& terms, bool implicit, bool solids) {
         const size_t m = size_t(n);
-        if (implicit && solids) hold.resize(m);
+        if (implicit && solids) hold.resize(m), clearance.resize(m);
         predicted_x.resize(m), expected_v.resize(m), force.resize(m);
         if (std::get<Slot<Core>>(terms)) core_pull.resize(2 * m);
-        if (implicit) diagonal.resize(m), upper1.resize(m);
+        if (implicit) solution.resize(m), diagonal.resize(m), upper1.resize(m);
         if (implicit && couples_two_edges(terms)) upper2.resize(m);
         if (std::get<Slot<Twist>>(terms)) twist.resize(2 * m);
         if (implicit && std::get<Slot<StrainLimit>>(terms)) limit_edge.resize(m);
     }
     size_t bytes() const {
-        return (predicted_x.size() + force.size() + core_pull.size() + limit_edge.size()) * sizeof(Vec3<S>) +
+        return (predicted_x.size() + expected_v.size() + force.size() + solution.size() + core_pull.size() +
+                limit_edge.size() + kept.size()) *
+                   sizeof(Vec3<S>) +
                diagonal.size() * sizeof(Sym3<S>) + (upper1.size() + upper2.size()) * sizeof(Mat3<S>) +
-               twist.size() * sizeof(S) + hold.size() * sizeof(Hold<S>);
+               (twist.size() + clearance.size()) * sizeof(S) + hold.size() * sizeof(Hold<S>);
     }
 };
 
-// The frame of an edge carried to its new place e.
-template <class S>
-WETCURL_HD Quat<S> carried_frame(const Quat<S>& frame, const Vec3<S>& e) {
-    return transported(frame, normalized(e, frame_direction(frame)));
-}
 // The frames of all edges carried to the positions x: first the root's own rotation, then each edge's.
 template <class S>
 WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>>& root_turn,
                                  const Vec3<S>* x, Quat<S>* to) {
     const Quat<S> turn = cast<S>(root_turn);
-    for (int i = 0; i + 1 < n; ++i) to[i] = carried_frame(turn * from[i], x[i + 1] - x[i]);
+    const bool turns = root_turn.w != Plain<S>(1);
+    for (int i = 0; i + 1 < n; ++i) to[i] = transported(turns ? turn * from[i] : from[i], x[i + 1] - x[i]);
 }
 
 // The twists of frames at the view's positions relax where they cost anything.
@@ -238,40 +220,61 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     before_forces(view.x, b.v, 0);
     const bool penta = !s.upper2.empty();
     const Sym3<S> no_sym = identity_times(S(0));
-    const Mat3<S> no_mat = to_mat3(no_sym);
     const Vec3<S> gravity = cast<S>(b.gravity);
     const ChainSystem<S> system{h, s.force.data(), s.diagonal.data(), s.upper1.data(), s.upper2.data()};
     Vec3<S> known[2], root_force[2];
-    // The force's place takes the right side, and then the solution: what the view's velocities change by.
-    Vec3<S>* r = s.force.data();
-    auto solve = [&] {
-        for (int i = 0; i < 2; ++i) known[i] = (S(1) / h) * (b.root[i] - view.x[i]);
-        for (int i = 0; i < n; ++i) {
-            s.force[i] = view.mass[i] * gravity;
-            s.diagonal[i] = no_sym;
-            s.upper1[i] = no_mat;
-            if (penta) s.upper2[i] = no_mat;
+    Vec3<S>* r =
+        s.solution.data();  // the right side, then the solution: what the view's velocities change by
+    // Nothing more is added to row i: it becomes one of the substitution.
+    auto complete = [&](int i) {
+        if (b.external) s.force[i] += b.external[i];
+        if (i < 2) return;
+        if (b.external_stiffness) {
+            const S k = b.external_stiffness[i];
+            s.force[i] -= k * (view.x[i] - scheme.predicted(b.x[i], b.x_before[i], b.v[i]));
+            s.diagonal[i] += identity_times(h * h * k);
         }
-        for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
-        add_external_forces(b, s.force.data());
-        add_external_stiffness(b, scheme, view.x, s.force.data(), s.diagonal.data());
-        for (int i = 2; i < n; ++i) {
-            r[i] = scheme.right_side(view.mass[i], b.v[i], b.v_before[i], view.v[i], r[i]);
-            s.diagonal[i] += identity_times(view.mass[i]);
-            if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, view.v[i], s.diagonal[i], r[i]);
-        }
-        if (n > 2) r[2] -= transposed_times(s.upper1[1], known[1]);
-        if (penta && n > 2) r[2] -= transposed_times(s.upper2[0], known[0]);
-        if (penta && n > 3) r[3] -= transposed_times(s.upper2[1], known[1]);
+        r[i] += scheme.right_side(view.mass[i], b.v[i], b.v_before[i], view.v[i], s.force[i]);
+        s.diagonal[i] += identity_times(view.mass[i]);
+        if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, view.v[i], s.diagonal[i], r[i]);
+        if (i == 2) r[i] -= transposed_times(s.upper1[1], known[1]);
+        if (penta && i < 4) r[i] -= transposed_times(s.upper2[i - 2], known[i - 2]);
         if (penta)
-            solve_blocks<true>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
+            eliminate_row<true>(i, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
         else
-            solve_blocks<false>(2, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
-        for (int i = 0; i < 2; ++i) root_force[i] = r[i], r[i] = known[i];
+            eliminate_row<false>(i, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
+    };
+    // A few rows at a time, which stay in the nearest cache from their first element to their elimination.
+    auto solve = [&] {
+        constexpr int at_once = 8;
+        for (int i = 0; i < 2; ++i) known[i] = (S(1) / h) * (b.root[i] - view.x[i]);
+        for_each_present(terms, [&](const auto& term) {
+            if constexpr (requires { term.prepare(view); }) term.prepare(view);
+        });
+        int whole = 0;
+        for (int begin = 0; begin < n; begin += at_once) {
+            const int end = begin + at_once < n ? begin + at_once : n;
+            for (int i = begin; i < end; ++i) {
+                s.force[i] = view.mass[i] * gravity;
+                r[i] = Vec3<S>{S(0), S(0), S(0)};
+                s.diagonal[i] = no_sym;
+                set_zero(s.upper1[i]);
+                if (penta) set_zero(s.upper2[i]);
+            }
+            for_each_present(terms, [&](const auto& term) { term.assemble(view, system, begin, end); });
+            for (const int elements_left_at = end < n ? end - 2 : n; whole < elements_left_at; ++whole)
+                complete(whole);
+        }
+        if (penta)
+            substitute_rows<true>(2, n, s.upper1.data(), s.upper2.data(), r);
+        else
+            substitute_rows<false>(2, n, s.upper1.data(), s.upper2.data(), r);
+        for (int i = 0; i < 2; ++i) root_force[i] = s.force[i], r[i] = known[i];
     };
     const auto& limit = std::get<Slot<StrainLimit>>(terms);
     view.limit_edge = s.limit_edge.data();
     S active(1);  // lanes that are solved for; the others keep their solution
+    bool anew = false;
     for (int looks = 1;; ++looks) {
         for (int i = 0; limit && i + 1 < n; ++i)
             s.limit_edge[i] = select(active > S(0), edge(view, i), s.limit_edge[i]);
@@ -288,6 +291,7 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         active = active * turned_far(view, h, r, b.pushed, b.turn);
         if (!any_positive(active)) break;
         // Forces are taken anew where the solution has led those strands.
+        anew = true;
         s.kept.assign(r, r + n);
         for (int i = 0; i < n; ++i) {
             const Vec3<S> dv = active * r[i], way = h * dv;
@@ -317,8 +321,11 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         b.v_before[i] = view.v[i] + r[i];
         b.x_before[i] = i < 2 ? b.root[i] : s.predicted_x[i] + h * r[i];
     }
-    for (int i = 2; b.pushed && i < n; ++i)
+    for (int i = 2; b.pushed && i < n; ++i) {
         if (any_positive(b.pushed[i])) b.pushed[i] = pushed_by(s.hold[i], h, r[i]);
+        // Where forces were taken anew the gap is a guess.
+        s.clearance[size_t(i)] = anew ? S(-1) : s.hold[i].gap - h * norm(r[i]);
+    }
 }
 
 // The paper's scheme: symplectic Euler on printed forces. Frames are left at the positions before.
@@ -336,7 +343,7 @@ void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     for (int i = 0; i < b.n; ++i) s.force[i] = view.mass[i] * gravity;
     const ChainSystem<S> system{S(b.dt), s.force.data(), nullptr, nullptr, nullptr};
     for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
-    add_external_forces(b, s.force.data());
+    for (int i = 0; b.external && i < b.n; ++i) s.force[i] += b.external[i];
     for (int i = 0; i < b.n; ++i) {
         const Vec3<S> v =
             i < 2 ? S(1 / b.dt) * (b.root[i] - b.x[i]) : b.v[i] + (S(b.dt) / view.mass[i]) * s.force[i];

@@ -121,7 +121,7 @@ WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, c
                                     const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
     Hold<S> hold = deepest_contact(solids, rest_depth, x);
     expect_push(hold, pushed);
-    weigh(pushed, stiff, v, hold);
+    if (any_positive(pushed)) weigh(pushed, stiff, v, hold);
     return hold;
 }
 // Adds spring and drag to a particle's row, A d = r with d beside the velocity v.
@@ -174,15 +174,16 @@ WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, Plain<S
     }
     return true;
 }
-// The same for n particles; 0 and 1 are prescribed.
+// The same for n particles; 0 and 1 are prescribed, and those of some `clearance` need no look. Null: all do.
 template <class S, class Body>
 bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, Plain<S> friction, int n, const S* rest_depth,
-                     Plain<S> dt, const S* mass, S* pushed, Vec3<S>* x, Vec3<S>* x_before, Vec3<S>* v,
-                     Vec3<S>* v_before) {
+                     const S* clearance, Plain<S> dt, const S* mass, S* pushed, Vec3<S>* x, Vec3<S>* x_before,
+                     Vec3<S>* v, Vec3<S>* v_before) {
     bool met = false;
     for (int i = 2; i < n; ++i)
-        met |= resolve_contact(solid, friction, solid.attached ? rest_depth[i] : S(0), dt, mass[i], pushed[i],
-                               x[i], x_before[i], v[i], v_before[i]);
+        if (!clearance || any_positive(S(Plain<S>(1e-6)) - clearance[i]))
+            met |= resolve_contact(solid, friction, solid.attached ? rest_depth[i] : S(0), dt, mass[i],
+                                   pushed[i], x[i], x_before[i], v[i], v_before[i]);
     return met;
 }
 

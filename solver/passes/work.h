@@ -52,7 +52,7 @@ S root_torque(const ChainTerms& terms, const ChainView<S>& c) {
 // How far that frame was turned about its own edge, beyond what positions say [rad]; up to half a turn.
 template <class S>
 S root_spin(const Quat<S>& frame_before, const Quat<S>& frame) {
-    return S(2) * Twist::HalfAngle<S>(transported(frame_before, frame_direction(frame)), frame).sine;
+    return S(2) * Twist::HalfAngle<S>(frame_before, frame).signed_sine();
 }
 
 // force (n) of one term alone; false: there is no such term.

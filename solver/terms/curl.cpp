@@ -47,7 +47,7 @@ std::vector<Vec3d> shape_from_intrinsic(const std::vector<Vec3d>& tbar, const Ve
     for (const auto& t : tbar) {
         const Vec3d e = rotate(f, t);
         p.push_back(p.back() + e);
-        f = transported(f, normalized(e, frame_direction(f)));
+        f = transported(f, e);
     }
     return p;
 }

@@ -34,28 +34,45 @@ struct Twist {
         return q / (S(1) + q);
     }
 
-    // Half the angle m of an edge's frame against the one before, carried along the strand.
+    // Half the angle m of an edge's frame against the one before, carried along the strand: the turn from one
+    // to the other is a turn about the first axis, then one about an axis across it, which scales both of
+    // these alike.
     template <class S>
     struct HalfAngle {
-        S cosine, sine;
-        WETCURL_HD HalfAngle(const Quat<S>& before, const Quat<S>& frame) {
-            half_twist(frame, transported(before, frame_direction(frame)), cosine, sine);
-            sine = -sine;
+        S cosine, sine;  // times `scale`
+        WETCURL_HD HalfAngle(const Quat<S>& f, const Quat<S>& g)
+            : cosine(f.w * g.w + f.x * g.x + f.y * g.y + f.z * g.z),
+              sine(f.w * g.x - f.x * g.w - f.y * g.z + f.z * g.y) {}
+        WETCURL_HD S squared_scale() const {
+            return maximum(cosine * cosine + sine * sine, S(Plain<S>(1e-30)));
         }
-        WETCURL_HD S sine_of_whole() const { return S(2) * sine * cosine; }
+        WETCURL_HD S sine_of_whole() const { return S(2) * sine * cosine / squared_scale(); }
+        WETCURL_HD S squared_sine() const { return sine * sine / squared_scale(); }
+        WETCURL_HD S signed_sine() const {
+            return select(cosine < S(0), -sine, sine) / sqrt(squared_scale());
+        }
     };
 
+    // An edge's direction and the inverse of its length.
+    template <class S>
+    struct Direction {
+        Vec3<S> e;
+        S inverse;
+        WETCURL_HD explicit Direction(const Vec3<S>& edge)
+            : inverse(S(1) / maximum(norm(edge), S(tiny_length<S>))) {
+            e = inverse * edge;
+        }
+    };
     // dm by the edges that meet: half the curvature binormal over each one's length.
     template <class S>
     struct Gradient {
         Vec3<S> before, after;
     };
     template <class S>
-    WETCURL_HD static Gradient<S> gradient(const Vec3<S>& e1, const Vec3<S>& e) {
-        const S l1 = maximum(norm(e1), S(tiny_length<S>)), l = maximum(norm(e), S(tiny_length<S>));
-        const S across = maximum(l1 * l + dot(e1, e), S(Plain<S>(1e-3)) * l1 * l);
-        const Vec3<S> half_b = (S(1) / across) * cross(e1, e);
-        return {(S(1) / l1) * half_b, (S(1) / l) * half_b};
+    WETCURL_HD static Gradient<S> gradient(const Direction<S>& before, const Direction<S>& after) {
+        const S across = maximum(S(1) + dot(before.e, after.e), S(Plain<S>(1e-3)));
+        const Vec3<S> half_b = (S(1) / across) * cross(before.e, after.e);
+        return {before.inverse * half_b, after.inverse * half_b};
     }
 
     template <class S>
@@ -63,17 +80,22 @@ struct Twist {
         S sum(0);
         for (int i = 1; i + 1 < c.n; ++i) {
             const HalfAngle<S> m(c.frame[i - 1], c.frame[i]);
-            sum += S(2) * stiffness(c.rest_length[i]) * m.sine * m.sine;
+            sum += S(2) * stiffness(c.rest_length[i]) * m.squared_sine();
         }
         return sum;
     }
 
     template <class S>
     WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a, int begin, int end) const {
-        for (int i = maximum(begin - 1, 1); i + 1 < end; ++i) {
+        const int first = maximum(begin - 1, 1);
+        if (first + 1 >= end) return;
+        Direction<S> before(edge(c, first - 1));
+        for (int i = first; i + 1 < end; ++i) {
             const S k = stiffness(c.rest_length[i]);
             const S torque = k * HalfAngle<S>(c.frame[i - 1], c.frame[i]).sine_of_whole();
-            const auto [g1, g] = gradient(edge(c, i - 1), edge(c, i));
+            const Direction<S> after(edge(c, i));
+            const auto [g1, g] = gradient(before, after);
+            before = after;
             a.add_edge_force(i - 1, torque * g1);
             a.add_edge_force(i, torque * g);
             if (!a.with_matrix()) continue;

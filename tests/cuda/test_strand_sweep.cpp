@@ -94,10 +94,10 @@ std::vector<Case> cases() {
 TEST(StrandSweep, does_what_the_reference_passes_do) {
     for (const auto& c : cases()) {
         const Scene scene = scene_of(c.text, c.set);
-        const Strands wanted = after(scene, 6, "double").positions;
+        const Strands wanted = after(scene, 4, "double").positions;
         ASSERT_GT(farthest(wanted, scene.groom.rest), 1e-3) << c.name;
         // The whip of a chain without bends magnifies rounding.
-        EXPECT_LT(farthest(swept<double>(scene, AnySet{set_of(scene)}, 6), wanted), 1e-6) << c.name;
+        EXPECT_LT(farthest(swept<double>(scene, AnySet{set_of(scene)}, 4), wanted), 1e-6) << c.name;
     }
 }
 

@@ -380,8 +380,7 @@ TEST(Frames, a_twisted_straight_strand_untwists_in_one_step) {
     std::vector<double> scratch(2 * s.x.size());
     relax_twist(bend_of(1), twist_of(1), s.view(), s.x.data(), 0.0, scratch.data(), s.frame.data());
     for (size_t i = 0; i < s.frame.size(); ++i) {
-        double cosine, sine;
-        half_twist(s.frame[i], rest[i], cosine, sine);
+        const double sine = Twist::HalfAngle<double>(rest[i], s.frame[i]).signed_sine();
         EXPECT_LT(std::abs(sine), 1e-8) << i;  // the cube of the angle
     }
 }

@@ -326,9 +326,9 @@ TEST(SolidTree, meets_every_solid_that_the_loop_pushes_out_of) {
             std::vector<S> pushed(n, S(0));
             const auto meet = [&](size_t k) {
                 ++(by_tree ? met : asked);
-                return resolve_contact(solids.posed[k], solids.posed[k].friction, n, depth.data(), 0.01f,
-                                       mass.data(), pushed.data(), at.data(), at_before.data(), speed.data(),
-                                       speed_before.data());
+                return resolve_contact(solids.posed[k], solids.posed[k].friction, n, depth.data(),
+                                       static_cast<const S*>(nullptr), 0.01f, mass.data(), pushed.data(),
+                                       at.data(), at_before.data(), speed.data(), speed_before.data());
             };
             if (by_tree)
                 tree.for_each_met(n, at.data(), meet);

@@ -338,8 +338,8 @@ TEST(Contact, puts_particles_on_the_surface_takes_their_inward_velocity_and_keep
         v_before[2].x -= 0.1;
         std::vector<double> pushed(4, 0.0);
         resolve_contact(posed(sphere, {0, 0, 0}, friction), friction, 4, static_cast<const double*>(nullptr),
-                        0.01, s.mass.data(), pushed.data(), s.x.data(), x_before.data(), s.v.data(),
-                        v_before.data());
+                        static_cast<const double*>(nullptr), 0.01, s.mass.data(), pushed.data(), s.x.data(),
+                        x_before.data(), s.v.data(), v_before.data());
         EXPECT_NEAR(pushed[2], s.mass[2] * 0.02 / 0.01, 1e-15);
         EXPECT_EQ(pushed[3], 0);
         EXPECT_NEAR(norm(s.x[2]), 0.1, 1e-15);
@@ -362,8 +362,8 @@ TEST(Contact, leaves_hair_as_deep_as_it_was_drawn_into_what_is_attached) {
     const double allowed[] = {0, 0, -0.005, -0.02};
     Points x_before = s.x, v_before = s.v;
     std::vector<double> pushed(4, 0.0);
-    resolve_contact(head, 0, 4, allowed, 0.01, s.mass.data(), pushed.data(), s.x.data(), x_before.data(),
-                    s.v.data(), v_before.data());
+    resolve_contact(head, 0, 4, allowed, static_cast<const double*>(nullptr), 0.01, s.mass.data(),
+                    pushed.data(), s.x.data(), x_before.data(), s.v.data(), v_before.data());
     EXPECT_NEAR(s.x[2].y, 0.095, 1e-15);
     EXPECT_EQ(s.x[3].x, 0.09);
 }
