@@ -1,4 +1,4 @@
-// The sweeps as kernels: a thread a strand, a warp a block.
+// Steps as a kernel: a lane a strand, some warps for each 32.
 #include "base/device_buffer.h"
 #include "cuda/chain_kernel.h"
 
@@ -8,14 +8,18 @@ namespace {
 
 constexpr int warp = Lanes<float>::lanes;
 
-template <class T, class Set>
-__global__ void __launch_bounds__(warp) run_substeps(const ChainLaunch<T> launch, const Set set) {
-    StrandSweep<T> sweep(launch.memory, launch.constants, int(blockIdx.x), int(threadIdx.x));
-    if (launch.first) sweep.prepare(set, launch.motion[0].root_turn);
+// A block of strands by `warps` of them, so many blocks on a multiprocessor at once.
+template <class T, class Set, int warps, int blocks>
+__global__ void __launch_bounds__(warps* warp, blocks)
+    run_substeps(const __grid_constant__ ChainLaunch<T> launch, const Set set) {
+    __shared__ unsigned flags[3][warp];
+    for (int k = int(threadIdx.x); k < 3 * warp; k += warps * warp) flags[k / warp][k % warp] = 0;
+    __syncthreads();
+    StrandStep<T> strands(launch.memory, launch.constants, int(blockIdx.x),
+                          {int(threadIdx.x) % warp, int(threadIdx.x) / warp, warps, flags});
     int limited = 0;
     for (int k = 0; k < launch.substeps; ++k)
-        limited += sweep.step(set, launch.motion[k], launch.motion[k + 1].root_turn, launch.first && k == 0,
-                              k + 1 == launch.substeps);
+        limited += strands.step(set, launch.motion[k], launch.first && k == 0);
     if (limited) atomicAdd(launch.limited, static_cast<unsigned long long>(limited));
 }
 
@@ -43,7 +47,14 @@ __global__ void unpack(const StrandMemory<T> memory, int strands, Vec3f* positio
 
 template <class T, class Set>
 void run(const ChainLaunch<T>& launch, const Set& set, cudaStream_t stream) {
-    run_substeps<<<unsigned(launch.blocks), warp, 0, stream>>>(launch, set);
+    int device = 0, processors = 0;
+    check_cuda(cudaGetDevice(&device), "device");
+    check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "device");
+    // Where there are few strands, more warps for each.
+    if (launch.blocks <= processors)
+        run_substeps<T, Set, 16, 1><<<unsigned(launch.blocks), 16 * warp, 0, stream>>>(launch, set);
+    else
+        run_substeps<T, Set, 6, 3><<<unsigned(launch.blocks), 6 * warp, 0, stream>>>(launch, set);
     check_cuda(cudaGetLastError(), "launch of the substeps");
 }
 

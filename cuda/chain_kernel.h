@@ -1,9 +1,9 @@
-// Launches of the sweeps over all strands. Ours.
+// Launches of steps of all strands. Ours.
 #pragma once
 
 #include <cuda_runtime.h>
 
-#include "cuda/strand_sweep.h"
+#include "cuda/strand_step.h"
 
 namespace wetcurl {
 
@@ -12,7 +12,7 @@ template <class T>
 struct ChainLaunch {
     StrandMemory<T> memory;
     ChainConstants<T> constants;
-    const SubstepMotion<T>* motion;  // (substeps + 1): of the one after them, the root's turn
+    const SubstepMotion<T>* motion;  // (substeps)
     int blocks, substeps;
     bool first;                   // from rest: no history
     unsigned set;                 // what is there: set_of

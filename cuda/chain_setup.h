@@ -1,9 +1,9 @@
-// What the sweeps need of a scene: its numbers, and its motion substep by substep. Host only. Ours.
+// What steps on a device need of a scene: its numbers, and its motion substep by substep. Host only. Ours.
 #pragma once
 
 #include <vector>
 
-#include "cuda/strand_sweep.h"
+#include "cuda/strand_step.h"
 #include "solver/placement.h"
 #include "solver/plan.h"
 
@@ -39,8 +39,5 @@ SubstepMotion<T> substep_motion(const Placement<T>& p, const ShapeView* shapes,
             nullptr,
             int(p.solids.size())};
 }
-
-// Numbers of a row of the substitution.
-inline int factor_rows(const ChainTerms& terms) { return couples_two_edges(terms) ? 21 : 12; }
 
 }  // namespace wetcurl

@@ -5,7 +5,7 @@
 
 #include "base/device_buffer.h"
 #include "cuda/cohesion_bodies.h"
-#include "cuda/strand_sweep.h"
+#include "cuda/strand_memory.h"
 
 namespace wetcurl {
 

@@ -106,13 +106,13 @@ class CudaSimulation final : public Simulation {
     bool first_ = true, swapped_ = false, capturing_ = false;  // swapped: x and x_before have changed places
 
     mutable ChainState<S> state_;  // as uploaded; snapshots bring x, v and frames back
-    DeviceBuffer<T> x_, x_before_, v_, v_before_, frame_, ahead_, twist_, touching_, pushed_, limit_edge_,
-        change_, core_, factors_;
+    DeviceBuffer<T> x_, x_before_, v_, v_before_, frame_, ahead_, at_, twist_, touching_, pushed_,
+        limit_edge_, change_, solution_, core_, rows_;
     DeviceBuffer<T> root_, mass_, rest_length_, rest_core_, target_, saturation_, rest_depth_, push_;
     DeviceBuffer<Vec3f> positions_, displayed_;
     std::vector<DeviceBuffer<float>> level_sets_;
     DeviceBuffer<ShapeView> shapes_;
-    // A frame's motion, and in the last slot that of the substep after it.
+    // A frame's motion, substep by substep.
     int slots_;
     PinnedBuffer<SubstepMotion<T>> host_motion_;
     DeviceBuffer<SubstepMotion<T>> motion_;
@@ -136,7 +136,7 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
       dt_(1 / (scene.fps * scene.integrator.substeps)),
       head_(scene.motion.at(0)),
       state_(scene),
-      slots_(scene.integrator.substeps + 1),
+      slots_(scene.integrator.substeps),
       host_motion_(size_t(slots_)),
       motion_(size_t(slots_)),
       host_solids_(size_t(slots_) * scene.solids.size()),
@@ -154,10 +154,10 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
     const size_t cells = state_.at(state_.blocks, 0) * lanes;
     if (scene.term<Core>()) core_ = DeviceBuffer<T>(3 * cells);
     if (scene.term<Bend>()) ahead_ = DeviceBuffer<T>(4 * cells);
-    if (scene.term<Twist>()) twist_ = DeviceBuffer<T>(2 * cells);
+    if (scene.term<Twist>()) twist_ = DeviceBuffer<T>(3 * cells);
     if (scene.term<StrainLimit>()) limit_edge_ = DeviceBuffer<T>(3 * cells);
-    change_ = DeviceBuffer<T>(3 * cells);
-    factors_ = DeviceBuffer<T>(size_t(factor_rows(scene.chain)) * cells);
+    for (auto* buffer : {&at_, &change_, &solution_}) *buffer = DeviceBuffer<T>(3 * cells);
+    rows_ = DeviceBuffer<T>(size_t(row_size(scene.chain)) * cells);
     positions_ = DeviceBuffer<Vec3f>(scene.groom.rest.points.size());
     host_report_[0] = {};
 
@@ -186,27 +186,20 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
     const Placement<T> at_rest = placement_at<T>(scene, 0, dt_, false);
     for (int slot = 0; slot < slots_; ++slot) put_motion(slot, at_rest);
     upload_motion();
-    for (long left = std::lround(scene.integrator.settle / dt_); left > 0; left -= slots_ - 1) {
-        const int substeps = int(std::min(left, long(slots_ - 1)));
-        if (left == substeps) {  // then the head begins to move
-            check_cuda(cudaStreamSynchronize(stream_.handle), "settling");
-            put_motion(substeps, placement_at<T>(scene, dt_, dt_));
-            upload_motion();
-        }
-        launch_chain(substeps);
-    }
+    for (long left = std::lround(scene.integrator.settle / dt_); left > 0; left -= slots_)
+        launch_chain(int(std::min(left, long(slots_))));
     launch_frame();
     read_report();
 }
 
 template <class T>
 StrandMemory<T> CudaSimulation<T>::memory() const {
-    StrandMemory<T> m{
-        state_.n,           x_.data(),           x_before_.data(),  v_.data(),       v_before_.data(),
-        touching_.data(),   pushed_.data(),      frame_.data(),     ahead_.data(),   twist_.data(),
-        core_.data(),       limit_edge_.data(),  change_.data(),    factors_.data(), root_.data(),
-        mass_.data(),       rest_length_.data(), rest_core_.data(), target_.data(),  saturation_.data(),
-        rest_depth_.data(), push_.data()};
+    StrandMemory<T> m{state_.n,           x_.data(),          x_before_.data(),    v_.data(),
+                      v_before_.data(),   touching_.data(),   pushed_.data(),      frame_.data(),
+                      ahead_.data(),      at_.data(),         twist_.data(),       core_.data(),
+                      limit_edge_.data(), change_.data(),     solution_.data(),    rows_.data(),
+                      root_.data(),       mass_.data(),       rest_length_.data(), rest_core_.data(),
+                      target_.data(),     saturation_.data(), rest_depth_.data(),  push_.data()};
     if (swapped_) std::swap(m.x, m.x_before), std::swap(m.v, m.v_before);
     return m;
 }
@@ -260,7 +253,7 @@ void CudaSimulation<T>::launch_frame() {
     if (cohesion_) cohesion_->launch_lists(positions_.data(), report_.data(), stream_.handle);
     mark(2);
     if (cohesion_)
-        cohesion_->launch_passes(positions_.data(), motion_.data() + slots_ - 2, displayed_.data(),
+        cohesion_->launch_passes(positions_.data(), motion_.data() + slots_ - 1, displayed_.data(),
                                  stream_.handle);
     mark(3);
     check_cuda(cudaMemcpyAsync(&host_report_[1], report_.data(), sizeof(FrameReport), cudaMemcpyDeviceToHost,
@@ -290,7 +283,7 @@ void CudaSimulation<T>::replay(Graph& graph) {
     auto launch = [&] {
         upload_motion();
         mark(0);
-        launch_chain(slots_ - 1);
+        launch_chain(slots_);
         launch_frame();
     };
     if (first_) return launch();  // no history: a launch like no other
@@ -306,7 +299,7 @@ void CudaSimulation<T>::replay(Graph& graph) {
         cudaGraphDestroy(captured);
         check_cuda(status, "graph");
     }
-    swapped_ = was_swapped != ((slots_ - 1) % 2 == 1);
+    swapped_ = was_swapped != (slots_ % 2 == 1);
     check_cuda(cudaGraphLaunch(graph.handle, stream_.handle), "launch of the frame");
 }
 
@@ -314,13 +307,12 @@ template <class T>
 void CudaSimulation<T>::advance() {
     const double begin = omp_get_wtime();
     Placement<T> p;
-    for (int k = 0; k + 1 < slots_; ++k) {
+    for (int k = 0; k < slots_; ++k) {
         time_ += dt_;
         p = placement_at<T>(scene_, time_, dt_);
         put_motion(k, p);
     }
     head_ = p.head;
-    put_motion(slots_ - 1, placement_at<T>(scene_, time_ + dt_, dt_));
     replay(graphs_[swapped_]);
     read_report();
     for (size_t k = 0; k + 1 < events_.size(); ++k) {
@@ -398,7 +390,8 @@ BufferList CudaSimulation<T>::buffers() const {
     auto add = [&](const std::string& name, size_t bytes) {
         if (bytes) out.push_back({name, bytes});
     };
-    add("core pull", core_.bytes()), add("factors", factors_.bytes());
+    add("core pull", core_.bytes()), add("rows of the system", rows_.bytes());
+    add("expected positions", at_.bytes()), add("solution", solution_.bytes());
     add("bend frames ahead", ahead_.bytes()), add("twist", twist_.bytes());
     add("limited edges", limit_edge_.bytes()), add("changes of velocity", change_.bytes());
     add("shown positions", positions_.bytes()), add("displayed positions", displayed_.bytes());

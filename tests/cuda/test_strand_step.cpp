@@ -1,4 +1,4 @@
-// The device's sweeps run on the host, a lane at a time, against the reference passes. DESIGN Sec. 3.
+// The device's steps run on the host, a lane at a time, against the reference passes. DESIGN Sec. 3.
 #include "cuda/chain_setup.h"
 #include "solver/chain_state.h"
 #include "tests/solver/one_strand.h"
@@ -9,14 +9,15 @@ namespace {
 
 using namespace testing;
 
-// The sweeps over a scene in the host's memory.
+// A scene in the host's memory, stepped.
 template <class T, class Set>
-Strands swept(const Scene& scene, const Set& set, int frames) {
+Strands stepped(const Scene& scene, const Set& set, int frames) {
     ChainState<Lanes<T>> state(scene);
     auto rows = [](auto& buffer) { return buffer.empty() ? nullptr : reinterpret_cast<T*>(buffer.data()); };
     const size_t cells = state.at(state.blocks, 0) * Lanes<T>::lanes;
-    std::vector<T> core(3 * cells), factors(size_t(factor_rows(scene.chain)) * cells);
-    std::vector<T> ahead(4 * cells), twist(2 * cells), limit_edge(3 * cells), change(3 * cells);
+    std::vector<T> at(3 * cells), core(3 * cells), limit_edge(3 * cells), change(3 * cells);
+    std::vector<T> ahead(4 * cells), twist(3 * cells), solution(3 * cells);
+    std::vector<T> system(size_t(row_size(scene.chain)) * cells);
     const StrandMemory<T> memory{state.n,
                                  rows(state.x),
                                  rows(state.x_before),
@@ -26,11 +27,13 @@ Strands swept(const Scene& scene, const Set& set, int frames) {
                                  rows(state.pushed),
                                  rows(state.frame),
                                  ahead.data(),
+                                 at.data(),
                                  twist.data(),
                                  core.data(),
                                  limit_edge.data(),
                                  change.data(),
-                                 factors.data(),
+                                 solution.data(),
+                                 system.data(),
                                  rows(state.root),
                                  rows(state.mass),
                                  rows(state.rest_length),
@@ -46,19 +49,17 @@ Strands swept(const Scene& scene, const Set& set, int frames) {
     for (const auto& solid : scene.solids) shapes.push_back(view_of(solid.shape));
     std::vector<SubstepMotion<T>> motion;
     std::vector<DeviceSolid<T>> solids;
-    for (int k = 0; k <= substeps; ++k) {
+    for (int k = 0; k < substeps; ++k) {
         const auto p = placement_at<T>(scene, (k + 1) * dt, dt);
         motion.push_back(substep_motion(p, shapes.data(), solids));
     }
-    for (int k = 0; k <= substeps; ++k) motion[size_t(k)].solids = solids.data() + size_t(k) * shapes.size();
+    for (int k = 0; k < substeps; ++k) motion[size_t(k)].solids = solids.data() + size_t(k) * shapes.size();
 
     Strands out(state.strands, state.n);
     for (int s = 0; s < state.strands; ++s) {
         const int block = s / 32, lane = s % 32;
-        StrandSweep<T> sweep(memory, constants, block, lane);
-        sweep.prepare(set, motion[0].root_turn);
-        for (size_t k = 0; k < size_t(substeps); ++k)
-            sweep.step(set, motion[k], motion[k + 1].root_turn, k == 0, false);
+        StrandStep<T> strand(memory, constants, block, Team{lane});
+        for (size_t k = 0; k < size_t(substeps); ++k) strand.step(set, motion[k], k == 0);
         const auto& x = substeps % 2 ? state.x_before : state.x;
         for (int i = 0; i < state.n; ++i) {
             const auto& p = x[state.at(block, i)];
@@ -91,25 +92,26 @@ std::vector<Case> cases() {
              {"groom.grid=[6, 6]"}}};
 }
 
-TEST(StrandSweep, does_what_the_reference_passes_do) {
+TEST(StrandStep, does_what_the_reference_passes_do) {
     for (const auto& c : cases()) {
         const Scene scene = scene_of(c.text, c.set);
         const Strands wanted = after(scene, 4, "double").positions;
         ASSERT_GT(farthest(wanted, scene.groom.rest), 1e-3) << c.name;
         // The whip of a chain without bends magnifies rounding.
-        EXPECT_LT(farthest(swept<double>(scene, AnySet{set_of(scene)}, 4), wanted), 1e-6) << c.name;
+        EXPECT_LT(farthest(stepped<double>(scene, AnySet{set_of(scene)}, 4), wanted), 1e-6) << c.name;
     }
 }
 
-TEST(StrandSweep, of_a_set_known_at_compile_time_is_the_general_one) {
+TEST(StrandStep, of_a_set_known_at_compile_time_is_the_general_one) {
     using namespace present;
     const Scene scene = scene_of(dry_scene);
     constexpr unsigned set = these<Stretch, Bend, Twist, Core>;
     ASSERT_EQ(set_of(scene), set);
-    EXPECT_LT(farthest(swept<double>(scene, ExactSet<set>(), 3), swept<double>(scene, AnySet{set}, 3)), 1e-7);
+    EXPECT_LT(farthest(stepped<double>(scene, ExactSet<set>(), 3), stepped<double>(scene, AnySet{set}, 3)),
+              1e-7);
 }
 
-TEST(StrandSweep, in_single_precision_stays_near_the_double_one) {
+TEST(StrandStep, in_single_precision_stays_near_the_double_one) {
     for (const auto& c : cases()) {
         const Scene scene = scene_of(c.text, c.set);
         const AnySet set{set_of(scene)};
@@ -117,8 +119,8 @@ TEST(StrandSweep, in_single_precision_stays_near_the_double_one) {
         // solids a strand may come out on the other side.
         const bool smooth = c.name == std::string("dry");
         const int frames = smooth ? 24 : 1;
-        const int astray = strands_astray(swept<float>(scene, set, frames), swept<double>(scene, set, frames),
-                                          smooth ? 1e-5 : 5e-4);
+        const int astray = strands_astray(stepped<float>(scene, set, frames),
+                                          stepped<double>(scene, set, frames), smooth ? 1e-5 : 5e-4);
         EXPECT_LE(astray, c.name == std::string("several solids") ? 4 : 0) << c.name;
     }
 }

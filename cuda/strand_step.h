@@ -1,0 +1,463 @@
+// The implicit substep of a block of strands by a team, a lane a strand. What is independent along a strand
+// is shared out among the members by particle: frames, forces, rows of the matrix, contact. What runs along
+// it goes to one of them: twists, the core's filter, elimination and substitution. Terms, formulas and order
+// are those of solver/passes/chain_step.h, which is the reference.
+#pragma once
+
+#include <utility>
+
+#include "cuda/present.h"
+#include "cuda/strand_memory.h"
+#include "cuda/team.h"
+#include "solver/passes/block_solve.h"
+
+namespace wetcurl {
+
+// A row of the system: with the couplings to the next particle, and to the one after where a term couples two
+// edges. The substitution needs the last three of it.
+template <class T>
+struct SystemRow {
+    Sym3<T> diagonal;
+    Vec3<T> r;
+    Mat3<T> u1, u2;
+};
+inline int row_size(const ChainTerms& terms) { return couples_two_edges(terms) ? 27 : 18; }
+
+template <class T>
+class StrandStep {
+    using V = Vec3<T>;
+    using Q = Quat<T>;
+    using M = Mat3<T>;
+
+  public:
+    WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants, int block,
+                          const Team& team)
+        : m_(m), k_(constants), block_(size_t(block)), team_(team) {
+        x_ = of<V>(m.x), x_before_ = of<V>(m.x_before), v_ = of<V>(m.v), v_before_ = of<V>(m.v_before);
+    }
+
+    // One substep, `first` of a run (no history) or not. Returns how many edges this member saw held at their
+    // strain limit.
+    template <class Set>
+    WETCURL_HD int step(const Set& set, const SubstepMotion<T>& motion, bool first) {
+        const Bdf2<T> scheme(k_.dt, first, k_.share);
+        looks_ = 1;
+        const bool contacts = expect(set, motion, scheme);
+        bool active = true;
+        do {
+            look(set, motion, scheme, active);
+            const bool far = solve(set, motion, scheme, contacts, active);
+            active = active && far && looks_ < k_.looks;
+            if (!team_.any(active)) break;
+            // Forces are taken anew where the solution has led those strands.
+            team_.share(active, 0, m_.n, [&](int i) {
+                const V d = of<V>(m_.solution)[i];
+                of<V>(m_.at).set(i, of<V>(m_.at)[i] + scheme.h * d);
+                of<V>(m_.change).set(i, change_at(i) + d);
+            });
+            looks_ += active;
+        } while (true);
+        const int limited = finish(set, motion, scheme);
+        // What was written over the older state is the newer one.
+        const auto x = x_, v = v_;
+        x_ = x_before_, v_ = v_before_;
+        x_before_ = x, v_before_ = v;
+        return limited;
+    }
+
+  private:
+    // This lane's elements of a buffer.
+    template <class E, class P>
+    WETCURL_HD auto of(P* buffer, size_t rows = sizeof(E) / sizeof(T)) const {
+        return LaneArray<std::remove_const_t<E>, P>{buffer + block_ * size_t(m_.n) * rows * Lanes<T>::lanes +
+                                                    team_.lane};
+    }
+    template <class Set>
+    WETCURL_HD static bool penta(const Set& set) {
+        return has<Bend>(set) || has<Twist>(set);
+    }
+    // Of velocities until forces were taken anew.
+    WETCURL_HD V change_at(int i) const { return looks_ > 1 ? V(of<V>(m_.change)[i]) : V{T(0), T(0), T(0)}; }
+    // The velocity at which forces are taken.
+    WETCURL_HD V look_velocity(const Bdf2<T>& scheme, int i) const {
+        return scheme.expected_velocity(v_[i]) + change_at(i);
+    }
+    WETCURL_HD V edge_at(int i) const {
+        const auto at = of<V>(m_.at);
+        return at[i + 1] - at[i];
+    }
+    WETCURL_HD V placed_root(const SubstepMotion<T>& motion, int i) const {
+        const LaneArray<V, const T> root{m_.root + block_ * 2 * 3 * Lanes<T>::lanes + team_.lane};
+        return rotate(motion.head_rotation, root[i]) + motion.head_translation;
+    }
+
+    // --- where particles are expected, and which surfaces hold them
+
+    // The contact of particle i; `pushed` is raised where it is expected inside.
+    WETCURL_HD Hold<T> first_hold_of(int i, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, const V& x,
+                                     T& pushed) const {
+        return expected_contact(motion, m_.rest_depth ? of<const T>(m_.rest_depth)[i] : T(0),
+                                hold_stiffness(k_.spring_sum, scheme.h, of<const T>(m_.mass)[i]), x, v_[i],
+                                pushed);
+    }
+    // Of one that a solid has pushed or is to push: held while `pushed` is above 0; below it the surface may
+    // hold it again.
+    WETCURL_HD Hold<T> hold_of(int i, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, T pushed) const {
+        T momentum = pushed < 0 ? -pushed : pushed;
+        Hold<T> hold =
+            first_hold_of(i, motion, scheme, scheme.predicted(x_[i], x_before_[i], v_[i]), momentum);
+        hold.gap += scheme.h * dot(change_at(i), hold.normal);
+        hold.weight = pushed > 0 ? hold.stiff : T(0);
+        return hold;
+    }
+    // Returns whether surfaces push the strand.
+    template <class Set>
+    WETCURL_HD bool expect(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
+        bool contact = false;
+        const auto pushed = of<T>(m_.pushed);
+        for (int i = team_.member; i < m_.n; i += team_.members) {
+            const V x = scheme.predicted(x_[i], x_before_[i], v_[i]);
+            of<V>(m_.at).set(i, x);
+            if (!set.has(present::contact) || i < 2) continue;
+            T momentum = pushed[i];
+            const Hold<T> hold = first_hold_of(i, motion, scheme, x, momentum);
+            if (!(momentum > 0)) continue;
+            contact = true;
+            pushed.set(i, hold.weight > 0 ? momentum : -momentum);
+        }
+        return team_.together(contact);
+    }
+
+    // --- what forces need of the whole strand
+
+    template <class Set>
+    WETCURL_HD void look(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, bool active) {
+        const int edges = m_.n - 1;
+        const auto ahead = of<Q>(m_.ahead);
+        if (has<StrainLimit>(set))
+            team_.share(active, 1, edges, [&](int i) { of<V>(m_.limit_edge).set(i, edge_at(i)); });
+        if (has<Bend>(set))
+            team_.share(active, 0, edges, [&](int i) {
+                const Q frame = looks_ == 1 ? motion.root_turn * of<Q>(m_.frame)[i] : ahead[i];
+                ahead.set(i, transported(frame, edge_at(i)));
+            });
+        if (has<Twist>(set)) team_.share(active, 1, edges, [&](int i) { meet_at_joint(i); });
+        if (has<Twist>(set) && active && team_.member == 0) turn_edges(scheme);
+        if (has<Core>(set) && active && team_.member == (team_.members > 1)) pull_core(scheme);
+        team_.wait();
+        if (has<Twist>(set))
+            team_.share(active, 1, edges,
+                        [&](int i) { ahead.set(i, turned_about_itself(ahead[i], of<V>(m_.twist)[i].x)); });
+    }
+    // What the turn of edge i about itself meets: the torque of the joint before it, and its bend after it.
+    WETCURL_HD void meet_at_joint(int i) {
+        const auto ahead = of<Q>(m_.ahead);
+        const Q frame = ahead[i];
+        const T stiffness = get<Twist>(k_.terms).stiffness(of<const T>(m_.rest_length)[i]);
+        V row{stiffness * Twist::HalfAngle<T>(ahead[i - 1], frame).sine_of_whole(), T(0), T(0)};
+        if (i + 2 < m_.n)
+            bend_by_turn(get<Bend>(k_.terms), frame, of<const V>(m_.target)[i + 1], edge_at(i + 1), row.y,
+                         row.z);
+        of<V>(m_.twist).set(i, row);
+    }
+    // As relax_twist does.
+    WETCURL_HD void turn_edges(const Bdf2<T>& scheme) {
+        const int n = m_.n;
+        if (n < 3) return;
+        const Twist& twist = get<Twist>(k_.terms);
+        const auto rows = of<V>(m_.twist);
+        const auto rest_length = of<const T>(m_.rest_length), mass = of<const T>(m_.mass);
+        TwistElimination<T> row;
+        V next = rows[1];
+        T k_next = twist.stiffness(rest_length[1]);
+        for (int i = 1; i + 1 < n; ++i) {
+            const V now = next;
+            const T k = k_next;
+            const bool tip = i + 2 == n;
+            next = tip ? V{T(0), T(0), T(0)} : rows[i + 1];
+            k_next = tip ? T(0) : twist.stiffness(rest_length[i + 1]);
+            row.next(i == 1, k, now.x, k_next, next.x, now.y, now.z, twist.lag(scheme.h, mass[i]));
+            rows.set(i, {row.right, row.pivot, k_next});
+        }
+        T turn(0);
+        for (int i = n - 2; i > 0; --i) {
+            const V now = rows[i];
+            turn = (now.x + now.z * turn) / now.y;
+            rows.set(i, {turn, T(0), T(0)});
+        }
+    }
+    // As Core::prepare does, but for the edge at the root, which moves nothing.
+    WETCURL_HD void pull_core(const Bdf2<T>& scheme) {
+        const int edges = m_.n - 1;
+        const Core& core = get<Core>(k_.terms);
+        const auto at = of<V>(m_.at), pull = of<V>(m_.core);
+        const auto rest = of<const T>(m_.rest_core);
+        V x = at[0], v = look_velocity(scheme, 0);
+        const V first = at[1] - x, first_rate = look_velocity(scheme, 1) - v;
+        EdgeFilter<T> smooth(T(core.beta), first), smooth_rate(T(core.beta), first_rate);
+        for (int i = 0; i < edges; ++i) {
+            const V x1 = at[i + 1], v1 = look_velocity(scheme, i + 1);
+            pull.set(i, core.pull(smooth(x1 - x), smooth_rate(v1 - v), rest[i]));
+            x = x1, v = v1;
+        }
+        if (core.printed) return;
+        EdgeFilterAdjoint<T> adjoint(T(core.beta));
+        for (int i = edges - 1; i > 0; --i) pull.set(i, adjoint(pull[i]));
+    }
+
+    // --- the system
+
+    template <class Set>
+    WETCURL_HD T* row_at(const Set& set, int i) const {
+        return m_.rows +
+               (block_ * size_t(m_.n) + size_t(i)) * size_t(penta(set) ? 27 : 18) * Lanes<T>::lanes +
+               team_.lane;
+    }
+    template <class Set>
+    WETCURL_HD SystemRow<T> loaded_row(const Set& set, int i) const {
+        const T* p = row_at(set, i);
+        SystemRow<T> row{};
+        row.diagonal = LaneArray<Sym3<T>, const T>{p}[0];
+        load_couplings(set, p, row);
+        return row;
+    }
+    template <class Set>
+    WETCURL_HD static void load_couplings(const Set& set, const T* p, SystemRow<T>& row) {
+        row.r = LaneArray<V, const T>{p + 6 * Lanes<T>::lanes}[0];
+        row.u1 = LaneArray<M, const T>{p + 9 * Lanes<T>::lanes}[0];
+        if (penta(set)) row.u2 = LaneArray<M, const T>{p + 18 * Lanes<T>::lanes}[0];
+    }
+    template <class Set>
+    WETCURL_HD static void store_couplings(const Set& set, T* p, const SystemRow<T>& row) {
+        LaneArray<V, T>{p + 6 * Lanes<T>::lanes}.set(0, row.r);
+        LaneArray<M, T>{p + 9 * Lanes<T>::lanes}.set(0, row.u1);
+        if (penta(set)) LaneArray<M, T>{p + 18 * Lanes<T>::lanes}.set(0, row.u2);
+    }
+
+    template <class Set, size_t... place>
+    WETCURL_HD void assemble_present(const Set& set, const ChainView<T>& view, const ChainSystem<T>& system,
+                                     std::index_sequence<place...>) const {
+        ((set.has(int(place)) ? std::get<place>(k_.terms)->assemble(view, system, 2, 3) : void()), ...);
+    }
+
+    // Rows begin .. end-1, by the elements that reach them, in a window of three particles that moves to the
+    // tip.
+    template <class Set>
+    WETCURL_HD void assemble_rows(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
+                                  int begin, int end) const {
+        const int n = m_.n;
+        const V zero{T(0), T(0), T(0)};
+        const Sym3<T> no_sym = identity_times(T(0));
+        const M no_mat = to_mat3(no_sym);
+        V x[3], v[3], force[3] = {zero, zero, zero};
+        Sym3<T> diagonal[3] = {no_sym, no_sym, no_sym};
+        M upper1[2] = {no_mat, no_mat}, upper2[1];
+        V target[2], core[2], push[2], limit_edge[2], normal[3], surface_velocity[3];
+        Q frame[2];
+        T mass[3], rest_length[2], saturation[3], touching[3], phi[3];
+        normal[2] = {T(0), T(1), T(0)}, surface_velocity[2] = zero;
+        const auto at = of<V>(m_.at);
+        const auto ahead = of<Q>(m_.ahead);
+        const auto masses = of<const T>(m_.mass);
+
+        ChainView<T> view{};
+        view.n = 3;
+        view.x = x, view.v = v, view.mass = mass, view.rest_length = rest_length;
+        view.limit_edge = limit_edge;
+        view.target = target, view.frame = frame, view.core_pull = core, view.push = push;
+        view.saturation = saturation, view.touching = touching, view.phi = phi, view.normal = normal;
+        view.surface_velocity = surface_velocity;
+        view.turn = motion.turn, view.turn_center = motion.turn_center, view.drift = motion.drift;
+        if (has<CurlPush>(set)) view.chord = at[n - 1] - at[0];
+        const ChainSystem<T> system{scheme.h, force, diagonal, upper1, upper2};
+
+        const int start = begin < 2 ? 2 : begin;
+        for (int k = 1; k < 3; ++k) {
+            const int i = start - 3 + k;
+            x[k] = at[i], v[k] = look_velocity(scheme, i), mass[k] = masses[i];
+        }
+        if (has<Bend>(set)) frame[1] = ahead[start - 2];
+        for (int j = start; j < end + 2; ++j) {
+            for (int k = 0; k < 2; ++k) {
+                x[k] = x[k + 1], v[k] = v[k + 1], mass[k] = mass[k + 1];
+                force[k] = force[k + 1], diagonal[k] = diagonal[k + 1];
+            }
+            force[2] = zero, diagonal[2] = no_sym;
+            upper1[0] = upper1[1], upper1[1] = no_mat, upper2[0] = no_mat;
+            if (j < n) {
+                x[2] = at[j], v[2] = look_velocity(scheme, j), mass[2] = masses[j];
+                rest_length[1] = of<const T>(m_.rest_length)[j - 1];
+                if (has<Bend>(set)) {
+                    frame[0] = frame[1], frame[1] = ahead[j - 1];
+                    target[1] = of<const V>(m_.target)[j - 1];
+                }
+                if (has<Core>(set)) core[1] = of<V>(m_.core)[j - 1];
+                if (has<CurlPush>(set)) push[1] = of<const V>(m_.push)[j - 1];
+                if (has<StrainLimit>(set)) limit_edge[1] = of<V>(m_.limit_edge)[j - 1];
+                if ((has<Adhesion>(set) || has<Stiffness>(set)) && m_.saturation)
+                    saturation[2] = of<const T>(m_.saturation)[j];
+                else
+                    saturation[2] = T(0);
+                if (has<Adhesion>(set)) {
+                    touching[2] = of<T>(m_.touching)[j];
+                    sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
+                }
+                assemble_present(set, view, system,
+                                 std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
+            }
+            const int i = j - 2;
+            if (i < begin || i >= end) continue;
+            SystemRow<T> row{diagonal[0], zero, upper1[0], upper2[0]};
+            if (i >= 2) {
+                row.r =
+                    scheme.right_side(mass[0], v_[i], v_before_[i], v[0], force[0] + mass[0] * k_.gravity);
+                row.diagonal += identity_times(mass[0]);
+                const T pushed = set.has(present::contact) ? of<T>(m_.pushed)[i] : T(0);
+                if (pushed > 0)
+                    add_hold(hold_of(i, motion, scheme, pushed), scheme.h, v[0], row.diagonal, row.r);
+            }
+            T* p = row_at(set, i);
+            LaneArray<Sym3<T>, T>{p}.set(0, row.diagonal);
+            store_couplings(set, p, row);
+        }
+    }
+
+    // Eliminates from the root and substitutes from the tip. Rows become those of the substitution.
+    template <class Set>
+    WETCURL_HD void solve_rows(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) const {
+        const int n = m_.n;
+        const auto solution = of<V>(m_.solution), at = of<V>(m_.at);
+        SystemRow<T> beyond{};
+        beyond.diagonal = identity_times(T(1));
+        auto row_or_none = [&](int i) { return i < n ? loaded_row(set, i) : beyond; };
+        V known[2];
+        for (int i = 0; i < 2; ++i) {
+            known[i] = (T(1) / scheme.h) * (placed_root(motion, i) - at[i]);
+            solution.set(i, known[i]);
+        }
+        SystemRow<T> row = row_or_none(2), row1 = row_or_none(3), row2 = row_or_none(4);
+        {
+            SystemRow<T> root{};
+            load_couplings(set, row_at(set, 1), root);
+            row.r -= transposed_times(root.u1, known[1]);
+            if (penta(set)) row1.r -= transposed_times(root.u2, known[1]);
+            load_couplings(set, row_at(set, 0), root);
+            if (penta(set)) row.r -= transposed_times(root.u2, known[0]);
+        }
+        for (int i = 2; i < n; ++i) {
+            const SystemRow<T> next = row_or_none(i + 3);  // on its way while this row is worked on
+            eliminate(Row<T>{row.diagonal, &row.u1, penta(set) ? &row.u2 : nullptr, row.r}, &row1.diagonal,
+                      &row1.r, &row1.u1, &row2.diagonal, &row2.r);
+            store_couplings(set, row_at(set, i), row);
+            row = row1, row1 = row2, row2 = next;
+        }
+        const V zero{T(0), T(0), T(0)};
+        V d1 = zero, d2 = zero;
+        SystemRow<T> next{};
+        if (n > 2) load_couplings(set, row_at(set, n - 1), next);
+        for (int i = n - 1; i >= 2; --i) {
+            const SystemRow<T> now = next;
+            if (i > 2) load_couplings(set, row_at(set, i - 1), next);
+            V d = now.r - now.u1 * d1;
+            if (penta(set)) d -= now.u2 * d2;
+            solution.set(i, d);
+            d2 = d1, d1 = d;
+        }
+    }
+
+    // Solves until the edges at their strain limit and the particles that surfaces hold are found. Returns
+    // whether an edge turned far.
+    template <class Set>
+    WETCURL_HD bool solve(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
+                          bool contacts, bool active) {
+        enum : unsigned { limit_moved = 1, hold_changed = 2, turned = 4 };
+        const int n = m_.n, part = (n + team_.members - 1) / team_.members, begin = part * team_.member,
+                  end = begin + part < n ? begin + part : n;
+        const auto solution = of<V>(m_.solution), edge_limited = of<V>(m_.limit_edge);
+        const auto pushed = of<T>(m_.pushed);
+        const auto rest_length = of<const T>(m_.rest_length);
+        const T far = far_turn(k_.turn, T(contacts));
+        auto way_of = [&](int edge) { return scheme.h * (solution[edge + 1] - solution[edge]); };
+        bool again = active, far_off = false;
+        for (int solves = 1;; ++solves) {
+            if (again && begin < end) assemble_rows(set, motion, scheme, begin, end);
+            team_.wait();
+            if (again && team_.member == 0) solve_rows(set, motion, scheme);
+            team_.wait();
+            const bool limits = has<StrainLimit>(set) && solves < StrainLimit::most_solves,
+                       holds = set.has(present::contact) && contacts && solves < most_contact_solves;
+            unsigned seen = 0;
+            for (int i = 2 + team_.member; again && i < n; i += team_.members) {
+                const V way = way_of(i - 1);
+                const T rest = rest_length[i - 1];
+                if (turned_far<T>(way, rest, far) > 0) seen |= turned;
+                if (limits &&
+                    get<StrainLimit>(k_.terms).unsettled(edge_at(i - 1) + way, edge_limited[i - 1], rest) > 0)
+                    seen |= limit_moved;
+                if (!holds || pushed[i] == 0) continue;
+                Hold<T> hold = hold_of(i, motion, scheme, pushed[i]);
+                if (!(weigh_again(scheme.h, solution[i], hold) > 0)) continue;
+                pushed.set(i, -pushed[i]);
+                seen |= hold_changed;
+            }
+            const unsigned all = team_.together(seen);
+            if (again) far_off = all & turned;
+            again = again && (all & (limit_moved | hold_changed));
+            if (!team_.any(again)) return far_off;
+            if (has<StrainLimit>(set))
+                team_.share(again && (all & limit_moved), 1, n - 1,
+                            [&](int i) { edge_limited.set(i, edge_at(i) + way_of(i)); });
+        }
+    }
+
+    // --- where the step ends
+
+    template <class Set>
+    WETCURL_HD int finish(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
+        const int n = m_.n;
+        const auto at = of<V>(m_.at), solution = of<V>(m_.solution);
+        int limited = 0;
+        team_.share(true, 0, n, [&](int i) {
+            const V d = solution[i], expected = at[i];
+            V x = i < 2 ? placed_root(motion, i) : expected + scheme.h * d, v = look_velocity(scheme, i) + d;
+            if (has<StrainLimit>(set) && i >= 2)
+                limited += get<StrainLimit>(k_.terms).holds(of<V>(m_.limit_edge)[i - 1],
+                                                            of<const T>(m_.rest_length)[i - 1]);
+            if (has<Adhesion>(set)) {
+                T phi;
+                V normal, surface_velocity;
+                sample_nearest(motion, expected, phi, normal, surface_velocity);
+                const auto touching = of<T>(m_.touching);
+                touching.set(i, updated_touching(touching[i], phi, T(get<Adhesion>(k_.terms).h_a)));
+            }
+            if (set.has(present::contact) && i >= 2) {
+                T pushed = of<T>(m_.pushed)[i];
+                pushed = pushed > 0 ? pushed_by(hold_of(i, motion, scheme, pushed), scheme.h, d) : T(0);
+                V x_old = x_[i], v_old = v_[i];
+                bool moved = false;
+                for (const auto& solid : motion)
+                    moved |= resolve_contact(
+                        solid, T(0),
+                        solid.attached && m_.rest_depth ? T(of<const T>(m_.rest_depth)[i]) : T(0), k_.dt,
+                        of<const T>(m_.mass)[i], pushed, x, x_old, v, v_old);
+                of<T>(m_.pushed).set(i, pushed);
+                if (moved) x_.set(i, x_old), v_.set(i, v_old);
+            }
+            x_before_.set(i, x), v_before_.set(i, v);
+        });
+        if (has<Bend>(set))
+            team_.share(true, 0, n - 1, [&](int i) {
+                of<Q>(m_.frame).set(i, transported(of<Q>(m_.ahead)[i], x_before_[i + 1] - x_before_[i]));
+            });
+        return limited;
+    }
+
+    const StrandMemory<T>& m_;
+    const ChainConstants<T>& k_;
+    size_t block_;
+    Team team_;
+    int looks_ = 1;  // how often forces were taken in this step
+    LaneArray<V, T> x_, x_before_, v_, v_before_;
+};
+
+}  // namespace wetcurl
