@@ -30,9 +30,10 @@ class StrandStep {
     using M = Mat3<T>;
 
   public:
+    static constexpr int middle_size = 30;
     WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants, int block,
-                          const Team& team)
-        : m_(m), k_(constants), block_(size_t(block)), team_(team) {
+                          const Team& team, T* middle)
+        : m_(m), k_(constants), block_(size_t(block)), team_(team), middle_(middle) {
         x_ = of<V>(m.x), x_before_ = of<V>(m.x_before), v_ = of<V>(m.v), v_before_ = of<V>(m.v_before);
     }
 
@@ -141,68 +142,95 @@ class StrandStep {
                 const Q frame = looks_ == 1 ? motion.root_turn * of<Q>(m_.frame)[i] : ahead[i];
                 ahead.set(i, transported(frame, edge_at(i)));
             });
-        if (has<Twist>(set)) team_.share(active, 1, edges, [&](int i) { meet_at_joint(i); });
-        if (has<Twist>(set) && active && team_.member == 0) turn_edges(scheme);
+        if (has<Twist>(set)) team_.share(active, 1, edges, [&](int i) { meet_at_joint(scheme, i); });
+        if (has<Twist>(set) && active && team_.member == 0) turn_edges();
         if (has<Core>(set) && active && team_.member == (team_.members > 1)) pull_core(scheme);
         team_.wait();
         if (has<Twist>(set))
             team_.share(active, 1, edges,
                         [&](int i) { ahead.set(i, turned_about_itself(ahead[i], of<V>(m_.twist)[i].x)); });
     }
-    // What the turn of edge i about itself meets: the torque of the joint before it, and its bend after it.
-    WETCURL_HD void meet_at_joint(int i) {
-        const auto ahead = of<Q>(m_.ahead);
-        const Q frame = ahead[i];
-        const T stiffness = get<Twist>(k_.terms).stiffness(of<const T>(m_.rest_length)[i]);
-        V row{stiffness * Twist::HalfAngle<T>(ahead[i - 1], frame).sine_of_whole(), T(0), T(0)};
-        if (i + 2 < m_.n)
-            bend_by_turn(get<Bend>(k_.terms), frame, of<const V>(m_.target)[i + 1], edge_at(i + 1), row.y,
-                         row.z);
-        of<V>(m_.twist).set(i, row);
-    }
-    // As relax_twist does.
-    WETCURL_HD void turn_edges(const Bdf2<T>& scheme) {
-        const int n = m_.n;
-        if (n < 3) return;
+    // The row of edge i in the system of the turns of edges about themselves: its coupling to the edge
+    // before, right side, diagonal.
+    WETCURL_HD void meet_at_joint(const Bdf2<T>& scheme, int i) {
         const Twist& twist = get<Twist>(k_.terms);
-        const auto rows = of<V>(m_.twist);
-        const auto rest_length = of<const T>(m_.rest_length), mass = of<const T>(m_.mass);
-        TwistElimination<T> row;
-        V next = rows[1];
-        T k_next = twist.stiffness(rest_length[1]);
-        for (int i = 1; i + 1 < n; ++i) {
-            const V now = next;
-            const T k = k_next;
-            const bool tip = i + 2 == n;
-            next = tip ? V{T(0), T(0), T(0)} : rows[i + 1];
-            k_next = tip ? T(0) : twist.stiffness(rest_length[i + 1]);
-            row.next(i == 1, k, now.x, k_next, next.x, now.y, now.z, twist.lag(scheme.h, mass[i]));
-            rows.set(i, {row.right, row.pivot, k_next});
+        const auto ahead = of<Q>(m_.ahead);
+        const auto rest_length = of<const T>(m_.rest_length);
+        const Q frame = ahead[i];
+        const T k = twist.stiffness(rest_length[i]);
+        const T torque = k * Twist::HalfAngle<T>(ahead[i - 1], frame).sine_of_whole();
+        T k_next(0), torque_next(0), slope(0), bound(0);
+        if (i + 2 < m_.n) {
+            k_next = twist.stiffness(rest_length[i + 1]);
+            torque_next = k_next * Twist::HalfAngle<T>(frame, ahead[i + 1]).sine_of_whole();
+            bend_by_turn(get<Bend>(k_.terms), frame, of<const V>(m_.target)[i + 1], edge_at(i + 1), slope,
+                         bound);
         }
-        T turn(0);
-        for (int i = n - 2; i > 0; --i) {
-            const V now = rows[i];
-            turn = (now.x + now.z * turn) / now.y;
-            rows.set(i, {turn, T(0), T(0)});
+        const T lag = twist.lag(scheme.h, of<const T>(m_.mass)[i]);
+        of<V>(m_.twist).set(
+            i, {i == 1 ? T(0) : k, torque_next - torque - slope, (T(1) + lag) * (bound + k + k_next)});
+    }
+    // A few elements are loaded at once: one after the other each would wait for memory.
+    static constexpr int at_once = 8;
+    // As relax_twist does.
+    WETCURL_HD void turn_edges() {
+        const int edges = m_.n - 1;
+        const auto rows = of<V>(m_.twist);
+        TwistElimination<T> row;
+        V some[at_once]{};
+        for (int begin = 1; begin < edges; begin += at_once) {
+            for (int k = 0; k < at_once; ++k)
+                if (begin + k < edges) some[k] = rows[begin + k];
+            for (int k = 0; k < at_once; ++k) {
+                if (begin + k >= edges) continue;
+                row.next(some[k].x, some[k].y, some[k].z);
+                rows.set(begin + k, {some[k].x, row.right, T(1) / row.pivot});
+            }
+        }
+        T turn(0), after(0);
+        for (int end = edges; end > 1; end -= at_once) {
+            for (int k = 1; k <= at_once; ++k)
+                if (end - k > 0) some[k - 1] = rows[end - k];
+            for (int k = 1; k <= at_once; ++k) {
+                if (end - k < 1) continue;
+                turn = (some[k - 1].y + after * turn) * some[k - 1].z;
+                after = some[k - 1].x;
+                rows.set(end - k, {turn, T(0), T(0)});
+            }
         }
     }
     // As Core::prepare does, but for the edge at the root, which moves nothing.
     WETCURL_HD void pull_core(const Bdf2<T>& scheme) {
+        constexpr int few = at_once / 2;
         const int edges = m_.n - 1;
         const Core& core = get<Core>(k_.terms);
         const auto at = of<V>(m_.at), pull = of<V>(m_.core);
         const auto rest = of<const T>(m_.rest_core);
         V x = at[0], v = look_velocity(scheme, 0);
-        const V first = at[1] - x, first_rate = look_velocity(scheme, 1) - v;
-        EdgeFilter<T> smooth(T(core.beta), first), smooth_rate(T(core.beta), first_rate);
-        for (int i = 0; i < edges; ++i) {
-            const V x1 = at[i + 1], v1 = look_velocity(scheme, i + 1);
-            pull.set(i, core.pull(smooth(x1 - x), smooth_rate(v1 - v), rest[i]));
-            x = x1, v = v1;
+        EdgeFilter<T> smooth(T(core.beta), at[1] - x),
+            smooth_rate(T(core.beta), look_velocity(scheme, 1) - v);
+        V some[2 * few]{};
+        T rests[few]{};
+        for (int begin = 0; begin < edges; begin += few) {
+            for (int k = 0; k < few; ++k) {
+                if (begin + k >= edges) continue;
+                some[k] = at[begin + k + 1], some[few + k] = look_velocity(scheme, begin + k + 1);
+                rests[k] = rest[begin + k];
+            }
+            for (int k = 0; k < few; ++k) {
+                if (begin + k >= edges) continue;
+                pull.set(begin + k, core.pull(smooth(some[k] - x), smooth_rate(some[few + k] - v), rests[k]));
+                x = some[k], v = some[few + k];
+            }
         }
         if (core.printed) return;
         EdgeFilterAdjoint<T> adjoint(T(core.beta));
-        for (int i = edges - 1; i > 0; --i) pull.set(i, adjoint(pull[i]));
+        for (int end = edges; end > 1; end -= 2 * few) {
+            for (int k = 1; k <= 2 * few; ++k)
+                if (end - k > 0) some[k - 1] = pull[end - k];
+            for (int k = 1; k <= 2 * few; ++k)
+                if (end - k > 0) pull.set(end - k, adjoint(some[k - 1]));
+        }
     }
 
     // --- the system
@@ -322,42 +350,114 @@ class StrandStep {
         }
     }
 
-    // Eliminates from the root and substitutes from the tip. Rows become those of the substitution.
+    // Eliminates rows 2 .. end-1 from the root; they become those of the substitution. The two after them as
+    // they are left.
     template <class Set>
-    WETCURL_HD void solve_rows(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) const {
+    WETCURL_HD void eliminate_from_root(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
+                                        int end, SystemRow<T>& row, SystemRow<T>& row1) const {
         const int n = m_.n;
-        const auto solution = of<V>(m_.solution), at = of<V>(m_.at);
         SystemRow<T> beyond{};
         beyond.diagonal = identity_times(T(1));
         auto row_or_none = [&](int i) { return i < n ? loaded_row(set, i) : beyond; };
+        row = row_or_none(2), row1 = row_or_none(3);
+        SystemRow<T> row2 = row_or_none(4);
         V known[2];
         for (int i = 0; i < 2; ++i) {
-            known[i] = (T(1) / scheme.h) * (placed_root(motion, i) - at[i]);
-            solution.set(i, known[i]);
+            known[i] = (T(1) / scheme.h) * (placed_root(motion, i) - of<V>(m_.at)[i]);
+            of<V>(m_.solution).set(i, known[i]);
         }
-        SystemRow<T> row = row_or_none(2), row1 = row_or_none(3), row2 = row_or_none(4);
-        {
-            SystemRow<T> root{};
-            load_couplings(set, row_at(set, 1), root);
-            row.r -= transposed_times(root.u1, known[1]);
-            if (penta(set)) row1.r -= transposed_times(root.u2, known[1]);
-            load_couplings(set, row_at(set, 0), root);
-            if (penta(set)) row.r -= transposed_times(root.u2, known[0]);
-        }
-        for (int i = 2; i < n; ++i) {
+        SystemRow<T> root{};
+        load_couplings(set, row_at(set, 1), root);
+        row.r -= transposed_times(root.u1, known[1]);
+        if (penta(set)) row1.r -= transposed_times(root.u2, known[1]);
+        load_couplings(set, row_at(set, 0), root);
+        if (penta(set)) row.r -= transposed_times(root.u2, known[0]);
+        for (int i = 2; i < end; ++i) {
             const SystemRow<T> next = row_or_none(i + 3);  // on its way while this row is worked on
             eliminate(Row<T>{row.diagonal, &row.u1, penta(set) ? &row.u2 : nullptr, row.r}, &row1.diagonal,
                       &row1.r, &row1.u1, &row2.diagonal, &row2.r);
             store_couplings(set, row_at(set, i), row);
             row = row1, row1 = row2, row2 = next;
         }
+    }
+    // Rows n-1 .. end from the tip. Leaves what they add to the two before them, whose own numbers are the
+    // other side's.
+    template <class Set>
+    WETCURL_HD void eliminate_from_tip(const Set& set, int end) const {
+        // Row i with its couplings to rows i-1 and i-2.
+        auto turned_round = [&](int i) {
+            const T *p = row_at(set, i), *p1 = row_at(set, i - 1), *p2 = row_at(set, i - 2);
+            SystemRow<T> row{};
+            if (i >= end) {
+                row.diagonal = LaneArray<Sym3<T>, const T>{p}[0];
+                row.r = LaneArray<V, const T>{p + 6 * Lanes<T>::lanes}[0];
+            }
+            if (i > end - 1) {
+                row.u1 = transposed(LaneArray<M, const T>{p1 + 9 * Lanes<T>::lanes}[0]);
+                if (penta(set)) row.u2 = transposed(LaneArray<M, const T>{p2 + 18 * Lanes<T>::lanes}[0]);
+            }
+            return row;
+        };
+        const int n = m_.n;
+        SystemRow<T> row = turned_round(n - 1), row1 = turned_round(n - 2), row2 = turned_round(n - 3);
+        for (int i = n - 1; i >= end; --i) {
+            const SystemRow<T> next = i - 3 >= end - 2 ? turned_round(i - 3) : SystemRow<T>{};
+            eliminate(Row<T>{row.diagonal, &row.u1, penta(set) ? &row.u2 : nullptr, row.r}, &row1.diagonal,
+                      &row1.r, &row1.u1, &row2.diagonal, &row2.r);
+            store_couplings(set, row_at(set, i), row);
+            row = row1, row1 = row2, row2 = next;
+        }
+        const LaneArray<SystemRow<T>, T> left{middle_ + team_.lane};
+        left.set(0, {row.diagonal, row.r, row.u1, to_mat3(row1.diagonal)});
+        LaneArray<V, T>{middle_ + 27 * Lanes<T>::lanes + team_.lane}.set(0, row1.r);
+    }
+    // Two members eliminate from the ends, meet at rows m and m+1, and go back. Rows become those of the
+    // substitution.
+    template <class Set>
+    WETCURL_HD void solve_rows(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
+                               bool again) const {
+        const int n = m_.n;
+        const bool meets = n >= 8;
+        const int m = meets ? 2 + (n - 4) / 2 : n;
+        const bool from_root = again && team_.member == 0,
+                   from_tip = meets && again && team_.member == (team_.members > 1);
+        const auto solution = of<V>(m_.solution);
+        SystemRow<T> row, row1;
+        if (from_root) eliminate_from_root(set, motion, scheme, m, row, row1);
+        if (from_tip) eliminate_from_tip(set, m + 2);
+        team_.wait();
         const V zero{T(0), T(0), T(0)};
-        V d1 = zero, d2 = zero;
+        if (from_root && meets) {
+            const SystemRow<T> left = LaneArray<SystemRow<T>, T>{middle_ + team_.lane}[0];
+            const V r = LaneArray<V, T>{middle_ + 27 * Lanes<T>::lanes + team_.lane}[0];
+            const M& d = left.u2;
+            row1.diagonal += left.diagonal, row1.r += left.r;
+            row.u1 += transposed(left.u1);
+            row.diagonal += Sym3<T>{d.r0.x, d.r0.y, d.r0.z, d.r1.y, d.r1.z, d.r2.z}, row.r += r;
+            eliminate(Row<T>{row.diagonal, &row.u1, nullptr, row.r}, &row1.diagonal, &row1.r,
+                      static_cast<M*>(nullptr), static_cast<Sym3<T>*>(nullptr), static_cast<V*>(nullptr));
+            const V d1 = Factor3<T>(row1.diagonal).solve(row1.r);
+            solution.set(m + 1, d1), solution.set(m, row.r - row.u1 * d1);
+        }
+        team_.wait();
+        if (from_root) {
+            V d1 = meets ? V(solution[m]) : zero, d2 = meets ? V(solution[m + 1]) : zero;
+            substitute(set, m - 1, 1, -1, d1, d2);
+        }
+        if (from_tip) {
+            V d1 = solution[m + 1], d2 = solution[m];
+            substitute(set, m + 2, n, 1, d1, d2);
+        }
+    }
+    // Rows from begin to before end, by the solution d1, d2 of the two before.
+    template <class Set>
+    WETCURL_HD void substitute(const Set& set, int begin, int end, int step, V d1, V d2) const {
+        const auto solution = of<V>(m_.solution);
         SystemRow<T> next{};
-        if (n > 2) load_couplings(set, row_at(set, n - 1), next);
-        for (int i = n - 1; i >= 2; --i) {
+        if (begin != end) load_couplings(set, row_at(set, begin), next);
+        for (int i = begin; i != end; i += step) {
             const SystemRow<T> now = next;
-            if (i > 2) load_couplings(set, row_at(set, i - 1), next);
+            if (i + step != end) load_couplings(set, row_at(set, i + step), next);
             V d = now.r - now.u1 * d1;
             if (penta(set)) d -= now.u2 * d2;
             solution.set(i, d);
@@ -382,7 +482,7 @@ class StrandStep {
         for (int solves = 1;; ++solves) {
             if (again && begin < end) assemble_rows(set, motion, scheme, begin, end);
             team_.wait();
-            if (again && team_.member == 0) solve_rows(set, motion, scheme);
+            solve_rows(set, motion, scheme, again);
             team_.wait();
             const bool limits = has<StrainLimit>(set) && solves < StrainLimit::most_solves,
                        holds = set.has(present::contact) && contacts && solves < most_contact_solves;
@@ -456,6 +556,7 @@ class StrandStep {
     const ChainConstants<T>& k_;
     size_t block_;
     Team team_;
+    T* middle_;      // (middle_size rows of lanes) that the team shares
     int looks_ = 1;  // how often forces were taken in this step
     LaneArray<V, T> x_, x_before_, v_, v_before_;
 };

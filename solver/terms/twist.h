@@ -126,9 +126,14 @@ struct TwistElimination {
     // `torque_next`: of that with the edge after, 0 at the tip.
     WETCURL_HD void next(bool first, const S& k, const S& torque, const S& k_next, const S& torque_next,
                          const S& bend_slope, const S& bend_bound, const S& lag) {
-        const S coupling = first ? S(0) : k / pivot;
-        right = torque_next - torque - bend_slope + coupling * right;
-        pivot = maximum((S(1) + lag) * (bend_bound + k + k_next) - coupling * k, S(Plain<S>(1e-30)));
+        next(first ? S(0) : k, torque_next - torque - bend_slope, (S(1) + lag) * (bend_bound + k + k_next));
+    }
+    // The same where row i is known: its coupling to the row before, 0 for the first, its right side and
+    // diagonal.
+    WETCURL_HD void next(const S& k, const S& right_side, const S& diagonal) {
+        const S coupling = k / pivot;
+        right = right_side + coupling * right;
+        pivot = maximum(diagonal - coupling * k, S(Plain<S>(1e-30)));
     }
 };
 
