@@ -55,7 +55,7 @@ void run(const ChainLaunch<T>& launch, const Set& set, cudaStream_t stream) {
     if (launch.blocks <= processors)
         run_substeps<T, Set, 16, 1><<<unsigned(launch.blocks), 16 * warp, 0, stream>>>(launch, set);
     else
-        run_substeps<T, Set, 6, 3><<<unsigned(launch.blocks), 6 * warp, 0, stream>>>(launch, set);
+        run_substeps<T, Set, 5, 3><<<unsigned(launch.blocks), 5 * warp, 0, stream>>>(launch, set);
     check_cuda(cudaGetLastError(), "launch of the substeps");
 }
 

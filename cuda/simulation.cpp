@@ -106,7 +106,7 @@ class CudaSimulation final : public Simulation {
     bool first_ = true, swapped_ = false, capturing_ = false;  // swapped: x and x_before have changed places
 
     mutable ChainState<S> state_;  // as uploaded; snapshots bring x, v and frames back
-    DeviceBuffer<T> x_, x_before_, v_, v_before_, frame_, ahead_, at_, twist_, touching_, pushed_,
+    DeviceBuffer<T> x_, x_before_, v_, v_before_, frame_, ahead_, at_, twist_, touching_, pushed_, gap_,
         limit_edge_, change_, solution_, core_, rows_;
     DeviceBuffer<T> root_, mass_, rest_length_, rest_core_, target_, saturation_, rest_depth_, push_;
     DeviceBuffer<Vec3f> positions_, displayed_;
@@ -157,6 +157,7 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
     if (scene.term<Twist>()) twist_ = DeviceBuffer<T>(3 * cells);
     if (scene.term<StrainLimit>()) limit_edge_ = DeviceBuffer<T>(3 * cells);
     for (auto* buffer : {&at_, &change_, &solution_}) *buffer = DeviceBuffer<T>(3 * cells);
+    if (!scene.solids.empty()) gap_ = DeviceBuffer<T>(cells);
     rows_ = DeviceBuffer<T>(size_t(row_size(scene.chain)) * cells);
     positions_ = DeviceBuffer<Vec3f>(scene.groom.rest.points.size());
     host_report_[0] = {};
@@ -194,12 +195,12 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
 
 template <class T>
 StrandMemory<T> CudaSimulation<T>::memory() const {
-    StrandMemory<T> m{state_.n,           x_.data(),          x_before_.data(),    v_.data(),
-                      v_before_.data(),   touching_.data(),   pushed_.data(),      frame_.data(),
-                      ahead_.data(),      at_.data(),         twist_.data(),       core_.data(),
-                      limit_edge_.data(), change_.data(),     solution_.data(),    rows_.data(),
-                      root_.data(),       mass_.data(),       rest_length_.data(), rest_core_.data(),
-                      target_.data(),     saturation_.data(), rest_depth_.data(),  push_.data()};
+    StrandMemory<T> m{
+        state_.n,          x_.data(),      x_before_.data(),   v_.data(),          v_before_.data(),
+        touching_.data(),  pushed_.data(), gap_.data(),        frame_.data(),      ahead_.data(),
+        at_.data(),        twist_.data(),  core_.data(),       limit_edge_.data(), change_.data(),
+        solution_.data(),  rows_.data(),   root_.data(),       mass_.data(),       rest_length_.data(),
+        rest_core_.data(), target_.data(), saturation_.data(), rest_depth_.data(), push_.data()};
     if (swapped_) std::swap(m.x, m.x_before), std::swap(m.v, m.v_before);
     return m;
 }
@@ -391,7 +392,8 @@ BufferList CudaSimulation<T>::buffers() const {
         if (bytes) out.push_back({name, bytes});
     };
     add("core pull", core_.bytes()), add("rows of the system", rows_.bytes());
-    add("expected positions", at_.bytes()), add("solution", solution_.bytes());
+    add("expected gaps", gap_.bytes()), add("expected positions", at_.bytes()),
+        add("solution", solution_.bytes());
     add("bend frames ahead", ahead_.bytes()), add("twist", twist_.bytes());
     add("limited edges", limit_edge_.bytes()), add("changes of velocity", change_.bytes());
     add("shown positions", positions_.bytes()), add("displayed positions", displayed_.bytes());

@@ -13,6 +13,7 @@ template <class T>
 struct StrandMemory {
     int n;
     T *x, *x_before, *v, *v_before, *touching, *pushed;
+    T* gap;            // (block, particle) from surfaces where particles were first expected
     T *frame, *ahead;  // at the positions now, and at those at which forces are taken
     T* at;             // (block, particle, 3) those positions
     T* twist;       // (block, particle, 3) what the edges' turns about themselves come from, then the turns

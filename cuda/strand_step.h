@@ -114,22 +114,43 @@ class StrandStep {
     // Returns whether surfaces push the strand.
     template <class Set>
     WETCURL_HD bool expect(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
+        struct Loaded {
+            V x, x_before, v;
+            T pushed, mass, rest_depth;
+        };
+        const bool touches = set.has(present::contact);
         bool contact = false;
-        const auto pushed = of<T>(m_.pushed);
-        for (int i = team_.member; i < m_.n; i += team_.members) {
-            const V x = scheme.predicted(x_[i], x_before_[i], v_[i]);
-            of<V>(m_.at).set(i, x);
-            if (!set.has(present::contact) || i < 2) continue;
-            T momentum = pushed[i];
-            const Hold<T> hold = first_hold_of(i, motion, scheme, x, momentum);
-            if (!(momentum > 0)) continue;
-            contact = true;
-            pushed.set(i, hold.weight > 0 ? momentum : -momentum);
-        }
+        team_.share(
+            true, 0, m_.n,
+            [&](int i) {
+                Loaded in{x_[i], x_before_[i], v_[i], T(0), T(0), T(0)};
+                if (!touches) return in;
+                in.pushed = of<T>(m_.pushed)[i], in.mass = of<const T>(m_.mass)[i];
+                if (m_.rest_depth) in.rest_depth = of<const T>(m_.rest_depth)[i];
+                return in;
+            },
+            [&](int i, const Loaded& in) {
+                const V x = scheme.predicted(in.x, in.x_before, in.v);
+                of<V>(m_.at).set(i, x);
+                if (!touches || i < 2) return;
+                T momentum = in.pushed;
+                const Hold<T> hold =
+                    expected_contact(motion, in.rest_depth, hold_stiffness(k_.spring_sum, scheme.h, in.mass),
+                                     x, in.v, momentum);
+                of<T>(m_.gap).set(i, hold.gap);
+                if (!(momentum > 0)) return;
+                contact = true;
+                of<T>(m_.pushed).set(i, hold.weight > 0 ? momentum : -momentum);
+            });
         return team_.together(contact);
     }
 
     // --- what forces need of the whole strand
+
+    struct LoadedFrame {
+        Q frame;
+        V e;
+    };
 
     template <class Set>
     WETCURL_HD void look(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, bool active) {
@@ -138,14 +159,27 @@ class StrandStep {
         if (has<StrainLimit>(set))
             team_.share(active, 1, edges, [&](int i) { of<V>(m_.limit_edge).set(i, edge_at(i)); });
         if (has<Bend>(set))
-            team_.share(active, 0, edges, [&](int i) {
-                const Q frame = looks_ == 1 ? motion.root_turn * of<Q>(m_.frame)[i] : ahead[i];
-                ahead.set(i, transported(frame, edge_at(i)));
-            });
+            team_.share(
+                active, 0, edges,
+                [&](int i) {
+                    return LoadedFrame{looks_ == 1 ? Q(of<Q>(m_.frame)[i]) : Q(ahead[i]), edge_at(i)};
+                },
+                [&](int i, const LoadedFrame& in) {
+                    ahead.set(i, transported(looks_ == 1 ? motion.root_turn * in.frame : in.frame, in.e));
+                });
         if (has<Twist>(set)) team_.share(active, 1, edges, [&](int i) { meet_at_joint(scheme, i); });
-        if (has<Twist>(set) && active && team_.member == 0) turn_edges();
-        if (has<Core>(set) && active && team_.member == (team_.members > 1)) pull_core(scheme);
-        team_.wait();
+        // What runs along the strand, a job each.
+        team_.share(active, 0, 7, [&](int job) {
+            if (job == 6 && has<Twist>(set)) turn_edges();
+            if (job < 6 && has<Core>(set)) smooth_along(job > 2, job % 3);
+        });
+        if (has<Core>(set)) {
+            const Core& core = get<Core>(k_.terms);
+            const auto pull = of<V>(m_.core), rate = of<V>(m_.solution);
+            const auto rest = of<const T>(m_.rest_core);
+            team_.share(active, 0, edges, [&](int i) { pull.set(i, core.pull(pull[i], rate[i], rest[i])); });
+            if (!core.printed) team_.share(active, 0, 3, [&](int axis) { pull_along(axis); });
+        }
         if (has<Twist>(set))
             team_.share(active, 1, edges,
                         [&](int i) { ahead.set(i, turned_about_itself(ahead[i], of<V>(m_.twist)[i].x)); });
@@ -199,37 +233,52 @@ class StrandStep {
             }
         }
     }
-    // As Core::prepare does, but for the edge at the root, which moves nothing.
-    WETCURL_HD void pull_core(const Bdf2<T>& scheme) {
-        constexpr int few = at_once / 2;
+    // One coordinate of this lane's vectors.
+    template <class P>
+    WETCURL_HD P* axis_of(P* buffer, int axis) const {
+        return buffer + (block_ * size_t(m_.n) * 3 + size_t(axis)) * Lanes<T>::lanes + team_.lane;
+    }
+    static constexpr int next_vector = 3 * Lanes<T>::lanes;
+    // What Core::prepare smooths, one coordinate of edges or of their rates; `solution` holds the rates until
+    // there is one.
+    WETCURL_HD void smooth_along(bool of_rates, int axis) const {
+        const T beta = T(get<Core>(k_.terms).beta), a = 2 * (1 - beta), b = (1 - beta) * (1 - beta),
+                c = beta * beta;
+        const T *at = axis_of(m_.at, axis), *v = v_.p + axis * Lanes<T>::lanes,
+                *change = axis_of(m_.change, axis);
+        T* to = axis_of(of_rates ? m_.solution : m_.core, axis);
+        auto value = [&](int i) {
+            if (!of_rates) return at[i * next_vector];
+            return k_.share * v[i * next_vector] + (looks_ > 1 ? change[i * next_vector] : T(0));
+        };
         const int edges = m_.n - 1;
-        const Core& core = get<Core>(k_.terms);
-        const auto at = of<V>(m_.at), pull = of<V>(m_.core);
-        const auto rest = of<const T>(m_.rest_core);
-        V x = at[0], v = look_velocity(scheme, 0);
-        EdgeFilter<T> smooth(T(core.beta), at[1] - x),
-            smooth_rate(T(core.beta), look_velocity(scheme, 1) - v);
-        V some[2 * few]{};
-        T rests[few]{};
-        for (int begin = 0; begin < edges; begin += few) {
-            for (int k = 0; k < few; ++k) {
+        T before = value(0), d1 = value(1) - before, d2 = d1, some[at_once]{};
+        for (int begin = 0; begin < edges; begin += at_once) {
+            for (int k = 0; k < at_once; ++k)
+                if (begin + k < edges) some[k] = value(begin + k + 1);
+            for (int k = 0; k < at_once; ++k) {
                 if (begin + k >= edges) continue;
-                some[k] = at[begin + k + 1], some[few + k] = look_velocity(scheme, begin + k + 1);
-                rests[k] = rest[begin + k];
-            }
-            for (int k = 0; k < few; ++k) {
-                if (begin + k >= edges) continue;
-                pull.set(begin + k, core.pull(smooth(some[k] - x), smooth_rate(some[few + k] - v), rests[k]));
-                x = some[k], v = some[few + k];
+                const T d = a * d1 - b * d2 + c * (some[k] - before);
+                d2 = d1, d1 = d, before = some[k];
+                to[(begin + k) * next_vector] = d;
             }
         }
-        if (core.printed) return;
-        EdgeFilterAdjoint<T> adjoint(T(core.beta));
-        for (int end = edges; end > 1; end -= 2 * few) {
-            for (int k = 1; k <= 2 * few; ++k)
-                if (end - k > 0) some[k - 1] = pull[end - k];
-            for (int k = 1; k <= 2 * few; ++k)
-                if (end - k > 0) pull.set(end - k, adjoint(some[k - 1]));
+    }
+    // Its adjoint, but for the edge at the root, which moves nothing.
+    WETCURL_HD void pull_along(int axis) const {
+        const T beta = T(get<Core>(k_.terms).beta), a = 2 * (1 - beta), b = (1 - beta) * (1 - beta),
+                c = beta * beta;
+        T* pull = axis_of(m_.core, axis);
+        T d1(0), d2(0), some[at_once]{};
+        for (int end = m_.n - 1; end > 1; end -= at_once) {
+            for (int k = 1; k <= at_once; ++k)
+                if (end - k > 0) some[k - 1] = pull[(end - k) * next_vector];
+            for (int k = 1; k <= at_once; ++k) {
+                if (end - k < 1) continue;
+                const T d = a * d1 - b * d2 + some[k - 1];
+                d2 = d1, d1 = d;
+                pull[(end - k) * next_vector] = c * d;
+            }
         }
     }
 
@@ -517,38 +566,56 @@ class StrandStep {
         const int n = m_.n;
         const auto at = of<V>(m_.at), solution = of<V>(m_.solution);
         int limited = 0;
-        team_.share(true, 0, n, [&](int i) {
-            const V d = solution[i], expected = at[i];
-            V x = i < 2 ? placed_root(motion, i) : expected + scheme.h * d, v = look_velocity(scheme, i) + d;
-            if (has<StrainLimit>(set) && i >= 2)
-                limited += get<StrainLimit>(k_.terms).holds(of<V>(m_.limit_edge)[i - 1],
-                                                            of<const T>(m_.rest_length)[i - 1]);
-            if (has<Adhesion>(set)) {
-                T phi;
-                V normal, surface_velocity;
-                sample_nearest(motion, expected, phi, normal, surface_velocity);
-                const auto touching = of<T>(m_.touching);
-                touching.set(i, updated_touching(touching[i], phi, T(get<Adhesion>(k_.terms).h_a)));
-            }
-            if (set.has(present::contact) && i >= 2) {
-                T pushed = of<T>(m_.pushed)[i];
-                pushed = pushed > 0 ? pushed_by(hold_of(i, motion, scheme, pushed), scheme.h, d) : T(0);
-                V x_old = x_[i], v_old = v_[i];
-                bool moved = false;
-                for (const auto& solid : motion)
-                    moved |= resolve_contact(
-                        solid, T(0),
-                        solid.attached && m_.rest_depth ? T(of<const T>(m_.rest_depth)[i]) : T(0), k_.dt,
-                        of<const T>(m_.mass)[i], pushed, x, x_old, v, v_old);
-                of<T>(m_.pushed).set(i, pushed);
-                if (moved) x_.set(i, x_old), v_.set(i, v_old);
-            }
-            x_before_.set(i, x), v_before_.set(i, v);
-        });
-        if (has<Bend>(set))
-            team_.share(true, 0, n - 1, [&](int i) {
-                of<Q>(m_.frame).set(i, transported(of<Q>(m_.ahead)[i], x_before_[i + 1] - x_before_[i]));
+        struct Loaded {
+            V d, expected, v;
+            T pushed, gap;
+        };
+        const bool touches = set.has(present::contact);
+        team_.share(
+            true, 0, n,
+            [&](int i) {
+                Loaded in{solution[i], at[i], v_[i], T(0), T(0)};
+                if (touches && i >= 2) in.pushed = of<T>(m_.pushed)[i], in.gap = of<T>(m_.gap)[i];
+                return in;
+            },
+            [&](int i, const Loaded& in) {
+                const V d = in.d;
+                V x = i < 2 ? placed_root(motion, i) : in.expected + scheme.h * d,
+                  v = scheme.expected_velocity(in.v) + change_at(i) + d;
+                if (has<StrainLimit>(set) && i >= 2)
+                    limited += get<StrainLimit>(k_.terms).holds(of<V>(m_.limit_edge)[i - 1],
+                                                                of<const T>(m_.rest_length)[i - 1]);
+                if (has<Adhesion>(set)) {
+                    T phi;
+                    V normal, surface_velocity;
+                    sample_nearest(motion, in.expected, phi, normal, surface_velocity);
+                    const auto touching = of<T>(m_.touching);
+                    touching.set(i, updated_touching(touching[i], phi, T(get<Adhesion>(k_.terms).h_a)));
+                }
+                // Where forces were taken once the gap tells which particles no surface can have met.
+                const T way = scheme.h * norm(d);
+                if (touches && i >= 2 && (in.pushed != 0 || looks_ > 1 || !(in.gap - way > T(1e-6)))) {
+                    T pushed =
+                        in.pushed > 0 ? pushed_by(hold_of(i, motion, scheme, in.pushed), scheme.h, d) : T(0);
+                    V x_old = x_[i], v_old = in.v;
+                    bool moved = false;
+                    for (const auto& solid : motion)
+                        moved |= resolve_contact(
+                            solid, T(0),
+                            solid.attached && m_.rest_depth ? T(of<const T>(m_.rest_depth)[i]) : T(0), k_.dt,
+                            of<const T>(m_.mass)[i], pushed, x, x_old, v, v_old);
+                    of<T>(m_.pushed).set(i, pushed);
+                    if (moved) x_.set(i, x_old), v_.set(i, v_old);
+                }
+                x_before_.set(i, x), v_before_.set(i, v);
             });
+        if (has<Bend>(set))
+            team_.share(
+                true, 0, n - 1,
+                [&](int i) {
+                    return LoadedFrame{of<Q>(m_.ahead)[i], x_before_[i + 1] - x_before_[i]};
+                },
+                [&](int i, const LoadedFrame& in) { of<Q>(m_.frame).set(i, transported(in.frame, in.e)); });
         return limited;
     }
 

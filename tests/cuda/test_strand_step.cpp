@@ -15,7 +15,7 @@ Strands stepped(const Scene& scene, const Set& set, int frames) {
     ChainState<Lanes<T>> state(scene);
     auto rows = [](auto& buffer) { return buffer.empty() ? nullptr : reinterpret_cast<T*>(buffer.data()); };
     const size_t cells = state.at(state.blocks, 0) * Lanes<T>::lanes;
-    std::vector<T> at(3 * cells), core(3 * cells), limit_edge(3 * cells), change(3 * cells);
+    std::vector<T> gap(cells), at(3 * cells), core(3 * cells), limit_edge(3 * cells), change(3 * cells);
     std::vector<T> ahead(4 * cells), twist(3 * cells), solution(3 * cells);
     std::vector<T> system(size_t(row_size(scene.chain)) * cells);
     const StrandMemory<T> memory{state.n,
@@ -25,6 +25,7 @@ Strands stepped(const Scene& scene, const Set& set, int frames) {
                                  rows(state.v_before),
                                  rows(state.touching),
                                  rows(state.pushed),
+                                 gap.data(),
                                  rows(state.frame),
                                  ahead.data(),
                                  at.data(),
