@@ -101,7 +101,7 @@ WETCURL_HD S weigh_again(const S& h, const Vec3<S>& d, Hold<S>& hold) {
     hold.weight = weight;
     return change * change;
 }
-constexpr int most_contact_solves = 4;
+constexpr int most_contact_solves = 2;
 // The solid that a particle at x is deepest in, not yet weighed.
 template <class S, class Solids>
 WETCURL_HD Hold<S> deepest_contact(const Solids& solids, const S& rest_depth, const Vec3<S>& x) {
