@@ -15,7 +15,7 @@ __global__ void __launch_bounds__(warps* warp, blocks)
     __shared__ unsigned flags[3][warp];
     for (int k = int(threadIdx.x); k < 3 * warp; k += warps * warp) flags[k / warp][k % warp] = 0;
     __syncthreads();
-    __shared__ T middle[StrandStep<T>::middle_size * warp];
+    __shared__ T middle[StrandSystem<T>::middle_size * warp];
     StrandStep<T> strands(launch.memory, launch.constants, int(blockIdx.x),
                           {int(threadIdx.x) % warp, int(threadIdx.x) / warp, warps, flags}, middle);
     int limited = 0;

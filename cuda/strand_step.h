@@ -8,20 +8,10 @@
 
 #include "cuda/present.h"
 #include "cuda/strand_memory.h"
+#include "cuda/strand_system.h"
 #include "cuda/team.h"
-#include "solver/passes/block_solve.h"
 
 namespace wetcurl {
-
-// A row of the system: with the couplings to the next particle, and to the one after where a term couples two
-// edges. The substitution needs the last three of it.
-template <class T>
-struct SystemRow {
-    Sym3<T> diagonal;
-    Vec3<T> r;
-    Mat3<T> u1, u2;
-};
-inline int row_size(const ChainTerms& terms) { return couples_two_edges(terms) ? 27 : 18; }
 
 template <class T>
 class StrandStep {
@@ -30,11 +20,14 @@ class StrandStep {
     using M = Mat3<T>;
 
   public:
-    static constexpr int middle_size = 30;
+    // `middle`: StrandSystem<T>::middle_size rows of lanes that the team shares.
     WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants, int block,
                           const Team& team, T* middle)
-        : m_(m), k_(constants), block_(size_t(block)), team_(team), middle_(middle) {
+        : m_(m), k_(constants), block_(size_t(block)), team_(team) {
         x_ = of<V>(m.x), x_before_ = of<V>(m.x_before), v_ = of<V>(m.v), v_before_ = of<V>(m.v_before);
+        const size_t rows = size_t(row_size(constants.terms)) * Lanes<T>::lanes;
+        system_ = {m.n, m.rows + block_ * size_t(m.n) * rows + team.lane, middle + team.lane,
+                   of<V>(m.solution)};
     }
 
     // One substep, `first` of a run (no history) or not. Returns how many edges this member saw held at their
@@ -72,10 +65,6 @@ class StrandStep {
     WETCURL_HD auto of(P* buffer, size_t rows = sizeof(E) / sizeof(T)) const {
         return LaneArray<std::remove_const_t<E>, P>{buffer + block_ * size_t(m_.n) * rows * Lanes<T>::lanes +
                                                     team_.lane};
-    }
-    template <class Set>
-    WETCURL_HD static bool penta(const Set& set) {
-        return has<Bend>(set) || has<Twist>(set);
     }
     // Of velocities until forces were taken anew.
     WETCURL_HD V change_at(int i) const { return looks_ > 1 ? V(of<V>(m_.change)[i]) : V{T(0), T(0), T(0)}; }
@@ -284,33 +273,6 @@ class StrandStep {
 
     // --- the system
 
-    template <class Set>
-    WETCURL_HD T* row_at(const Set& set, int i) const {
-        return m_.rows +
-               (block_ * size_t(m_.n) + size_t(i)) * size_t(penta(set) ? 27 : 18) * Lanes<T>::lanes +
-               team_.lane;
-    }
-    template <class Set>
-    WETCURL_HD SystemRow<T> loaded_row(const Set& set, int i) const {
-        const T* p = row_at(set, i);
-        SystemRow<T> row{};
-        row.diagonal = LaneArray<Sym3<T>, const T>{p}[0];
-        load_couplings(set, p, row);
-        return row;
-    }
-    template <class Set>
-    WETCURL_HD static void load_couplings(const Set& set, const T* p, SystemRow<T>& row) {
-        row.r = LaneArray<V, const T>{p + 6 * Lanes<T>::lanes}[0];
-        row.u1 = LaneArray<M, const T>{p + 9 * Lanes<T>::lanes}[0];
-        if (penta(set)) row.u2 = LaneArray<M, const T>{p + 18 * Lanes<T>::lanes}[0];
-    }
-    template <class Set>
-    WETCURL_HD static void store_couplings(const Set& set, T* p, const SystemRow<T>& row) {
-        LaneArray<V, T>{p + 6 * Lanes<T>::lanes}.set(0, row.r);
-        LaneArray<M, T>{p + 9 * Lanes<T>::lanes}.set(0, row.u1);
-        if (penta(set)) LaneArray<M, T>{p + 18 * Lanes<T>::lanes}.set(0, row.u2);
-    }
-
     template <class Set, size_t... place>
     WETCURL_HD void assemble_present(const Set& set, const ChainView<T>& view, const ChainSystem<T>& system,
                                      std::index_sequence<place...>) const {
@@ -393,124 +355,7 @@ class StrandStep {
                 if (pushed > 0)
                     add_hold(hold_of(i, motion, scheme, pushed), scheme.h, v[0], row.diagonal, row.r);
             }
-            T* p = row_at(set, i);
-            LaneArray<Sym3<T>, T>{p}.set(0, row.diagonal);
-            store_couplings(set, p, row);
-        }
-    }
-
-    // Eliminates rows 2 .. end-1 from the root; they become those of the substitution. The two after them as
-    // they are left.
-    template <class Set>
-    WETCURL_HD void eliminate_from_root(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
-                                        int end, SystemRow<T>& row, SystemRow<T>& row1) const {
-        const int n = m_.n;
-        SystemRow<T> beyond{};
-        beyond.diagonal = identity_times(T(1));
-        auto row_or_none = [&](int i) { return i < n ? loaded_row(set, i) : beyond; };
-        row = row_or_none(2), row1 = row_or_none(3);
-        SystemRow<T> row2 = row_or_none(4);
-        V known[2];
-        for (int i = 0; i < 2; ++i) {
-            known[i] = (T(1) / scheme.h) * (placed_root(motion, i) - of<V>(m_.at)[i]);
-            of<V>(m_.solution).set(i, known[i]);
-        }
-        SystemRow<T> root{};
-        load_couplings(set, row_at(set, 1), root);
-        row.r -= transposed_times(root.u1, known[1]);
-        if (penta(set)) row1.r -= transposed_times(root.u2, known[1]);
-        load_couplings(set, row_at(set, 0), root);
-        if (penta(set)) row.r -= transposed_times(root.u2, known[0]);
-        for (int i = 2; i < end; ++i) {
-            const SystemRow<T> next = row_or_none(i + 3);  // on its way while this row is worked on
-            eliminate(Row<T>{row.diagonal, &row.u1, penta(set) ? &row.u2 : nullptr, row.r}, &row1.diagonal,
-                      &row1.r, &row1.u1, &row2.diagonal, &row2.r);
-            store_couplings(set, row_at(set, i), row);
-            row = row1, row1 = row2, row2 = next;
-        }
-    }
-    // Rows n-1 .. end from the tip. Leaves what they add to the two before them, whose own numbers are the
-    // other side's.
-    template <class Set>
-    WETCURL_HD void eliminate_from_tip(const Set& set, int end) const {
-        // Row i with its couplings to rows i-1 and i-2.
-        auto turned_round = [&](int i) {
-            const T *p = row_at(set, i), *p1 = row_at(set, i - 1), *p2 = row_at(set, i - 2);
-            SystemRow<T> row{};
-            if (i >= end) {
-                row.diagonal = LaneArray<Sym3<T>, const T>{p}[0];
-                row.r = LaneArray<V, const T>{p + 6 * Lanes<T>::lanes}[0];
-            }
-            if (i > end - 1) {
-                row.u1 = transposed(LaneArray<M, const T>{p1 + 9 * Lanes<T>::lanes}[0]);
-                if (penta(set)) row.u2 = transposed(LaneArray<M, const T>{p2 + 18 * Lanes<T>::lanes}[0]);
-            }
-            return row;
-        };
-        const int n = m_.n;
-        SystemRow<T> row = turned_round(n - 1), row1 = turned_round(n - 2), row2 = turned_round(n - 3);
-        for (int i = n - 1; i >= end; --i) {
-            const SystemRow<T> next = i - 3 >= end - 2 ? turned_round(i - 3) : SystemRow<T>{};
-            eliminate(Row<T>{row.diagonal, &row.u1, penta(set) ? &row.u2 : nullptr, row.r}, &row1.diagonal,
-                      &row1.r, &row1.u1, &row2.diagonal, &row2.r);
-            store_couplings(set, row_at(set, i), row);
-            row = row1, row1 = row2, row2 = next;
-        }
-        const LaneArray<SystemRow<T>, T> left{middle_ + team_.lane};
-        left.set(0, {row.diagonal, row.r, row.u1, to_mat3(row1.diagonal)});
-        LaneArray<V, T>{middle_ + 27 * Lanes<T>::lanes + team_.lane}.set(0, row1.r);
-    }
-    // Two members eliminate from the ends, meet at rows m and m+1, and go back. Rows become those of the
-    // substitution.
-    template <class Set>
-    WETCURL_HD void solve_rows(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
-                               bool again) const {
-        const int n = m_.n;
-        const bool meets = n >= 8;
-        const int m = meets ? 2 + (n - 4) / 2 : n;
-        const bool from_root = again && team_.member == 0,
-                   from_tip = meets && again && team_.member == (team_.members > 1);
-        const auto solution = of<V>(m_.solution);
-        SystemRow<T> row, row1;
-        if (from_root) eliminate_from_root(set, motion, scheme, m, row, row1);
-        if (from_tip) eliminate_from_tip(set, m + 2);
-        team_.wait();
-        const V zero{T(0), T(0), T(0)};
-        if (from_root && meets) {
-            const SystemRow<T> left = LaneArray<SystemRow<T>, T>{middle_ + team_.lane}[0];
-            const V r = LaneArray<V, T>{middle_ + 27 * Lanes<T>::lanes + team_.lane}[0];
-            const M& d = left.u2;
-            row1.diagonal += left.diagonal, row1.r += left.r;
-            row.u1 += transposed(left.u1);
-            row.diagonal += Sym3<T>{d.r0.x, d.r0.y, d.r0.z, d.r1.y, d.r1.z, d.r2.z}, row.r += r;
-            eliminate(Row<T>{row.diagonal, &row.u1, nullptr, row.r}, &row1.diagonal, &row1.r,
-                      static_cast<M*>(nullptr), static_cast<Sym3<T>*>(nullptr), static_cast<V*>(nullptr));
-            const V d1 = Factor3<T>(row1.diagonal).solve(row1.r);
-            solution.set(m + 1, d1), solution.set(m, row.r - row.u1 * d1);
-        }
-        team_.wait();
-        if (from_root) {
-            V d1 = meets ? V(solution[m]) : zero, d2 = meets ? V(solution[m + 1]) : zero;
-            substitute(set, m - 1, 1, -1, d1, d2);
-        }
-        if (from_tip) {
-            V d1 = solution[m + 1], d2 = solution[m];
-            substitute(set, m + 2, n, 1, d1, d2);
-        }
-    }
-    // Rows from begin to before end, by the solution d1, d2 of the two before.
-    template <class Set>
-    WETCURL_HD void substitute(const Set& set, int begin, int end, int step, V d1, V d2) const {
-        const auto solution = of<V>(m_.solution);
-        SystemRow<T> next{};
-        if (begin != end) load_couplings(set, row_at(set, begin), next);
-        for (int i = begin; i != end; i += step) {
-            const SystemRow<T> now = next;
-            if (i + step != end) load_couplings(set, row_at(set, i + step), next);
-            V d = now.r - now.u1 * d1;
-            if (penta(set)) d -= now.u2 * d2;
-            solution.set(i, d);
-            d2 = d1, d1 = d;
+            system_.put(set, i, row);
         }
     }
 
@@ -531,7 +376,9 @@ class StrandStep {
         for (int solves = 1;; ++solves) {
             if (again && begin < end) assemble_rows(set, motion, scheme, begin, end);
             team_.wait();
-            solve_rows(set, motion, scheme, again);
+            system_.solve(set, team_, again, [&](int i) {
+                return (T(1) / scheme.h) * (placed_root(motion, i) - of<V>(m_.at)[i]);
+            });
             team_.wait();
             const bool limits = has<StrainLimit>(set) && solves < StrainLimit::most_solves,
                        holds = set.has(present::contact) && contacts && solves < most_contact_solves;
@@ -623,7 +470,7 @@ class StrandStep {
     const ChainConstants<T>& k_;
     size_t block_;
     Team team_;
-    T* middle_;      // (middle_size rows of lanes) that the team shares
+    StrandSystem<T> system_;
     int looks_ = 1;  // how often forces were taken in this step
     LaneArray<V, T> x_, x_before_, v_, v_before_;
 };

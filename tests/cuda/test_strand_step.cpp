@@ -59,7 +59,7 @@ Strands stepped(const Scene& scene, const Set& set, int frames) {
     Strands out(state.strands, state.n);
     for (int s = 0; s < state.strands; ++s) {
         const int block = s / 32, lane = s % 32;
-        std::vector<T> middle(size_t(StrandStep<T>::middle_size) * 32);
+        std::vector<T> middle(size_t(StrandSystem<T>::middle_size) * 32);
         StrandStep<T> strand(memory, constants, block, Team{lane}, middle.data());
         for (size_t k = 0; k < size_t(substeps); ++k) strand.step(set, motion[k], k == 0);
         const auto& x = substeps % 2 ? state.x_before : state.x;
