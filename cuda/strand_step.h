@@ -25,9 +25,7 @@ class StrandStep {
                           const Team& team, T* middle)
         : m_(m), k_(constants), block_(size_t(block)), team_(team) {
         x_ = of<V>(m.x), x_before_ = of<V>(m.x_before), v_ = of<V>(m.v), v_before_ = of<V>(m.v_before);
-        const size_t rows = size_t(row_size(constants.terms)) * Lanes<T>::lanes;
-        system_ = {m.n, m.rows + block_ * size_t(m.n) * rows + team.lane, middle + team.lane,
-                   of<V>(m.solution)};
+        system_ = {m.n, block_ * size_t(m.n), m.rows + team.lane, middle + team.lane, of<V>(m.solution)};
     }
 
     // One substep, `first` of a run (no history) or not. Returns how many edges this member saw held at their

@@ -28,6 +28,7 @@ struct StrandSystem {
 
     // Of this lane's strand.
     int n;
+    size_t first;  // row of them all
     T *rows, *middle;
     LaneArray<V, T> solution;
 
@@ -80,7 +81,7 @@ struct StrandSystem {
     }
     template <class Set>
     WETCURL_HD T* row_at(const Set& set, int i) const {
-        return rows + size_t(i) * size_t(penta(set) ? 27 : 18) * Lanes<T>::lanes;
+        return rows + (first + size_t(i)) * size_t(penta(set) ? 27 : 18) * Lanes<T>::lanes;
     }
     template <class Set>
     WETCURL_HD SystemRow<T> loaded_row(const Set& set, int i) const {
