@@ -81,19 +81,13 @@ class StrandStep {
 
     // --- where particles are expected, and which surfaces hold them
 
-    // The contact of particle i; `pushed` is raised where it is expected inside.
-    WETCURL_HD Hold<T> first_hold_of(int i, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, const V& x,
-                                     T& pushed) const {
-        return expected_contact(motion, m_.rest_depth ? of<const T>(m_.rest_depth)[i] : T(0),
-                                hold_stiffness(k_.spring_sum, scheme.h, of<const T>(m_.mass)[i]), x, v_[i],
-                                pushed);
-    }
-    // Of one that a solid has pushed or is to push: held while `pushed` is above 0; below it the surface may
-    // hold it again.
+    // The contact of particle i, which a solid has pushed or is to push: held while `pushed` is above 0;
+    // below it the surface may hold it again.
     WETCURL_HD Hold<T> hold_of(int i, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, T pushed) const {
         T momentum = pushed < 0 ? -pushed : pushed;
-        Hold<T> hold =
-            first_hold_of(i, motion, scheme, scheme.predicted(x_[i], x_before_[i], v_[i]), momentum);
+        Hold<T> hold = expected_contact(motion, m_.rest_depth ? T(of<const T>(m_.rest_depth)[i]) : T(0),
+                                        hold_stiffness(k_.spring_sum, scheme.h, T(of<const T>(m_.mass)[i])),
+                                        scheme.predicted(x_[i], x_before_[i], v_[i]), V(v_[i]), momentum);
         hold.gap += scheme.h * dot(change_at(i), hold.normal);
         hold.weight = pushed > 0 ? hold.stiff : T(0);
         return hold;

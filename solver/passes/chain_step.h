@@ -103,7 +103,8 @@ template <class S>
 WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>>& root_turn,
                                  const Vec3<S>* x, Quat<S>* to) {
     const Quat<S> turn = cast<S>(root_turn);
-    const bool turns = root_turn.w != Plain<S>(1);
+    // w alone rounds to 1 for a slow turn.
+    const bool turns = root_turn.x != 0 || root_turn.y != 0 || root_turn.z != 0;
     for (int i = 0; i + 1 < n; ++i) to[i] = transported(turns ? turn * from[i] : from[i], x[i + 1] - x[i]);
 }
 

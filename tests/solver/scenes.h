@@ -1,6 +1,8 @@
 // Small scenes on the built-in groom, and their runs: what the tests of whole simulations share. Ours.
 #pragma once
 
+#include <algorithm>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -58,6 +60,40 @@ inline RunFrame after(const Scene& scene, int frames, const std::string& precisi
     RunFrame frame;
     simulation->snapshot(frame);
     return frame;
+}
+
+// Of the sum of energies over so many frames in double precision: the largest rise above what it was before,
+// how far it falls in all, and the kinetic energy at the end.
+struct EnergyCourse {
+    double rise = 0, fall = 0, kinetic = 0;
+};
+inline EnergyCourse energy_course(const Scene& scene, int frames) {
+    const auto simulation = make_simulation(scene, "double");
+    auto sum = [&] {
+        const auto e = simulation->energy();
+        return std::accumulate(e.begin(), e.end(), 0.0);
+    };
+    const double start = sum();
+    double low = start;
+    EnergyCourse course;
+    for (int f = 0; f < frames; ++f) {
+        simulation->advance();
+        const double now = sum();
+        course.rise = std::max(course.rise, now - low), low = std::min(low, now);
+    }
+    course.fall = start - low, course.kinetic = simulation->energy()[0];
+    return course;
+}
+
+// The groom's particles thrown about the origin, every one near others of its strand and of the rest.
+inline void scatter(Scene& scene, unsigned seed, double size) {
+    Random random(seed);
+    for (auto& x : scene.groom.rest.points) x = cast<float>(random.vector(size));
+}
+inline std::vector<Vec3d> positions_of(const Scene& scene) {
+    std::vector<Vec3d> x;
+    for (const auto& p : scene.groom.rest.points) x.push_back(cast<double>(p));
+    return x;
 }
 
 // Between particles of strand s, and of all [m].

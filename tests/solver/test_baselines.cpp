@@ -97,18 +97,12 @@ Scene two_strands(const string& method, double gap, const string& wet = "[wetnes
             scene.groom.rest.at(s, i) = {float(s * gap), 0.2f - 0.005f * float(i), 0};
     return scene;
 }
-// Unequal masses and saturations, every particle near others.
+// Unequal masses and saturations.
 Scene tuft(const string& method) {
     Scene scene = scene_of(hair + "[wetness]\njitter = 0.8\n[baseline]\nmethod = \"" + method + "\"\n",
                            {"groom.grid=[5, 4]"});
-    Random random(7);
-    for (auto& x : scene.groom.rest.points) x = cast<float>(random.vector(0.015));
+    scatter(scene, 7, 0.015);
     return scene;
-}
-std::vector<Vec3d> positions_of(const Scene& scene) {
-    std::vector<Vec3d> x;
-    for (const auto& p : scene.groom.rest.points) x.push_back(cast<double>(p));
-    return x;
 }
 std::vector<Vec3d> forces_on(const Scene& scene) {
     std::vector<Vec3d> force;

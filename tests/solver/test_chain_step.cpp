@@ -385,6 +385,19 @@ TEST(Frames, a_twisted_straight_strand_untwists_in_one_step) {
     }
 }
 
+// In single precision the w of so small a turn is 1: a head that yaws by a degree a second.
+TEST(Frames, follow_a_root_that_turns_slowly) {
+    const float angle = 1e-4f;
+    const Quatf turn{std::cos(angle / 2), 0, std::sin(angle / 2), 0};
+    ASSERT_EQ(turn.w, 1.f);
+    const Vec3f x[] = {{0, 0, 0}, {0, -0.01f, 0}};
+    const Quatf before = root_frame_of(Vec3f{0, -1, 0});
+    Quatf after;
+    transport_frames(2, &before, turn, x, &after);
+    const Vec3f side{0, 0, 1}, moved = rotate(after, side) - rotate(before, side);
+    EXPECT_NEAR(norm(moved), angle, 1e-6);
+}
+
 TEST(Frames, turning_about_the_first_axis_is_exact_and_stops_at_half_a_turn) {
     const Quatd f = rotation_about({0.6, 0, 0.8}, 1.1);
     for (double angle : {-3.1, -1.0, 0.0, 1e-4, 0.5, 2.0, 3.1, 5.0}) {

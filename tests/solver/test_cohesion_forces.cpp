@@ -1,6 +1,4 @@
 // Cohesion inside the solve: its forces against its potential, and strands that it draws. Sec. VI.A.2.
-#include <numeric>
-
 #include "base/geometry/kernels.h"
 #include "solver/passes/cohesion_forces.h"
 #include "tests/solver/scenes.h"
@@ -23,19 +21,13 @@ TEST(CohesionForces, the_moment_of_the_kernel_is_its_integral) {
     }
 }
 
-// Unequal masses and saturations, every particle near others of its strand and of the rest.
+// Unequal masses and saturations.
 Scene tuft(const std::string& wetness) {
     Scene scene =
         scene_of("[groom]\ngrid = [4, 3]\nparticles = 12\n[integrator]\ngravity = [0, 0, 0]\n[stretch]\n" +
                  wetness + "[cohesion]\nstrength = 500\n");
-    Random random(5);
-    for (auto& x : scene.groom.rest.points) x = cast<float>(random.vector(0.012));
+    scatter(scene, 5, 0.012);
     return scene;
-}
-std::vector<Vec3d> positions_of(const Scene& scene) {
-    std::vector<Vec3d> x;
-    for (const auto& p : scene.groom.rest.points) x.push_back(cast<double>(p));
-    return x;
 }
 
 TEST(CohesionForces, are_the_gradient_of_their_potential_and_sum_to_zero) {
@@ -104,25 +96,13 @@ global = 5
 [cohesion]
 )";
 
-// The largest rise of the energy above what it was before, of how far it falls in all, and the kinetic energy
-// at the end.
+// The largest rise of the energy and the kinetic energy at the end, of how far it falls in all.
 std::pair<double, double> rise_and_rest(const char* strength) {
-    const Scene scene = scene_of(lock_of_hair, {std::string("cohesion.strength=") + strength});
-    const auto simulation = make_simulation(scene, "double");
-    auto sum = [&] {
-        const auto e = simulation->energy();
-        return std::accumulate(e.begin(), e.end(), 0.0);
-    };
-    const double start = sum();
-    double low = start, rise = 0;
-    for (int f = 0; f < 48; ++f) {
-        simulation->advance();
-        const double now = sum();
-        rise = std::max(rise, now - low), low = std::min(low, now);
-    }
+    const auto course =
+        energy_course(scene_of(lock_of_hair, {std::string("cohesion.strength=") + strength}), 48);
     std::printf("strength %s: energy rises by %.1e of its fall, kinetic at the end %.1e of it\n", strength,
-                rise / (start - low), simulation->energy()[0] / (start - low));
-    return {rise / (start - low), simulation->energy()[0] / (start - low)};
+                course.rise / course.fall, course.kinetic / course.fall);
+    return {course.rise / course.fall, course.kinetic / course.fall};
 }
 TEST(CohesionForces, a_released_lock_gains_no_energy_and_comes_to_rest) {
     for (const char* strength : {"1000", "3000", "1e4"}) {
