@@ -94,7 +94,8 @@ struct ChainScratch {
                 limit_edge.size() + kept.size()) *
                    sizeof(Vec3<S>) +
                diagonal.size() * sizeof(Sym3<S>) + (upper1.size() + upper2.size()) * sizeof(Mat3<S>) +
-               (twist.size() + clearance.size()) * sizeof(S) + hold.size() * sizeof(Hold<S>);
+               kept_frame.size() * sizeof(Quat<S>) + (twist.size() + clearance.size()) * sizeof(S) +
+               hold.size() * sizeof(Hold<S>);
     }
 };
 
