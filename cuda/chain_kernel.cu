@@ -1,4 +1,6 @@
-// Steps as a kernel: a lane a strand, some warps for each 32.
+// Steps as a kernel: some strands a block of threads, which keeps them in its processor's own memory.
+#include <algorithm>
+
 #include "base/device_buffer.h"
 #include "cuda/chain_kernel.h"
 
@@ -6,60 +8,82 @@ namespace wetcurl {
 
 namespace {
 
-constexpr int warp = Lanes<float>::lanes;
+constexpr int warp = 32;
+// Seen on an H200: more threads wait for registers, fewer for each other.
+constexpr int threads = 128, blocks_at_once = 3;
+constexpr int most_strands = 8;  // of a block
 
-// A block of strands by `warps` of them, so many blocks on a multiprocessor at once.
-template <class T, class Set, int warps, int blocks>
-__global__ void __launch_bounds__(warps* warp, blocks)
+// `near`: their room is there; else in the device's memory.
+template <class T, class Set, bool near>
+__global__ void __launch_bounds__(threads, blocks_at_once)
     run_substeps(const __grid_constant__ ChainLaunch<T> launch, const Set set) {
-    __shared__ unsigned flags[3][warp];
-    for (int k = int(threadIdx.x); k < 3 * warp; k += warps * warp) flags[k / warp][k % warp] = 0;
-    __syncthreads();
-    __shared__ T middle[StrandSystem<T>::middle_size * warp];
-    StrandStep<T> strands(launch.memory, launch.constants, int(blockIdx.x),
-                          {int(threadIdx.x) % warp, int(threadIdx.x) / warp, warps, flags}, middle);
+    extern __shared__ __align__(32) unsigned char own[];
+    __shared__ typename StrandStep<T>::Flags flags[most_strands];
+    const int first = int(blockIdx.x) * launch.group.strands, left = launch.memory.strands - first,
+              count = left < launch.group.strands ? left : launch.group.strands;
+    T* room = reinterpret_cast<T*>(own);
+    if constexpr (!near) room = launch.room + blockIdx.x * (launch.group.bytes / sizeof(T));
+    StrandStep<T> strands(launch.memory, launch.constants, {int(threadIdx.x), threads}, first, count,
+                          has<StrainLimit>(set), room, flags);
+    strands.load(set);
     int limited = 0;
     for (int k = 0; k < launch.substeps; ++k)
         limited += strands.step(set, launch.motion[k], launch.first && k == 0);
+    strands.store(set);
     if (limited) atomicAdd(launch.limited, static_cast<unsigned long long>(limited));
 }
 
+// A warp a strand.
 template <class T>
-__global__ void unpack(const StrandMemory<T> memory, int strands, Vec3f* positions, int* diverged) {
-    const int strand = int(blockIdx.x) * warp + int(threadIdx.x);
-    if (strand >= strands) return;
-    const size_t row = size_t(blockIdx.x) * size_t(memory.n) * warp;
-    const LaneArray<Vec3<T>, T> x{memory.x + row * 3 + threadIdx.x};
-    const LaneArray<T, const T> rest_length{memory.rest_length + row + threadIdx.x};
-    const Vec3<T> root = x[0];
-    T length = 0, farthest = 0;
-    bool finite = true;
-    Vec3f* out = positions + size_t(strand) * size_t(memory.n);
-    for (int i = 0; i < memory.n; ++i) {
-        const Vec3<T> p = x[i];
-        out[i] = cast<float>(p);
-        const T away = norm(p - root);
-        finite = finite && away < T(1e30);  // false for NaN
-        farthest = maximum(farthest, away);
-        if (i + 1 < memory.n) length += rest_length[i];
+__global__ void unpack(const StrandMemory<T> memory, Vec3f* positions, int* diverged) {
+    const int strand = int(blockIdx.x * blockDim.x + threadIdx.x) / warp, lane = int(threadIdx.x) % warp;
+    if (strand >= memory.strands) return;
+    const size_t begin = size_t(strand) * size_t(memory.n);
+    const Vec3<T> root = memory.x[begin];
+    T length = 0;
+    for (int i = 0; i + 1 < memory.n; ++i) length += memory.rest_length[begin + size_t(i)];
+    bool strays = false;
+    for (int i = lane; i < memory.n; i += warp) {
+        const Vec3<T> p = memory.x[begin + size_t(i)];
+        positions[begin + size_t(i)] = cast<float>(p);
+        strays |= !(norm(p - root) <= 10 * length);  // NaN too
     }
-    if (!finite || farthest > 10 * length) atomicMin(diverged, strand);
+    if (strays) atomicMin(diverged, strand);
 }
 
-template <class T, class Set>
-void run(const ChainLaunch<T>& launch, const Set& set, cudaStream_t stream) {
-    int device = 0, processors = 0;
+int number_of(cudaDeviceAttr attribute) {
+    int device = 0, number = 0;
     check_cuda(cudaGetDevice(&device), "device");
-    check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "device");
-    // Where there are few strands, more warps for each.
-    if (launch.blocks <= processors)
-        run_substeps<T, Set, 16, 1><<<unsigned(launch.blocks), 16 * warp, 0, stream>>>(launch, set);
-    else
-        run_substeps<T, Set, 5, 3><<<unsigned(launch.blocks), 5 * warp, 0, stream>>>(launch, set);
+    check_cuda(cudaDeviceGetAttribute(&number, attribute, device), "device");
+    return number;
+}
+
+template <class T, class Set, bool near>
+void run(const ChainLaunch<T>& launch, const Set& set, cudaStream_t stream) {
+    const auto kernel = run_substeps<T, Set, near>;
+    const size_t own = near ? launch.group.bytes : 0;
+    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(own)),
+               "memory of a processor");
+    const int blocks = (launch.memory.strands + launch.group.strands - 1) / launch.group.strands;
+    kernel<<<unsigned(blocks), threads, own, stream>>>(launch, set);
     check_cuda(cudaGetLastError(), "launch of the substeps");
 }
 
 }  // namespace
+
+template <class T>
+StrandGroup strand_group(int n, int strands, const ChainTerms& terms) {
+    const size_t bytes =
+        (StrandStep<T>::room(n, std::get<Slot<StrainLimit>>(terms).has_value()) * sizeof(T) + 31) / 32 * 32;
+    const size_t of_a_block = size_t(number_of(cudaDevAttrMaxSharedMemoryPerBlockOptin)) - 1024,
+                 at_once = (size_t(number_of(cudaDevAttrMaxSharedMemoryPerMultiprocessor)) / blocks_at_once -
+                            2048) /
+                           bytes;
+    const int processors = number_of(cudaDevAttrMultiProcessorCount),
+              share = (strands + processors * blocks_at_once - 1) / (processors * blocks_at_once);
+    const int count = std::clamp(std::min(int(at_once), share), 1, most_strands);
+    return {count, size_t(count) * bytes, size_t(count) * bytes <= of_a_block};
+}
 
 template <class T>
 void launch_chain(const ChainLaunch<T>& launch, cudaStream_t stream) {
@@ -68,27 +92,30 @@ void launch_chain(const ChainLaunch<T>& launch, cudaStream_t stream) {
                        wet = these<Stretch, Bend, Twist, Core, Stiffness>;
     constexpr unsigned solid = 1u << contact;
     // Common sets have kernels of their own, with nothing in them of what is absent.
+    if (!launch.group.near) return run<T, AnySet, false>(launch, {launch.set}, stream);
     switch (launch.set) {
         case dry:
-            return run(launch, ExactSet<dry>(), stream);
+            return run<T, ExactSet<dry>, true>(launch, {}, stream);
         case wet | solid:
-            return run(launch, ExactSet<wet | solid>(), stream);
+            return run<T, ExactSet<wet | solid>, true>(launch, {}, stream);
         default:
-            return run(launch, AnySet{launch.set}, stream);
+            return run<T, AnySet, true>(launch, {launch.set}, stream);
     }
 }
 
 template <class T>
-void launch_unpack(const StrandMemory<T>& memory, int strands, Vec3f* positions, int* diverged,
-                   cudaStream_t stream) {
-    const unsigned blocks = unsigned((strands + warp - 1) / warp);
-    unpack<<<blocks, warp, 0, stream>>>(memory, strands, positions, diverged);
+void launch_unpack(const StrandMemory<T>& memory, Vec3f* positions, int* diverged, cudaStream_t stream) {
+    constexpr int of_a_block = 8 * warp;
+    const unsigned blocks = unsigned((size_t(memory.strands) * warp + of_a_block - 1) / of_a_block);
+    unpack<<<blocks, of_a_block, 0, stream>>>(memory, positions, diverged);
     check_cuda(cudaGetLastError(), "launch of the unpacking");
 }
 
+template StrandGroup strand_group<float>(int, int, const ChainTerms&);
+template StrandGroup strand_group<double>(int, int, const ChainTerms&);
 template void launch_chain(const ChainLaunch<float>&, cudaStream_t);
 template void launch_chain(const ChainLaunch<double>&, cudaStream_t);
-template void launch_unpack(const StrandMemory<float>&, int, Vec3f*, int*, cudaStream_t);
-template void launch_unpack(const StrandMemory<double>&, int, Vec3f*, int*, cudaStream_t);
+template void launch_unpack(const StrandMemory<float>&, Vec3f*, int*, cudaStream_t);
+template void launch_unpack(const StrandMemory<double>&, Vec3f*, int*, cudaStream_t);
 
 }  // namespace wetcurl

@@ -7,24 +7,34 @@
 
 namespace wetcurl {
 
-// One launch's work: `substeps` of all strands, x and x_before (v and v_before) changing places after each.
+// How strands are shared out among blocks of threads.
+struct StrandGroup {
+    int strands;   // of each block
+    size_t bytes;  // of room for it
+    bool near;     // in the processor's own memory
+};
+template <class T>
+StrandGroup strand_group(int n, int strands, const ChainTerms& terms);
+
+// One launch's work: `substeps` of all strands.
 template <class T>
 struct ChainLaunch {
     StrandMemory<T> memory;
     ChainConstants<T> constants;
     const SubstepMotion<T>* motion;  // (substeps)
-    int blocks, substeps;
+    int substeps;
     bool first;                   // from rest: no history
     unsigned set;                 // what is there: set_of
     unsigned long long* limited;  // edges that the limiter shortened are added to it
+    T* room;                      // group.bytes of each block where they are not near, else null
+    StrandGroup group;
 };
 template <class T>
 void launch_chain(const ChainLaunch<T>& launch, cudaStream_t stream);
 
-// Positions out of the lanes: (strand, particle) single precision. `diverged` becomes the first strand that
-// is not finite or has left the scene (ten strand lengths from its root), where there is one below it.
+// Positions in single precision. `diverged` becomes the first strand that is not finite or has left the scene
+// (ten strand lengths from its root), where there is one below it.
 template <class T>
-void launch_unpack(const StrandMemory<T>& memory, int strands, Vec3f* positions, int* diverged,
-                   cudaStream_t stream);
+void launch_unpack(const StrandMemory<T>& memory, Vec3f* positions, int* diverged, cudaStream_t stream);
 
 }  // namespace wetcurl

@@ -1,4 +1,5 @@
 // Kernels of the displayed positions: a block takes whole strands, a thread a particle.
+#include <algorithm>
 #include <cub/device/device_radix_sort.cuh>
 
 #include "cuda/cohesion_kernel.h"
@@ -222,13 +223,15 @@ template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<fl
 template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<double>*, Vec3f*, cudaStream_t);
 
 void CohesionDevice::grow() {
-    // A quarter more than was sought, so that moving hair seldom asks again.
-    std::vector<uint32_t> capacity = length_.host(), offset;
+    // Half as much again as was sought, and never less than before: of thousands of groups of moving hair one
+    // or another would else ask every frame.
+    const std::vector<uint32_t> length = length_.host();
+    std::vector<uint32_t> capacity = capacity_.host(), offset;
     size_t total = 0;
-    for (auto& room : capacity) {
-        room += room / 4 + 4;
+    for (size_t group = 0; group < length.size(); ++group) {
+        capacity[group] = std::max(capacity[group], length[group] * 3 / 2 + 16);
         offset.push_back(uint32_t(total));
-        total += size_t(room) * warp;
+        total += size_t(capacity[group]) * warp;
     }
     if (total > 0xffffffffu)
         throw Error("cohesion: more than 2^32 neighbours; a smaller [cohesion] radius may help");

@@ -61,8 +61,7 @@ struct Graph {
 
 template <class T>
 class CudaSimulation final : public Simulation {
-    using S = Lanes<T>;
-    static constexpr int lanes = S::lanes;
+    using S = SingleLane<T>;
 
   public:
     explicit CudaSimulation(const Scene& scene);
@@ -80,22 +79,24 @@ class CudaSimulation final : public Simulation {
     }
 
   private:
-    template <class V>
-    DeviceBuffer<T> uploaded(const std::vector<V>& host) {
-        DeviceBuffer<T> out(host.size() * (sizeof(V) / sizeof(T)));
-        out.upload(reinterpret_cast<const T*>(host.data()), out.size());
-        return out;
+    // A buffer of the state as plain numbers, and back.
+    template <class V, class Of>
+    static void upload(const std::vector<Of>& host, DeviceBuffer<V>& to) {
+        static_assert(sizeof(V) == sizeof(Of));
+        to = DeviceBuffer<V>(host.size());
+        to.upload(reinterpret_cast<const V*>(host.data()), host.size());
+    }
+    template <class V, class Of>
+    static void download(const DeviceBuffer<V>& from, std::vector<Of>& host) {
+        from.download(reinterpret_cast<V*>(host.data()));
     }
     StrandMemory<T> memory() const;
     void put_motion(int slot, const Placement<T>& p);
     void upload_motion();
     void launch_chain(int substeps);
     void launch_frame();
-    void launch_lists();
-    void launch_passes();
-    void replay(Graph& graph);
+    void replay();
     void read_report();
-    void make_room_for_lists();
     void mark(size_t event);
     std::vector<double> energies_of(int strand) const;
 
@@ -103,12 +104,14 @@ class CudaSimulation final : public Simulation {
     const double dt_;
     double time_ = 0;
     Pose head_;
-    bool first_ = true, swapped_ = false, capturing_ = false;  // swapped: x and x_before have changed places
+    bool first_ = true, capturing_ = false;
 
     mutable ChainState<S> state_;  // as uploaded; snapshots bring x, v and frames back
-    DeviceBuffer<T> x_, x_before_, v_, v_before_, frame_, ahead_, at_, twist_, touching_, pushed_, gap_,
-        limit_edge_, change_, solution_, core_, rows_;
-    DeviceBuffer<T> root_, mass_, rest_length_, rest_core_, target_, saturation_, rest_depth_, push_;
+    DeviceBuffer<Vec3<T>> x_, x_before_, v_, v_before_, root_, target_, push_;
+    DeviceBuffer<Quat<T>> frame_;
+    DeviceBuffer<T> touching_, pushed_, mass_, rest_length_, rest_core_, saturation_, rest_depth_;
+    StrandGroup group_;
+    DeviceBuffer<T> room_;  // of strands that do not fit a processor
     DeviceBuffer<Vec3f> positions_, displayed_;
     std::vector<DeviceBuffer<float>> level_sets_;
     DeviceBuffer<ShapeView> shapes_;
@@ -124,7 +127,7 @@ class CudaSimulation final : public Simulation {
 
     Stream stream_;
     std::array<Event, 4> events_;
-    Graph graphs_[2];  // of a frame that begins as it is, and with x and x_before swapped
+    Graph graph_;  // of a frame
     std::array<double, 3> stage_{};
     double frame_seconds_ = 0, neighbours_mean_ = 0;
     long limited_ = 0;
@@ -143,22 +146,17 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
       solids_(size_t(slots_) * scene.solids.size()),
       host_report_(2),
       report_(1) {
-    x_ = uploaded(state_.x), x_before_ = uploaded(state_.x_before);
-    v_ = uploaded(state_.v), v_before_ = uploaded(state_.v_before);
-    frame_ = uploaded(state_.frame), touching_ = uploaded(state_.touching), pushed_ = uploaded(state_.pushed),
-    root_ = uploaded(state_.root);
-    mass_ = uploaded(state_.mass), rest_length_ = uploaded(state_.rest_length);
-    rest_core_ = uploaded(state_.rest_core), target_ = uploaded(state_.target);
-    saturation_ = uploaded(state_.saturation), rest_depth_ = uploaded(state_.rest_depth);
-    push_ = uploaded(state_.push);
-    const size_t cells = state_.at(state_.blocks, 0) * lanes;
-    if (scene.term<Core>()) core_ = DeviceBuffer<T>(3 * cells);
-    if (scene.term<Bend>()) ahead_ = DeviceBuffer<T>(4 * cells);
-    if (scene.term<Twist>()) twist_ = DeviceBuffer<T>(3 * cells);
-    if (scene.term<StrainLimit>()) limit_edge_ = DeviceBuffer<T>(3 * cells);
-    for (auto* buffer : {&at_, &change_, &solution_}) *buffer = DeviceBuffer<T>(3 * cells);
-    if (!scene.solids.empty()) gap_ = DeviceBuffer<T>(cells);
-    rows_ = DeviceBuffer<T>(size_t(row_size(scene.chain)) * cells);
+    upload(state_.x, x_), upload(state_.x_before, x_before_), upload(state_.v, v_);
+    upload(state_.v_before, v_before_), upload(state_.root, root_), upload(state_.target, target_);
+    upload(state_.push, push_), upload(state_.frame, frame_), upload(state_.touching, touching_);
+    upload(state_.pushed, pushed_), upload(state_.mass, mass_), upload(state_.rest_length, rest_length_);
+    upload(state_.rest_core, rest_core_), upload(state_.saturation, saturation_);
+    upload(state_.rest_depth, rest_depth_);
+    group_ = strand_group<T>(state_.n, state_.strands, scene.chain);
+    if (!group_.near) {
+        const size_t blocks = size_t((state_.strands + group_.strands - 1) / group_.strands);
+        room_ = DeviceBuffer<T>(blocks * group_.bytes / sizeof(T));
+    }
     positions_ = DeviceBuffer<Vec3f>(scene.groom.rest.points.size());
     host_report_[0] = {};
 
@@ -195,14 +193,10 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
 
 template <class T>
 StrandMemory<T> CudaSimulation<T>::memory() const {
-    StrandMemory<T> m{
-        state_.n,          x_.data(),      x_before_.data(),   v_.data(),          v_before_.data(),
-        touching_.data(),  pushed_.data(), gap_.data(),        frame_.data(),      ahead_.data(),
-        at_.data(),        twist_.data(),  core_.data(),       limit_edge_.data(), change_.data(),
-        solution_.data(),  rows_.data(),   root_.data(),       mass_.data(),       rest_length_.data(),
-        rest_core_.data(), target_.data(), saturation_.data(), rest_depth_.data(), push_.data()};
-    if (swapped_) std::swap(m.x, m.x_before), std::swap(m.v, m.v_before);
-    return m;
+    return {state_.n,           state_.strands,    x_.data(),      x_before_.data(),    v_.data(),
+            v_before_.data(),   touching_.data(),  pushed_.data(), frame_.data(),       root_.data(),
+            target_.data(),     push_.data(),      mass_.data(),   rest_length_.data(), rest_core_.data(),
+            saturation_.data(), rest_depth_.data()};
 }
 
 template <class T>
@@ -233,11 +227,10 @@ void CudaSimulation<T>::upload_motion() {
 template <class T>
 void CudaSimulation<T>::launch_chain(int substeps) {
     const ChainLaunch<T> launch{
-        memory(),       chain_constants<T>(scene_, dt_), motion_.data(), state_.blocks, substeps, first_,
-        set_of(scene_), &report_.data()->limited};
+        memory(),       chain_constants<T>(scene_, dt_), motion_.data(), substeps, first_,
+        set_of(scene_), &report_.data()->limited,        room_.data(),   group_};
     wetcurl::launch_chain(launch, stream_.handle);
     first_ = false;
-    if (substeps % 2) swapped_ = !swapped_;
 }
 
 template <class T>
@@ -249,7 +242,7 @@ void CudaSimulation<T>::mark(size_t event) {
 // All of a frame after its substeps, up to the report for the host.
 template <class T>
 void CudaSimulation<T>::launch_frame() {
-    launch_unpack(memory(), state_.strands, positions_.data(), &report_.data()->diverged, stream_.handle);
+    launch_unpack(memory(), positions_.data(), &report_.data()->diverged, stream_.handle);
     mark(1);
     if (cohesion_) cohesion_->launch_lists(positions_.data(), report_.data(), stream_.handle);
     mark(2);
@@ -267,10 +260,10 @@ void CudaSimulation<T>::read_report() {
     check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
     limited_ += long(host_report_[1].limited);
     while (host_report_[1].overflow) {
-        // Longer lists than ever before: the display again, with room for them. Graphs hold the old
+        // Longer lists than ever before: the display again, with room for them. The graph holds the old
         // addresses.
         cohesion_->grow();
-        for (auto& graph : graphs_) graph.reset();
+        graph_.reset();
         upload_motion();
         launch_frame();
         check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
@@ -278,9 +271,9 @@ void CudaSimulation<T>::read_report() {
     neighbours_mean_ = double(host_report_[1].pairs) / double(positions_.size());
 }
 
-// The frame as a graph, captured the first time that it is asked for in this state.
+// The frame as a graph, captured the first time that it is asked for.
 template <class T>
-void CudaSimulation<T>::replay(Graph& graph) {
+void CudaSimulation<T>::replay() {
     auto launch = [&] {
         upload_motion();
         mark(0);
@@ -288,20 +281,18 @@ void CudaSimulation<T>::replay(Graph& graph) {
         launch_frame();
     };
     if (first_) return launch();  // no history: a launch like no other
-    const bool was_swapped = swapped_;
-    if (!graph.handle) {
+    if (!graph_.handle) {
         cudaGraph_t captured;
         capturing_ = true;
         check_cuda(cudaStreamBeginCapture(stream_.handle, cudaStreamCaptureModeThreadLocal), "capture");
         launch();
         check_cuda(cudaStreamEndCapture(stream_.handle, &captured), "capture");
         capturing_ = false;
-        const cudaError_t status = cudaGraphInstantiate(&graph.handle, captured, 0);
+        const cudaError_t status = cudaGraphInstantiate(&graph_.handle, captured, 0);
         cudaGraphDestroy(captured);
         check_cuda(status, "graph");
     }
-    swapped_ = was_swapped != (slots_ % 2 == 1);
-    check_cuda(cudaGraphLaunch(graph.handle, stream_.handle), "launch of the frame");
+    check_cuda(cudaGraphLaunch(graph_.handle, stream_.handle), "launch of the frame");
 }
 
 template <class T>
@@ -314,7 +305,7 @@ void CudaSimulation<T>::advance() {
         put_motion(k, p);
     }
     head_ = p.head;
-    replay(graphs_[swapped_]);
+    replay();
     read_report();
     for (size_t k = 0; k + 1 < events_.size(); ++k) {
         float milliseconds = 0;
@@ -327,22 +318,17 @@ void CudaSimulation<T>::advance() {
 // From what the last snapshot brought back.
 template <class T>
 std::vector<double> CudaSimulation<T>::energies_of(int strand) const {
-    const int block = strand / lanes, lane = strand % lanes;
-    auto gathered = [&](const auto& rows) {
-        std::vector<decltype(state_.template lane_of<T>(rows[0], lane))> out;
-        for (int i = 0; !rows.empty() && i < state_.n; ++i)
-            out.push_back(state_.template lane_of<T>(rows[state_.at(block, i)], lane));
-        return out;
+    // A strand's numbers lie one after the other.
+    auto of = [&](const auto& numbers, auto plain) {
+        using V = decltype(plain);
+        return numbers.empty() ? nullptr : reinterpret_cast<const V*>(&numbers[state_.at(strand, 0)]);
     };
-    const auto x = gathered(state_.x), v = gathered(state_.v), target = gathered(state_.target);
-    const auto mass = gathered(state_.mass), rest_length = gathered(state_.rest_length),
-               rest_core = gathered(state_.rest_core);
-    const auto frame = gathered(state_.frame);
     ChainView<T> view{};
     view.n = state_.n;
-    view.x = x.data(), view.v = v.data(), view.target = target.data();
-    view.mass = mass.data(), view.rest_length = rest_length.data(), view.rest_core = rest_core.data();
-    view.frame = frame.data();
+    const Vec3<T> vector{};
+    view.x = of(state_.x, vector), view.v = of(state_.v, vector), view.target = of(state_.target, vector);
+    view.mass = of(state_.mass, T()), view.rest_length = of(state_.rest_length, T());
+    view.rest_core = of(state_.rest_core, T()), view.frame = of(state_.frame, Quat<T>());
     const auto e = energies(scene_.chain, view, scene_.integrator.gravity);
     return {e.begin(), e.end()};
 }
@@ -360,11 +346,8 @@ void CudaSimulation<T>::snapshot(RunFrame& frame) const {
     frame.seconds = frame_seconds_;
     frame.stage_seconds.assign(stage_.begin(), stage_.begin() + long(stages.size()));
 
-    auto fetch = [&](const DeviceBuffer<T>& from, auto& to) {
-        from.download(reinterpret_cast<T*>(to.data()));
-    };
-    fetch(swapped_ ? x_before_ : x_, state_.x), fetch(swapped_ ? v_before_ : v_, state_.v);
-    fetch(frame_, state_.frame), fetch(touching_, state_.touching);
+    download(x_, state_.x), download(v_, state_.v);
+    download(frame_, state_.frame), download(touching_, state_.touching);
     std::vector<std::vector<double>> each(size_t(state_.strands));
 #pragma omp parallel for schedule(static)
     for (int s = 0; s < state_.strands; ++s) each[size_t(s)] = energies_of(s);
@@ -391,11 +374,7 @@ BufferList CudaSimulation<T>::buffers() const {
     auto add = [&](const std::string& name, size_t bytes) {
         if (bytes) out.push_back({name, bytes});
     };
-    add("core pull", core_.bytes()), add("rows of the system", rows_.bytes());
-    add("expected gaps", gap_.bytes()), add("expected positions", at_.bytes()),
-        add("solution", solution_.bytes());
-    add("bend frames ahead", ahead_.bytes()), add("twist", twist_.bytes());
-    add("limited edges", limit_edge_.bytes()), add("changes of velocity", change_.bytes());
+    add("room of the strands", room_.bytes());
     add("shown positions", positions_.bytes()), add("displayed positions", displayed_.bytes());
     if (cohesion_) add("cohesion lists", cohesion_->bytes());
     for (const auto& l : level_sets_) add("level set", l.bytes());

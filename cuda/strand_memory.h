@@ -1,28 +1,40 @@
 // The strands of a scene in a device's memory, and what kernels are told beside it. Ours.
 #pragma once
 
-#include "cuda/lanes.h"
+#include <type_traits>
+
 #include "solver/passes/chain_step.h"
 #include "solver/passes/contact.h"
 
 namespace wetcurl {
 
-// The strands in the device's memory: rows of 32 lanes (block, particle, number). Null where no present term
-// needs it.
+// What ChainState<S> of a device is made of: one strand after the other, in plain numbers.
+template <class T>
+struct SingleLane {
+    static constexpr int lanes = 1;
+    T number;
+
+    SingleLane() = default;
+    template <class U>
+    requires std::is_arithmetic_v<U>
+    explicit SingleLane(U u) : number(T(u)) {}
+    T operator[](int) const { return number; }
+    void set(int, T t) { number = t; }
+};
+template <class T>
+struct PlainOf<SingleLane<T>> {
+    using type = T;
+};
+
+// (strand, particle) in the device's memory. Null where no present term needs it.
 template <class T>
 struct StrandMemory {
-    int n;
-    T *x, *x_before, *v, *v_before, *touching, *pushed;
-    T* gap;            // (block, particle) from surfaces where particles were first expected
-    T *frame, *ahead;  // at the positions now, and at those at which forces are taken
-    T* at;             // (block, particle, 3) those positions
-    T* twist;       // (block, particle, 3) what the edges' turns about themselves come from, then the turns
-    T* core;        // (block, particle, 3) the core's force along each edge
-    T* limit_edge;  // (block, particle, 3) edges at which the strain limit is taken
-    T* change;      // (block, particle, 3) of velocities since forces were first taken in a step
-    T* solution;    // (block, particle, 3) what they change by from there
-    T* rows;        // (block, particle, row_size) of the system, then of its substitution
-    const T *root, *mass, *rest_length, *rest_core, *target, *saturation, *rest_depth, *push;
+    int n, strands;
+    Vec3<T>*x, *x_before, *v, *v_before;
+    T *touching, *pushed;
+    Quat<T>* frame;
+    const Vec3<T>*root, *target, *push;  // root: (strand, 2) in the head's frame
+    const T *mass, *rest_length, *rest_core, *saturation, *rest_depth;
 };
 
 // What is the same for all strands and substeps.

@@ -1,7 +1,8 @@
-// The implicit substep of a block of strands by a team, a lane a strand. What is independent along a strand
-// is shared out among the members by particle: frames, forces, rows of the matrix, contact. What runs along
-// it goes to one of them: twists, the core's filter, elimination and substitution. Terms, formulas and order
-// are those of solver/passes/chain_step.h, which is the reference.
+// The implicit substep of a few strands by a team of threads, which keep them near while a frame's substeps
+// are taken. What is independent along a strand is shared out by particle: frames, forces, rows of the
+// matrix, contact; what runs along it, twists, the core's filter and the system, takes rounds that reach ever
+// farther. Each strand is solved as often as it needs. Terms, formulas and order are those of
+// solver/passes/chain_step.h, which is the reference.
 #pragma once
 
 #include <utility>
@@ -18,37 +19,94 @@ class StrandStep {
     using V = Vec3<T>;
     using Q = Quat<T>;
     using M = Mat3<T>;
+    struct alignas(4 * sizeof(T)) Frame : Q {};  // read and written whole
+    // An edge's row of the system of the turns of edges about themselves: what couples it to an edge before
+    // and to one after, what its diagonal has beyond these (nothing cancels in sums of such), its right side.
+    struct alignas(4 * sizeof(T)) TwistRow {
+        T before, after, excess, right;
+        WETCURL_HD T inverse() const { return T(1) / maximum(before + after + excess, T(1e-30)); }
+    };
 
   public:
-    // `middle`: StrandSystem<T>::middle_size rows of lanes that the team shares.
-    WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants, int block,
-                          const Team& team, T* middle)
-        : m_(m), k_(constants), block_(size_t(block)), team_(team) {
-        x_ = of<V>(m.x), x_before_ = of<V>(m.x_before), v_ = of<V>(m.v), v_before_ = of<V>(m.v_before);
-        system_ = {m.n, block_ * size_t(m.n), m.rows + team.lane, middle + team.lane, of<V>(m.solution)};
+    // What the team shares of a strand beside its room.
+    struct Flags {
+        unsigned now, seen;
+    };
+    // Numbers of room for each strand.
+    WETCURL_HD static size_t room(int n, bool limits) {
+        return size_t(n) * (4 + 7 * 3 + 4 + (limits ? 3 : 0)) +
+               size_t(StrandSystem<T>::pairs_of(n)) * StrandSystem<T>::pair_size;
     }
 
-    // One substep, `first` of a run (no history) or not. Returns how many edges this member saw held at their
+    // Strands first .. first + count - 1. `room`: of each, aligned to four numbers; `flags` (count).
+    WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants, const Team& team,
+                          int first, int count, bool limits, T* room, Flags* flags)
+        : m_(m), k_(constants), team_(team), count_(count), first_(size_t(first)), flags_(flags) {
+        const size_t cells = size_t(count) * size_t(m.n);
+        auto take = [&](size_t numbers) {
+            T* at = room;
+            room += numbers * cells;
+            return at;
+        };
+        system_ = {m.n, room};
+        room += size_t(count) * size_t(StrandSystem<T>::pairs_of(m.n)) * StrandSystem<T>::pair_size;
+        frame_ = reinterpret_cast<Frame*>(take(4));
+        for (V** vectors : {&x_, &x_before_, &v_, &v_before_, &at_, &rate_, &core_})
+            *vectors = reinterpret_cast<V*>(take(3));
+        pushed_ = take(1), gap_ = take(1), mass_ = take(1), rest_length_ = take(1);
+        if (limits) limit_edge_ = reinterpret_cast<V*>(take(3));
+    }
+
+    // From the memory, and back.
+    template <class Set>
+    WETCURL_HD void load(const Set& set) {
+        for_each_particle(0, m_.n, [&](int g, int i) {
+            const int k = cell(g, i);
+            const size_t from = first_ * size_t(m_.n) + size_t(k);
+            x_[k] = m_.x[from], x_before_[k] = m_.x_before[from];
+            v_[k] = m_.v[from], v_before_[k] = m_.v_before[from];
+            mass_[k] = m_.mass[from], rest_length_[k] = m_.rest_length[from];
+            if (has<Bend>(set)) frame_[k] = Frame{m_.frame[from]};
+            if (set.has(present::contact)) pushed_[k] = m_.pushed[from];
+        });
+    }
+    template <class Set>
+    WETCURL_HD void store(const Set& set) const {
+        for_each_particle(0, m_.n, [&](int g, int i) {
+            const int k = cell(g, i);
+            const size_t to = first_ * size_t(m_.n) + size_t(k);
+            m_.x[to] = x_[k], m_.x_before[to] = x_before_[k];
+            m_.v[to] = v_[k], m_.v_before[to] = v_before_[k];
+            if (has<Bend>(set)) m_.frame[to] = frame_[k];
+            if (set.has(present::contact)) m_.pushed[to] = pushed_[k];
+        });
+    }
+
+    // One substep, `first` of a run (no history) or not. Returns how many edges this thread saw held at their
     // strain limit.
     template <class Set>
     WETCURL_HD int step(const Set& set, const SubstepMotion<T>& motion, bool first) {
         const Bdf2<T> scheme(k_.dt, first, k_.share);
-        looks_ = 1;
-        const bool contacts = expect(set, motion, scheme);
-        bool active = true;
-        do {
-            look(set, motion, scheme, active);
-            const bool far = solve(set, motion, scheme, contacts, active);
-            active = active && far && looks_ < k_.looks;
-            if (!team_.any(active)) break;
-            // Forces are taken anew where the solution has led those strands.
-            team_.share(active, 0, m_.n, [&](int i) {
-                const V d = of<V>(m_.solution)[i];
-                of<V>(m_.at).set(i, of<V>(m_.at)[i] + scheme.h * d);
-                of<V>(m_.change).set(i, change_at(i) + d);
+        team_.share(count_, 1, [&](int g, int) { flags_[g] = {active, 0}; });
+        expect(set, motion, scheme);
+        for (int looks = 1;; ++looks) {
+            look(set, motion, scheme, looks == 1);
+            solve(set, motion, scheme);
+            bool anew = false;
+            team_.each(count_, [&](int g) {
+                unsigned& now = flags_[g].now;
+                const bool goes_on = now & active && now & far_off && looks < k_.looks;
+                now = goes_on ? now | looked_anew : now & ~active;
+                anew |= goes_on;
             });
-            looks_ += active;
-        } while (true);
+            if (!team_.any(anew)) break;
+            // Forces are taken anew where the solution has led those strands.
+            for_each_particle(0, m_.n, [&](int g, int i) {
+                if (!is(active, g)) return;
+                const V d = system_.right(g, i);
+                at_[cell(g, i)] += scheme.h * d, rate_[cell(g, i)] += d;
+            });
+        }
         const int limited = finish(set, motion, scheme);
         // What was written over the older state is the newer one.
         const auto x = x_, v = v_;
@@ -58,239 +116,236 @@ class StrandStep {
     }
 
   private:
-    // This lane's elements of a buffer.
-    template <class E, class P>
-    WETCURL_HD auto of(P* buffer, size_t rows = sizeof(E) / sizeof(T)) const {
-        return LaneArray<std::remove_const_t<E>, P>{buffer + block_ * size_t(m_.n) * rows * Lanes<T>::lanes +
-                                                    team_.lane};
+    // Of a strand: its forces are taken; its system is solved; surfaces push it; an edge turns far; forces
+    // have been taken more than once.
+    enum : unsigned { active = 1, solved = 2, touches = 4, far_off = 8, looked_anew = 16 };
+    // Seen in its solution.
+    enum : unsigned { limit_moved = 1, hold_changed = 2, turned = 4 };
+
+    WETCURL_HD int cell(int g, int i) const { return g * m_.n + i; }
+    WETCURL_HD bool is(unsigned what, int g) const { return flags_[g].now & what; }
+    // Of what is in the memory alone.
+    template <class E>
+    WETCURL_HD E of(const E* numbers, int k) const {
+        return numbers[first_ * size_t(m_.n) + size_t(k)];
     }
-    // Of velocities until forces were taken anew.
-    WETCURL_HD V change_at(int i) const { return looks_ > 1 ? V(of<V>(m_.change)[i]) : V{T(0), T(0), T(0)}; }
-    // The velocity at which forces are taken.
-    WETCURL_HD V look_velocity(const Bdf2<T>& scheme, int i) const {
-        return scheme.expected_velocity(v_[i]) + change_at(i);
+    // f(strand, particle) for first <= particle < end. Waits.
+    template <class F>
+    WETCURL_HD void for_each_particle(int first, int end, F f) const {
+        if (first < end) team_.share(count_, end - first, [&](int g, int k) { f(g, first + k); });
     }
-    WETCURL_HD V edge_at(int i) const {
-        const auto at = of<V>(m_.at);
-        return at[i + 1] - at[i];
+    // In the place of a strand's system, until there is one.
+    WETCURL_HD TwistRow* twist(int g, bool other) const {
+        return reinterpret_cast<TwistRow*>(system_.numbers(g)) + (other ? m_.n : 0);
     }
-    WETCURL_HD V placed_root(const SubstepMotion<T>& motion, int i) const {
-        const LaneArray<V, const T> root{m_.root + block_ * 2 * 3 * Lanes<T>::lanes + team_.lane};
-        return rotate(motion.head_rotation, root[i]) + motion.head_translation;
+    WETCURL_HD V* spare(int g, int which) const {
+        return reinterpret_cast<V*>(system_.numbers(g) + 8 * m_.n) + which * m_.n;
     }
+    WETCURL_HD V edge_at(int k) const { return at_[k + 1] - at_[k]; }
+    WETCURL_HD V placed_root(const SubstepMotion<T>& motion, int g, int i) const {
+        return rotate(motion.head_rotation, m_.root[(first_ + size_t(g)) * 2 + size_t(i)]) +
+               motion.head_translation;
+    }
+    WETCURL_HD V known(const SubstepMotion<T>& motion, const Bdf2<T>& scheme, int g, int i) const {
+        return (T(1) / scheme.h) * (placed_root(motion, g, i) - at_[cell(g, i)]);
+    }
+    WETCURL_HD T rest_depth(int k) const { return m_.rest_depth ? of(m_.rest_depth, k) : T(0); }
 
     // --- where particles are expected, and which surfaces hold them
 
-    // The contact of particle i, which a solid has pushed or is to push: held while `pushed` is above 0;
+    WETCURL_HD Hold<T> expected_hold(int k, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, const V& x,
+                                     T& momentum) const {
+        return expected_contact(motion, rest_depth(k), hold_stiffness(k_.spring_sum, scheme.h, mass_[k]), x,
+                                V(v_[k]), momentum);
+    }
+    // The contact of a particle that a solid has pushed or is to push: held while `pushed` is above 0;
     // below it the surface may hold it again.
-    WETCURL_HD Hold<T> hold_of(int i, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, T pushed) const {
+    WETCURL_HD Hold<T> hold_of(int k, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, T pushed) const {
         T momentum = pushed < 0 ? -pushed : pushed;
-        Hold<T> hold = expected_contact(motion, m_.rest_depth ? T(of<const T>(m_.rest_depth)[i]) : T(0),
-                                        hold_stiffness(k_.spring_sum, scheme.h, T(of<const T>(m_.mass)[i])),
-                                        scheme.predicted(x_[i], x_before_[i], v_[i]), V(v_[i]), momentum);
-        hold.gap += scheme.h * dot(change_at(i), hold.normal);
+        Hold<T> hold =
+            expected_hold(k, motion, scheme, scheme.predicted(x_[k], x_before_[k], v_[k]), momentum);
+        hold.gap += scheme.h * dot(rate_[k] - scheme.expected_velocity(v_[k]), hold.normal);
         hold.weight = pushed > 0 ? hold.stiff : T(0);
         return hold;
     }
-    // Returns whether surfaces push the strand.
     template <class Set>
-    WETCURL_HD bool expect(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
-        struct Loaded {
-            V x, x_before, v;
-            T pushed, mass, rest_depth;
-        };
-        const bool touches = set.has(present::contact);
-        bool contact = false;
-        team_.share(
-            true, 0, m_.n,
-            [&](int i) {
-                Loaded in{x_[i], x_before_[i], v_[i], T(0), T(0), T(0)};
-                if (!touches) return in;
-                in.pushed = of<T>(m_.pushed)[i], in.mass = of<const T>(m_.mass)[i];
-                if (m_.rest_depth) in.rest_depth = of<const T>(m_.rest_depth)[i];
-                return in;
-            },
-            [&](int i, const Loaded& in) {
-                const V x = scheme.predicted(in.x, in.x_before, in.v);
-                of<V>(m_.at).set(i, x);
-                if (!touches || i < 2) return;
-                T momentum = in.pushed;
-                const Hold<T> hold =
-                    expected_contact(motion, in.rest_depth, hold_stiffness(k_.spring_sum, scheme.h, in.mass),
-                                     x, in.v, momentum);
-                of<T>(m_.gap).set(i, hold.gap);
-                if (!(momentum > 0)) return;
-                contact = true;
-                of<T>(m_.pushed).set(i, hold.weight > 0 ? momentum : -momentum);
-            });
-        return team_.together(contact);
+    WETCURL_HD void expect(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
+        for_each_particle(0, m_.n, [&](int g, int i) {
+            const int k = cell(g, i);
+            const V x = scheme.predicted(x_[k], x_before_[k], v_[k]);
+            at_[k] = x, rate_[k] = scheme.expected_velocity(v_[k]);
+            if (!set.has(present::contact) || i < 2) return;
+            T momentum = pushed_[k];
+            const Hold<T> hold = expected_hold(k, motion, scheme, x, momentum);
+            gap_[k] = hold.gap;
+            if (!(momentum > 0)) return;
+            pushed_[k] = hold.weight > 0 ? momentum : -momentum;
+            Team::raise(flags_[g].now, touches);
+        });
     }
 
     // --- what forces need of the whole strand
 
-    struct LoadedFrame {
-        Q frame;
-        V e;
-    };
-
     template <class Set>
-    WETCURL_HD void look(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, bool active) {
-        const int edges = m_.n - 1;
-        const auto ahead = of<Q>(m_.ahead);
-        if (has<StrainLimit>(set))
-            team_.share(active, 1, edges, [&](int i) { of<V>(m_.limit_edge).set(i, edge_at(i)); });
-        if (has<Bend>(set))
-            team_.share(
-                active, 0, edges,
-                [&](int i) {
-                    return LoadedFrame{looks_ == 1 ? Q(of<Q>(m_.frame)[i]) : Q(ahead[i]), edge_at(i)};
-                },
-                [&](int i, const LoadedFrame& in) {
-                    ahead.set(i, transported(looks_ == 1 ? motion.root_turn * in.frame : in.frame, in.e));
-                });
-        if (has<Twist>(set)) team_.share(active, 1, edges, [&](int i) { meet_at_joint(scheme, i); });
-        // What runs along the strand, a job each.
-        team_.share(active, 0, 7, [&](int job) {
-            if (job == 6 && has<Twist>(set)) turn_edges();
-            if (job < 6 && has<Core>(set)) smooth_along(job > 2, job % 3);
+    WETCURL_HD void look(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, bool first) {
+        if (has<Bend>(set) || has<StrainLimit>(set))
+            for_each_active(0, [&](int g, int i) {
+                const int k = cell(g, i);
+                const V e = edge_at(k);
+                if (has<StrainLimit>(set)) limit_edge_[k] = e;
+                if (!has<Bend>(set)) return;
+                const Q frame = frame_[k];
+                frame_[k] = Frame{transported(first ? motion.root_turn * frame : frame, e)};
+            });
+        if (has<Core>(set) || has<Twist>(set)) take_along(set, scheme);
+    }
+    // f(strand, edge) for edges from `first` on of strands whose forces are taken. Waits.
+    template <class F>
+    WETCURL_HD void for_each_active(int first, F f) const {
+        for_each_particle(first, m_.n - 1, [&](int g, int i) {
+            if (is(active, g)) f(g, i);
         });
-        if (has<Core>(set)) {
-            const Core& core = get<Core>(k_.terms);
-            const auto pull = of<V>(m_.core), rate = of<V>(m_.solution);
-            const auto rest = of<const T>(m_.rest_core);
-            team_.share(active, 0, edges, [&](int i) { pull.set(i, core.pull(pull[i], rate[i], rest[i])); });
-            if (!core.printed) team_.share(active, 0, 3, [&](int axis) { pull_along(axis); });
-        }
-        if (has<Twist>(set))
-            team_.share(active, 1, edges,
-                        [&](int i) { ahead.set(i, turned_about_itself(ahead[i], of<V>(m_.twist)[i].x)); });
     }
-    // The row of edge i in the system of the turns of edges about themselves: its coupling to the edge
-    // before, right side, diagonal.
-    WETCURL_HD void meet_at_joint(const Bdf2<T>& scheme, int i) {
-        const Twist& twist = get<Twist>(k_.terms);
-        const auto ahead = of<Q>(m_.ahead);
-        const auto rest_length = of<const T>(m_.rest_length);
-        const Q frame = ahead[i];
-        const T k = twist.stiffness(rest_length[i]);
-        const T torque = k * Twist::HalfAngle<T>(ahead[i - 1], frame).sine_of_whole();
-        T k_next(0), torque_next(0), slope(0), bound(0);
+    // f(other, reach, weight) in rounds, each of which reaches twice as far along a strand as the one before
+    // and reads what that has left, in turns here or (`other`) there. Returns where the last one leaves it.
+    template <class F>
+    WETCURL_HD bool in_rounds(bool other, T weight, F f) const {
+        for (int reach = 1; reach < m_.n - 1; reach *= 2, other = !other, weight *= weight)
+            f(other, reach, weight);
+        return other;
+    }
+    // The turns of edges about themselves and the core's forces.
+    template <class Set>
+    WETCURL_HD void take_along(const Set& set, const Bdf2<T>& scheme) {
+        const bool filters = has<Core>(set);
+        const T beta = filters ? T(get<Core>(k_.terms).beta) : T(0);
+        for_each_active(0, [&](int g, int i) {
+            const int k = cell(g, i), root = cell(g, 0);
+            if (has<Twist>(set) && i > 0) twist(g, false)[i] = joint(scheme, i, k);
+            if (!filters) return;
+            // Before the root the strand goes on straight.
+            smoothed(g, false)[i] = edge_at(k) - edge_at(root);
+            rates(g, false)[i] = rate_[k + 1] - rate_[k] - (rate_[root + 1] - rate_[root]);
+        });
+        const bool last = in_rounds(false, 1 - beta, [&](bool other, int reach, T weight) {
+            for_each_active(0, [&](int g, int i) {
+                if (has<Twist>(set) && i > 0) twist(g, !other)[i] = reduced(twist(g, other), i, reach);
+                if (!filters) return;
+                smoothed(g, !other)[i] = doubled(smoothed(g, other), i, -reach, weight);
+                rates(g, !other)[i] = doubled(rates(g, other), i, -reach, weight);
+            });
+        });
+        const bool adjoint = filters && !get<Core>(k_.terms).printed;
+        for_each_active(0, [&](int g, int i) {
+            const int k = cell(g, i), root = cell(g, 0);
+            if (has<Twist>(set) && i > 0) {
+                const TwistRow row = twist(g, last)[i];
+                frame_[k] = Frame{turned_about_itself(Q(frame_[k]), row.right * row.inverse())};
+            }
+            if (!filters) return;
+            const T c = beta * beta;
+            const V b = edge_at(root) + c * smoothed(g, last)[i],
+                    nu = rate_[root + 1] - rate_[root] + c * rates(g, last)[i];
+            // As many rounds go back: they end in the core's own room.
+            core(g, adjoint && last)[i] =
+                (adjoint ? c : T(1)) * get<Core>(k_.terms).pull(b, nu, of(m_.rest_core, k));
+        });
+        if (adjoint)
+            in_rounds(last, 1 - beta, [&](bool other, int reach, T weight) {
+                for_each_active(
+                    1, [&](int g, int i) { core(g, !other)[i] = doubled(core(g, other), i, reach, weight); });
+            });
+    }
+    // The core's force along each edge, in the end in a room of its own; and what it comes of.
+    WETCURL_HD V* core(int g, bool other) const { return other ? spare(g, 0) : core_ + cell(g, 0); }
+    WETCURL_HD V* smoothed(int g, bool other) const { return spare(g, other ? 1 : 2); }
+    WETCURL_HD V* rates(int g, bool other) const { return spare(g, other ? 3 : 4); }
+    // The filter of Eq 2 but for its factor beta², 1 / (1 - q z)² with q = 1 - beta, is the product of
+    // (1 + q^r z^r)² over r = 1, 2, 4, ...; its adjoint likewise, towards the root. `weight`: q^r.
+    WETCURL_HD V doubled(const V* values, int i, int reach, T weight) const {
+        V sum = values[i];
+        const int near = i + reach, far = i + 2 * reach, edges = m_.n - 1;
+        if (near >= 0 && near < edges) sum += 2 * weight * values[near];
+        if (far >= 0 && far < edges) sum += weight * weight * values[far];
+        return sum;
+    }
+    // Hockney and Jesshope 1981, parallel cyclic reduction: rows `reach` before and after are taken off row
+    // i.
+    WETCURL_HD TwistRow reduced(const TwistRow* rows, int i, int reach) const {
+        TwistRow row = rows[i];
+        if (i - reach > 0) {
+            const TwistRow before = rows[i - reach];
+            const T share = row.before * before.inverse();
+            row.before = share * before.before;
+            row.excess += share * before.excess, row.right += share * before.right;
+        }
+        if (i + reach < m_.n - 1) {
+            const TwistRow after = rows[i + reach];
+            const T share = row.after * after.inverse();
+            row.after = share * after.after;
+            row.excess += share * after.excess, row.right += share * after.right;
+        }
+        return row;
+    }
+    // As of TwistElimination.
+    WETCURL_HD TwistRow joint(const Bdf2<T>& scheme, int i, int k) const {
+        const Twist& springs = get<Twist>(k_.terms);
+        const Q frame = frame_[k];
+        const T stiffness = springs.stiffness(rest_length_[k]);
+        const T torque = stiffness * Twist::HalfAngle<T>(Q(frame_[k - 1]), frame).sine_of_whole();
+        T after(0), torque_after(0), slope(0), bound(0);
         if (i + 2 < m_.n) {
-            k_next = twist.stiffness(rest_length[i + 1]);
-            torque_next = k_next * Twist::HalfAngle<T>(frame, ahead[i + 1]).sine_of_whole();
-            bend_by_turn(get<Bend>(k_.terms), frame, of<const V>(m_.target)[i + 1], edge_at(i + 1), slope,
-                         bound);
+            after = springs.stiffness(rest_length_[k + 1]);
+            torque_after = after * Twist::HalfAngle<T>(frame, Q(frame_[k + 1])).sine_of_whole();
+            bend_by_turn(get<Bend>(k_.terms), frame, of(m_.target, k + 1), edge_at(k + 1), slope, bound);
         }
-        const T lag = twist.lag(scheme.h, of<const T>(m_.mass)[i]);
-        of<V>(m_.twist).set(
-            i, {i == 1 ? T(0) : k, torque_next - torque - slope, (T(1) + lag) * (bound + k + k_next)});
-    }
-    // A few elements are loaded at once: one after the other each would wait for memory.
-    static constexpr int at_once = 8;
-    // As relax_twist does.
-    WETCURL_HD void turn_edges() {
-        const int edges = m_.n - 1;
-        const auto rows = of<V>(m_.twist);
-        TwistElimination<T> row;
-        V some[at_once]{};
-        for (int begin = 1; begin < edges; begin += at_once) {
-            for (int k = 0; k < at_once; ++k)
-                if (begin + k < edges) some[k] = rows[begin + k];
-            for (int k = 0; k < at_once; ++k) {
-                if (begin + k >= edges) continue;
-                row.next(some[k].x, some[k].y, some[k].z);
-                rows.set(begin + k, {some[k].x, row.right, T(1) / row.pivot});
-            }
-        }
-        T turn(0), after(0);
-        for (int end = edges; end > 1; end -= at_once) {
-            for (int k = 1; k <= at_once; ++k)
-                if (end - k > 0) some[k - 1] = rows[end - k];
-            for (int k = 1; k <= at_once; ++k) {
-                if (end - k < 1) continue;
-                turn = (some[k - 1].y + after * turn) * some[k - 1].z;
-                after = some[k - 1].x;
-                rows.set(end - k, {turn, T(0), T(0)});
-            }
-        }
-    }
-    // One coordinate of this lane's vectors.
-    template <class P>
-    WETCURL_HD P* axis_of(P* buffer, int axis) const {
-        return buffer + (block_ * size_t(m_.n) * 3 + size_t(axis)) * Lanes<T>::lanes + team_.lane;
-    }
-    static constexpr int next_vector = 3 * Lanes<T>::lanes;
-    // What Core::prepare smooths, one coordinate of edges or of their rates; `solution` holds the rates until
-    // there is one.
-    WETCURL_HD void smooth_along(bool of_rates, int axis) const {
-        const T beta = T(get<Core>(k_.terms).beta), a = 2 * (1 - beta), b = (1 - beta) * (1 - beta),
-                c = beta * beta;
-        const T *at = axis_of(m_.at, axis), *v = v_.p + axis * Lanes<T>::lanes,
-                *change = axis_of(m_.change, axis);
-        T* to = axis_of(of_rates ? m_.solution : m_.core, axis);
-        auto value = [&](int i) {
-            if (!of_rates) return at[i * next_vector];
-            return k_.share * v[i * next_vector] + (looks_ > 1 ? change[i * next_vector] : T(0));
-        };
-        const int edges = m_.n - 1;
-        T before = value(0), d1 = value(1) - before, d2 = d1, some[at_once]{};
-        for (int begin = 0; begin < edges; begin += at_once) {
-            for (int k = 0; k < at_once; ++k)
-                if (begin + k < edges) some[k] = value(begin + k + 1);
-            for (int k = 0; k < at_once; ++k) {
-                if (begin + k >= edges) continue;
-                const T d = a * d1 - b * d2 + c * (some[k] - before);
-                d2 = d1, d1 = d, before = some[k];
-                to[(begin + k) * next_vector] = d;
-            }
-        }
-    }
-    // Its adjoint, but for the edge at the root, which moves nothing.
-    WETCURL_HD void pull_along(int axis) const {
-        const T beta = T(get<Core>(k_.terms).beta), a = 2 * (1 - beta), b = (1 - beta) * (1 - beta),
-                c = beta * beta;
-        T* pull = axis_of(m_.core, axis);
-        T d1(0), d2(0), some[at_once]{};
-        for (int end = m_.n - 1; end > 1; end -= at_once) {
-            for (int k = 1; k <= at_once; ++k)
-                if (end - k > 0) some[k - 1] = pull[(end - k) * next_vector];
-            for (int k = 1; k <= at_once; ++k) {
-                if (end - k < 1) continue;
-                const T d = a * d1 - b * d2 + some[k - 1];
-                d2 = d1, d1 = d;
-                pull[(end - k) * next_vector] = c * d;
-            }
-        }
+        const T lag = springs.lag(scheme.h, mass_[k]);
+        const T excess = bound + lag * (bound + stiffness + after);
+        // Edge 0 is held by the root.
+        return {i == 1 ? T(0) : stiffness, after, i == 1 ? excess + stiffness : excess,
+                torque_after - torque - slope};
     }
 
     // --- the system
 
+    // What the elements that end at a particle add to its row and the two before.
+    struct Element {
+        V force[3];
+        Sym3<T> diagonal[3];
+        M upper1[2], upper2[1];
+    };
     template <class Set, size_t... place>
     WETCURL_HD void assemble_present(const Set& set, const ChainView<T>& view, const ChainSystem<T>& system,
                                      std::index_sequence<place...>) const {
         ((set.has(int(place)) ? std::get<place>(k_.terms)->assemble(view, system, 2, 3) : void()), ...);
     }
-
-    // Rows begin .. end-1, by the elements that reach them, in a window of three particles that moves to the
-    // tip.
+    // Those that end at particle j of strand g.
     template <class Set>
-    WETCURL_HD void assemble_rows(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
-                                  int begin, int end) const {
-        const int n = m_.n;
+    WETCURL_HD Element element(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, int g,
+                               int j) const {
         const V zero{T(0), T(0), T(0)};
         const Sym3<T> no_sym = identity_times(T(0));
-        const M no_mat = to_mat3(no_sym);
-        V x[3], v[3], force[3] = {zero, zero, zero};
-        Sym3<T> diagonal[3] = {no_sym, no_sym, no_sym};
-        M upper1[2] = {no_mat, no_mat}, upper2[1];
-        V target[2], core[2], push[2], limit_edge[2], normal[3], surface_velocity[3];
+        const M no_mat{zero, zero, zero};
+        Element e{{zero, zero, zero}, {no_sym, no_sym, no_sym}, {no_mat, no_mat}, {no_mat}};
+        const int k = cell(g, j);
+        V x[3], v[3], target[2], core[2], push[2], limit_edge[2], normal[3], surface_velocity[3];
         Q frame[2];
         T mass[3], rest_length[2], saturation[3], touching[3], phi[3];
+        for (int l = 0; l < 3; ++l)
+            x[l] = at_[k - 2 + l], v[l] = rate_[k - 2 + l], mass[l] = mass_[k - 2 + l];
+        rest_length[1] = rest_length_[k - 1];
+        if (has<Bend>(set))
+            frame[0] = frame_[k - 2], frame[1] = frame_[k - 1], target[1] = of(m_.target, k - 1);
+        if (has<Core>(set)) core[1] = core_[k - 1];
+        if (has<CurlPush>(set)) push[1] = of(m_.push, k - 1);
+        if (has<StrainLimit>(set)) limit_edge[1] = limit_edge_[k - 1];
+        const bool wet = (has<Adhesion>(set) || has<Stiffness>(set)) && m_.saturation;
+        saturation[2] = wet ? of(m_.saturation, k) : T(0);
         normal[2] = {T(0), T(1), T(0)}, surface_velocity[2] = zero;
-        const auto at = of<V>(m_.at);
-        const auto ahead = of<Q>(m_.ahead);
-        const auto masses = of<const T>(m_.mass);
-
+        if (has<Adhesion>(set)) {
+            touching[2] = of(m_.touching, k);
+            sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
+        }
         ChainView<T> view{};
         view.n = 3;
         view.x = x, view.v = v, view.mass = mass, view.rest_length = rest_length;
@@ -299,102 +354,107 @@ class StrandStep {
         view.saturation = saturation, view.touching = touching, view.phi = phi, view.normal = normal;
         view.surface_velocity = surface_velocity;
         view.turn = motion.turn, view.turn_center = motion.turn_center, view.drift = motion.drift;
-        if (has<CurlPush>(set)) view.chord = at[n - 1] - at[0];
-        const ChainSystem<T> system{scheme.h, force, diagonal, upper1, upper2};
-
-        const int start = begin < 2 ? 2 : begin;
-        for (int k = 1; k < 3; ++k) {
-            const int i = start - 3 + k;
-            x[k] = at[i], v[k] = look_velocity(scheme, i), mass[k] = masses[i];
+        if (has<CurlPush>(set)) view.chord = at_[cell(g, m_.n - 1)] - at_[cell(g, 0)];
+        assemble_present(set, view, {scheme.h, e.force, e.diagonal, e.upper1, e.upper2},
+                         std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
+        return e;
+    }
+    // The rows of strands that are to be solved. From the tips, so that a row is set by the first element
+    // that reaches it; elements that share one take turns.
+    template <class Set>
+    WETCURL_HD void assemble(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) const {
+        const int n = m_.n, span = n - 2;
+        for (int begin = 0; begin < count_ * span; begin += team_.threads) {
+            const int job = begin + team_.thread, g = int((float(job) + 0.5f) / float(span)),
+                      j = n - 1 - (job - g * span);
+            const bool mine = job < count_ * span && is(solved, g);
+            Element e;
+            if (mine) {
+                e = element(set, motion, scheme, g, j);
+                system_.set_row(g, j - 2, e.diagonal[0], e.force[0], e.upper1[0], e.upper2[0]);
+                if (j == n - 1)
+                    for (int i = n - 2; i < n + n % 2; ++i) system_.clear_row(g, i);
+            }
+            team_.wait();
+            if (mine) {
+                system_.add_diagonal(g, j - 1, e.diagonal[1]), system_.right(g, j - 1) += e.force[1];
+                system_.add_coupling(g, j - 1, e.upper1[1]);
+            }
+            team_.wait();
+            if (mine) system_.add_diagonal(g, j, e.diagonal[2]), system_.right(g, j) += e.force[2];
+            team_.wait();
         }
-        if (has<Bend>(set)) frame[1] = ahead[start - 2];
-        for (int j = start; j < end + 2; ++j) {
-            for (int k = 0; k < 2; ++k) {
-                x[k] = x[k + 1], v[k] = v[k + 1], mass[k] = mass[k + 1];
-                force[k] = force[k + 1], diagonal[k] = diagonal[k + 1];
+        for_each_particle(0, n, [&](int g, int i) {
+            if (!is(solved, g)) return;
+            V& r = system_.right(g, i);
+            if (i < 2) {
+                r = known(motion, scheme, g, i);
+                return;
             }
-            force[2] = zero, diagonal[2] = no_sym;
-            upper1[0] = upper1[1], upper1[1] = no_mat, upper2[0] = no_mat;
-            if (j < n) {
-                x[2] = at[j], v[2] = look_velocity(scheme, j), mass[2] = masses[j];
-                rest_length[1] = of<const T>(m_.rest_length)[j - 1];
-                if (has<Bend>(set)) {
-                    frame[0] = frame[1], frame[1] = ahead[j - 1];
-                    target[1] = of<const V>(m_.target)[j - 1];
-                }
-                if (has<Core>(set)) core[1] = of<V>(m_.core)[j - 1];
-                if (has<CurlPush>(set)) push[1] = of<const V>(m_.push)[j - 1];
-                if (has<StrainLimit>(set)) limit_edge[1] = of<V>(m_.limit_edge)[j - 1];
-                if ((has<Adhesion>(set) || has<Stiffness>(set)) && m_.saturation)
-                    saturation[2] = of<const T>(m_.saturation)[j];
-                else
-                    saturation[2] = T(0);
-                if (has<Adhesion>(set)) {
-                    touching[2] = of<T>(m_.touching)[j];
-                    sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
-                }
-                assemble_present(set, view, system,
-                                 std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
-            }
-            const int i = j - 2;
-            if (i < begin || i >= end) continue;
-            SystemRow<T> row{diagonal[0], zero, upper1[0], upper2[0]};
-            if (i >= 2) {
-                row.r =
-                    scheme.right_side(mass[0], v_[i], v_before_[i], v[0], force[0] + mass[0] * k_.gravity);
-                row.diagonal += identity_times(mass[0]);
-                const T pushed = set.has(present::contact) ? of<T>(m_.pushed)[i] : T(0);
-                if (pushed > 0)
-                    add_hold(hold_of(i, motion, scheme, pushed), scheme.h, v[0], row.diagonal, row.r);
-            }
-            system_.put(set, i, row);
-        }
+            const int k = cell(g, i);
+            const T mass = mass_[k];
+            const V v = rate_[k];
+            r = scheme.right_side(mass, v_[k], v_before_[k], v, r + mass * k_.gravity);
+            if (i < 4)
+                r -= system_.known_part(g, i, known(motion, scheme, g, 0), known(motion, scheme, g, 1));
+            Sym3<T> diagonal = identity_times(mass);
+            const T pushed = set.has(present::contact) ? pushed_[k] : T(0);
+            if (pushed > 0) add_hold(hold_of(k, motion, scheme, pushed), scheme.h, v, diagonal, r);
+            system_.add_diagonal(g, i, diagonal);
+        });
     }
 
-    // Solves until the edges at their strain limit and the particles that surfaces hold are found. Returns
-    // whether an edge turned far.
+    // Solves until the edges at their strain limit and the particles that surfaces hold are found.
     template <class Set>
-    WETCURL_HD bool solve(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
-                          bool contacts, bool active) {
-        enum : unsigned { limit_moved = 1, hold_changed = 2, turned = 4 };
-        const int n = m_.n, part = (n + team_.members - 1) / team_.members, begin = part * team_.member,
-                  end = begin + part < n ? begin + part : n;
-        const auto solution = of<V>(m_.solution), edge_limited = of<V>(m_.limit_edge);
-        const auto pushed = of<T>(m_.pushed);
-        const auto rest_length = of<const T>(m_.rest_length);
-        const T far = far_turn(k_.turn, T(contacts));
-        auto way_of = [&](int edge) { return scheme.h * (solution[edge + 1] - solution[edge]); };
-        bool again = active, far_off = false;
+    WETCURL_HD void solve(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
+        const int n = m_.n;
+        auto way_of = [&](int g, int edge) {
+            return scheme.h * (system_.right(g, edge + 1) - system_.right(g, edge));
+        };
+        team_.share(count_, 1, [&](int g, int) {
+            const unsigned now = flags_[g].now & ~(solved | far_off);
+            flags_[g].now = now & active ? now | solved : now;
+        });
         for (int solves = 1;; ++solves) {
-            if (again && begin < end) assemble_rows(set, motion, scheme, begin, end);
-            team_.wait();
-            system_.solve(set, team_, again, [&](int i) {
-                return (T(1) / scheme.h) * (placed_root(motion, i) - of<V>(m_.at)[i]);
-            });
-            team_.wait();
+            assemble(set, motion, scheme);
+            system_.solve(team_, count_, [&](int g) { return is(solved, g); });
             const bool limits = has<StrainLimit>(set) && solves < StrainLimit::most_solves,
-                       holds = set.has(present::contact) && contacts && solves < most_contact_solves;
-            unsigned seen = 0;
-            for (int i = 2 + team_.member; again && i < n; i += team_.members) {
-                const V way = way_of(i - 1);
-                const T rest = rest_length[i - 1];
-                if (turned_far<T>(way, rest, far) > 0) seen |= turned;
+                       holds = set.has(present::contact) && solves < most_contact_solves;
+            for_each_particle(2, n, [&](int g, int i) {
+                if (!is(solved, g)) return;
+                const int k = cell(g, i);
+                const V way = way_of(g, i - 1);
+                const T rest = rest_length_[k - 1];
+                const bool contacts = is(touches, g);
+                unsigned seen = 0;
+                if (turned_far<T>(way, rest, far_turn(k_.turn, T(contacts))) > 0) seen |= turned;
                 if (limits &&
-                    get<StrainLimit>(k_.terms).unsettled(edge_at(i - 1) + way, edge_limited[i - 1], rest) > 0)
+                    get<StrainLimit>(k_.terms).unsettled(edge_at(k - 1) + way, limit_edge_[k - 1], rest) > 0)
                     seen |= limit_moved;
-                if (!holds || pushed[i] == 0) continue;
-                Hold<T> hold = hold_of(i, motion, scheme, pushed[i]);
-                if (!(weigh_again(scheme.h, solution[i], hold) > 0)) continue;
-                pushed.set(i, -pushed[i]);
-                seen |= hold_changed;
-            }
-            const unsigned all = team_.together(seen);
-            if (again) far_off = all & turned;
-            again = again && (all & (limit_moved | hold_changed));
-            if (!team_.any(again)) return far_off;
-            if (has<StrainLimit>(set))
-                team_.share(again && (all & limit_moved), 1, n - 1,
-                            [&](int i) { edge_limited.set(i, edge_at(i) + way_of(i)); });
+                if (holds && contacts && pushed_[k] != 0) {
+                    Hold<T> hold = hold_of(k, motion, scheme, pushed_[k]);
+                    if (weigh_again(scheme.h, system_.right(g, i), hold) > 0)
+                        pushed_[k] = -pushed_[k], seen |= hold_changed;
+                }
+                if (seen) Team::raise(flags_[g].seen, seen);
+            });
+            if (has<StrainLimit>(set) && limits)
+                for_each_particle(1, n - 1, [&](int g, int i) {
+                    if (flags_[g].seen & limit_moved)
+                        limit_edge_[cell(g, i)] = edge_at(cell(g, i)) + way_of(g, i);
+                });
+            bool again = false;
+            team_.each(count_, [&](int g) {
+                const unsigned seen = flags_[g].seen;
+                unsigned now = flags_[g].now;
+                flags_[g].seen = 0;
+                if (!(now & solved)) return;
+                now = seen & turned ? now | far_off : now & ~far_off;
+                if (!(seen & (limit_moved | hold_changed))) now &= ~solved;
+                flags_[g].now = now;
+                again |= now & solved;
+            });
+            if (!team_.any(again)) return;
         }
     }
 
@@ -402,69 +462,56 @@ class StrandStep {
 
     template <class Set>
     WETCURL_HD int finish(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
-        const int n = m_.n;
-        const auto at = of<V>(m_.at), solution = of<V>(m_.solution);
         int limited = 0;
-        struct Loaded {
-            V d, expected, v;
-            T pushed, gap;
-        };
-        const bool touches = set.has(present::contact);
-        team_.share(
-            true, 0, n,
-            [&](int i) {
-                Loaded in{solution[i], at[i], v_[i], T(0), T(0)};
-                if (touches && i >= 2) in.pushed = of<T>(m_.pushed)[i], in.gap = of<T>(m_.gap)[i];
-                return in;
-            },
-            [&](int i, const Loaded& in) {
-                const V d = in.d;
-                V x = i < 2 ? placed_root(motion, i) : in.expected + scheme.h * d,
-                  v = scheme.expected_velocity(in.v) + change_at(i) + d;
-                if (has<StrainLimit>(set) && i >= 2)
-                    limited += get<StrainLimit>(k_.terms).holds(of<V>(m_.limit_edge)[i - 1],
-                                                                of<const T>(m_.rest_length)[i - 1]);
-                if (has<Adhesion>(set)) {
-                    T phi;
-                    V normal, surface_velocity;
-                    sample_nearest(motion, in.expected, phi, normal, surface_velocity);
-                    const auto touching = of<T>(m_.touching);
-                    touching.set(i, updated_touching(touching[i], phi, T(get<Adhesion>(k_.terms).h_a)));
-                }
+        for_each_particle(0, m_.n, [&](int g, int i) {
+            const int k = cell(g, i);
+            const V d = system_.right(g, i), expected = at_[k];
+            V x = i < 2 ? placed_root(motion, g, i) : expected + scheme.h * d, v = rate_[k] + d;
+            if (has<StrainLimit>(set) && i >= 2)
+                limited += get<StrainLimit>(k_.terms).holds(limit_edge_[k - 1], rest_length_[k - 1]);
+            if (has<Adhesion>(set)) {
+                T phi;
+                V normal, surface_velocity;
+                sample_nearest(motion, expected, phi, normal, surface_velocity);
+                T& touching = m_.touching[first_ * size_t(m_.n) + size_t(k)];
+                touching = updated_touching(touching, phi, T(get<Adhesion>(k_.terms).h_a));
+            }
+            if (set.has(present::contact) && i >= 2) {
+                const T pushed_before = pushed_[k];
                 // Where forces were taken once the gap tells which particles no surface can have met.
-                const T way = scheme.h * norm(d);
-                if (touches && i >= 2 && (in.pushed != 0 || looks_ > 1 || !(in.gap - way > T(1e-6)))) {
-                    T pushed =
-                        in.pushed > 0 ? pushed_by(hold_of(i, motion, scheme, in.pushed), scheme.h, d) : T(0);
-                    V x_old = x_[i], v_old = in.v;
-                    bool moved = false;
+                if (pushed_before != 0 || is(looked_anew, g) || !(gap_[k] - scheme.h * norm(d) > T(1e-6))) {
+                    T pushed = pushed_before > 0
+                                   ? pushed_by(hold_of(k, motion, scheme, pushed_before), scheme.h, d)
+                                   : T(0);
                     for (const auto& solid : motion)
-                        moved |= resolve_contact(
-                            solid, T(0),
-                            solid.attached && m_.rest_depth ? T(of<const T>(m_.rest_depth)[i]) : T(0), k_.dt,
-                            of<const T>(m_.mass)[i], pushed, x, x_old, v, v_old);
-                    of<T>(m_.pushed).set(i, pushed);
-                    if (moved) x_.set(i, x_old), v_.set(i, v_old);
+                        resolve_contact(solid, T(0), solid.attached ? rest_depth(k) : T(0), k_.dt, mass_[k],
+                                        pushed, x, x_[k], v, v_[k]);
+                    pushed_[k] = pushed;
                 }
-                x_before_.set(i, x), v_before_.set(i, v);
-            });
+            }
+            x_before_[k] = x, v_before_[k] = v;
+        });
         if (has<Bend>(set))
-            team_.share(
-                true, 0, n - 1,
-                [&](int i) {
-                    return LoadedFrame{of<Q>(m_.ahead)[i], x_before_[i + 1] - x_before_[i]};
-                },
-                [&](int i, const LoadedFrame& in) { of<Q>(m_.frame).set(i, transported(in.frame, in.e)); });
+            for_each_particle(0, m_.n - 1, [&](int g, int i) {
+                const int k = cell(g, i);
+                frame_[k] = Frame{transported(Q(frame_[k]), x_before_[k + 1] - x_before_[k])};
+            });
         return limited;
     }
 
     const StrandMemory<T>& m_;
     const ChainConstants<T>& k_;
-    size_t block_;
     Team team_;
+    int count_;
+    size_t first_;
+    Flags* flags_;
     StrandSystem<T> system_;
-    int looks_ = 1;  // how often forces were taken in this step
-    LaneArray<V, T> x_, x_before_, v_, v_before_;
+    Frame* frame_;
+    V *x_, *x_before_, *v_, *v_before_;
+    V *at_, *rate_;                            // positions and velocities at which forces are taken
+    V* core_;                                  // the core's force along each edge
+    V* limit_edge_ = nullptr;                  // edges at which the strain limit is taken
+    T *pushed_, *gap_, *mass_, *rest_length_;  // gap: from surfaces where particles were first expected
 };
 
 }  // namespace wetcurl

@@ -1,5 +1,4 @@
-// Who steps a block of strands together: on a device the warps of a thread block, a lane a strand; elsewhere
-// one thread, lane by lane. Ours.
+// Who steps a few strands together: on a device the threads of a block; elsewhere one thread. Ours.
 #pragma once
 
 #include "base/host_device.h"
@@ -7,16 +6,14 @@
 namespace wetcurl {
 
 struct Team {
-    int lane = 0, member = 0, members = 1;
-    unsigned (*flags)[32] = nullptr;  // (3) for each lane, zero at first, in memory that the team shares
-    int used = 0;
+    int thread = 0, threads = 1;
 
     WETCURL_HD void wait() const {
 #ifdef __CUDA_ARCH__
         __syncthreads();
 #endif
     }
-    // Waits. Whether it holds for any lane of any member.
+    // Waits. Whether it holds for any thread.
     WETCURL_HD bool any(bool mine) const {
 #ifdef __CUDA_ARCH__
         return __syncthreads_or(mine);
@@ -24,36 +21,27 @@ struct Team {
         return mine;
 #endif
     }
-    // Waits. The bits that any member has set for this lane.
-    WETCURL_HD unsigned together(unsigned mine) {
+    // Sets bits of a number that the team shares.
+    WETCURL_HD static void raise(unsigned& shared, unsigned bits) {
 #ifdef __CUDA_ARCH__
-        unsigned* now = &flags[used][lane];
-        used = used == 2 ? 0 : used + 1;
-        if (member == 0) flags[used][lane] = 0;  // read last two waits ago
-        if (mine) atomicOr(now, mine);
-        __syncthreads();
-        return *now;
+        atomicOr(&shared, bits);
 #else
-        return mine;
+        shared |= bits;
 #endif
     }
-    // f(i) for first <= i < end of an active lane, shared out among the members. Waits for all.
+    // f(k) for 0 <= k < count, shared out among the threads.
     template <class F>
-    WETCURL_HD void share(bool active, int first, int end, F f) const {
-        for (int i = first + member; active && i < end; i += members) f(i);
-        wait();
+    WETCURL_HD void each(int count, F f) const {
+        for (int k = thread; k < count; k += threads) f(k);
     }
-    // The same as f(i, load(i)): what the next one needs is on its way while one is worked on.
-    template <class Load, class F>
-    WETCURL_HD void share(bool active, int first, int end, Load load, F f) const {
-        int i = first + member;
-        if (active && i < end) {
-            auto next = load(i);
-            for (; i < end; i += members) {
-                const auto now = next;
-                if (i + members < end) next = load(i + members);
-                f(i, now);
-            }
+    // f(k, l) for 0 <= k < count, 0 <= l < span likewise. Waits for all.
+    template <class F>
+    WETCURL_HD void share(int count, int span, F f) const {
+        // The quotient of whole numbers below 2^20; their division takes a device far longer.
+        const float inverse = 1.0f / float(span);
+        for (int job = thread; job < count * span; job += threads) {
+            const int k = int((float(job) + 0.5f) * inverse);
+            f(k, job - k * span);
         }
         wait();
     }

@@ -81,13 +81,23 @@ TEST_F(Cuda, in_double_precision_frames_are_the_cpus) {
     }
 }
 
+// Their room lies in the device's memory.
+TEST_F(Cuda, strands_too_long_for_a_processor_are_the_cpus) {
+    const Scene scene = scene_of(dry_scene, {"groom.grid=[2, 3]", "groom.particles=600", "bend.torsion=0"});
+    const RunFrame wanted = after(scene, 2, "double"), got = on_device(scene, 2, "double");
+    ASSERT_GT(farthest(wanted.positions, scene.groom.rest), 1e-4);
+    EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
+}
+
 TEST_F(Cuda, in_single_precision_24_frames_stay_near_the_double_ones) {
     for (const auto& c : cases()) {
         const Scene scene = scene_of(c.text, c.set);
         // Where hair sticks and lets go, or is limited, the CPU's own single precision strays by millimetres.
         if (scene.term<Adhesion>() || scene.term<StrainLimit>()) continue;
-        EXPECT_LT(farthest(on_device(scene, 24).positions, after(scene, 24, "double").positions), 1e-4)
-            << c.name;
+        const Strands wanted = after(scene, 24, "double").positions, got = on_device(scene, 24).positions;
+        // A rounding may decide for a strand that forces are taken anew.
+        EXPECT_LE(strands_astray(got, wanted, 1e-4), 1) << c.name;
+        EXPECT_LT(farthest(got, wanted), 1e-3) << c.name;
     }
 }
 

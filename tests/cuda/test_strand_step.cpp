@@ -1,4 +1,4 @@
-// The device's steps run on the host, a lane at a time, against the reference passes. DESIGN Sec. 3.
+// The device's steps run on the host by a team of one, against the reference passes. DESIGN Sec. 3.
 #include "cuda/chain_setup.h"
 #include "solver/chain_state.h"
 #include "tests/solver/one_strand.h"
@@ -12,37 +12,30 @@ using namespace testing;
 // A scene in the host's memory, stepped.
 template <class T, class Set>
 Strands stepped(const Scene& scene, const Set& set, int frames) {
-    ChainState<Lanes<T>> state(scene);
-    auto rows = [](auto& buffer) { return buffer.empty() ? nullptr : reinterpret_cast<T*>(buffer.data()); };
-    const size_t cells = state.at(state.blocks, 0) * Lanes<T>::lanes;
-    std::vector<T> gap(cells), at(3 * cells), core(3 * cells), limit_edge(3 * cells), change(3 * cells);
-    std::vector<T> ahead(4 * cells), twist(3 * cells), solution(3 * cells);
-    std::vector<T> system(size_t(row_size(scene.chain)) * cells);
+    ChainState<SingleLane<T>> state(scene);
+    auto vectors = [](auto& buffer) {
+        return buffer.empty() ? nullptr : reinterpret_cast<Vec3<T>*>(buffer.data());
+    };
+    auto numbers = [](auto& buffer) {
+        return buffer.empty() ? nullptr : reinterpret_cast<T*>(buffer.data());
+    };
     const StrandMemory<T> memory{state.n,
-                                 rows(state.x),
-                                 rows(state.x_before),
-                                 rows(state.v),
-                                 rows(state.v_before),
-                                 rows(state.touching),
-                                 rows(state.pushed),
-                                 gap.data(),
-                                 rows(state.frame),
-                                 ahead.data(),
-                                 at.data(),
-                                 twist.data(),
-                                 core.data(),
-                                 limit_edge.data(),
-                                 change.data(),
-                                 solution.data(),
-                                 system.data(),
-                                 rows(state.root),
-                                 rows(state.mass),
-                                 rows(state.rest_length),
-                                 rows(state.rest_core),
-                                 rows(state.target),
-                                 rows(state.saturation),
-                                 rows(state.rest_depth),
-                                 rows(state.push)};
+                                 state.strands,
+                                 vectors(state.x),
+                                 vectors(state.x_before),
+                                 vectors(state.v),
+                                 vectors(state.v_before),
+                                 numbers(state.touching),
+                                 numbers(state.pushed),
+                                 reinterpret_cast<Quat<T>*>(state.frame.data()),
+                                 vectors(state.root),
+                                 vectors(state.target),
+                                 vectors(state.push),
+                                 numbers(state.mass),
+                                 numbers(state.rest_length),
+                                 numbers(state.rest_core),
+                                 numbers(state.saturation),
+                                 numbers(state.rest_depth)};
     const int substeps = frames * scene.integrator.substeps;
     const double dt = 1 / (scene.fps * scene.integrator.substeps);
     const ChainConstants<T> constants = chain_constants<T>(scene, dt);
@@ -56,18 +49,22 @@ Strands stepped(const Scene& scene, const Set& set, int frames) {
     }
     for (int k = 0; k < substeps; ++k) motion[size_t(k)].solids = solids.data() + size_t(k) * shapes.size();
 
+    const bool limits = scene.term<StrainLimit>().has_value();
+    constexpr int together = 3;
+    std::vector<typename StrandStep<T>::Flags> flags(together);
+    struct alignas(32) Aligned {
+        T numbers[32 / sizeof(T)];
+    };
+    std::vector<Aligned> room(StrandStep<T>::room(state.n, limits) * together * sizeof(T) / 32 + 1);
     Strands out(state.strands, state.n);
-    for (int s = 0; s < state.strands; ++s) {
-        const int block = s / 32, lane = s % 32;
-        std::vector<T> middle(size_t(StrandSystem<T>::middle_size) * 32);
-        StrandStep<T> strand(memory, constants, block, Team{lane}, middle.data());
-        for (size_t k = 0; k < size_t(substeps); ++k) strand.step(set, motion[k], k == 0);
-        const auto& x = substeps % 2 ? state.x_before : state.x;
-        for (int i = 0; i < state.n; ++i) {
-            const auto& p = x[state.at(block, i)];
-            out.at(s, i) = {float(p.x[lane]), float(p.y[lane]), float(p.z[lane])};
-        }
+    for (int first = 0; first < state.strands; first += together) {
+        StrandStep<T> strands(memory, constants, Team{}, first, std::min(together, state.strands - first),
+                              limits, room[0].numbers, flags.data());
+        strands.load(set);
+        for (size_t k = 0; k < size_t(substeps); ++k) strands.step(set, motion[k], k == 0);
+        strands.store(set);
     }
+    for (size_t k = 0; k < out.points.size(); ++k) out.points[k] = cast<float>(memory.x[k]);
     return out;
 }
 
@@ -79,6 +76,9 @@ struct Case {
 std::vector<Case> cases() {
     const std::string bare = dry_scene.substr(0, dry_scene.find("[bend]"));
     return {{"dry", dry_scene, {}},
+            {"without twist", dry_scene, {"bend.torsion=0"}},
+            {"without core", dry_scene.substr(0, dry_scene.find("[core]")), {}},
+            {"without bend", bare + "[core]\n", {}},
             {"wet", wet_scene, {}},
             {"stretch alone", bare, {}},
             {"limited", wet_scene, {"integrator.limiter=0.02", "stretch.stiffness=0.05"}},
@@ -92,6 +92,47 @@ std::vector<Case> cases() {
                          "translation = [0, 0, -0.1]\n[[solid]]\nshape = \"box\"\nhalf = [0.02, 0.05, 0.02]\n"
                          "[[solid.motion.keyframe]]\ntranslation = [0.05, 0, -0.12]\n",
              {"groom.grid=[6, 6]"}}};
+}
+
+// Random positive definite systems of every length, of which one is not to be solved: A x = r for rows 2 ..
+// n-1, whatever the first two are known to be.
+TEST(StrandSystem, solves_every_length) {
+    Random random(3);
+    auto matrix = [&] { return Mat3<double>{random.vector(1), random.vector(1), random.vector(1)}; };
+    for (int n = 2; n < 70; ++n) {
+        const StrandSystem<double> layout(n, nullptr);
+        struct alignas(32) Aligned {
+            double numbers[4];
+        };
+        const int pairs = layout.pairs_of(n);
+        std::vector<Aligned> room(size_t(2 * pairs * layout.pair_size) / 4 + 1, Aligned{1e300, 1e300, 1e300});
+        const StrandSystem<double> system(n, room[0].numbers);
+        std::vector<Sym3<double>> diagonal;
+        std::vector<Mat3<double>> u1, u2;
+        std::vector<Vec3d> r, x;
+        for (int i = 0; i < n; ++i) {
+            const Sym3<double> outside = isotropic_plus_outer(20.0, 1.0, random.vector(1));
+            const bool next = i + 1 < n, after = i + 2 < n;
+            diagonal.push_back(outside), r.push_back(random.vector(1));
+            u1.push_back(next ? matrix() : Mat3<double>{}), u2.push_back(after ? matrix() : Mat3<double>{});
+            for (int strand : {0, 1}) system.set_row(strand, i, outside, r.back(), u1.back(), u2.back());
+        }
+        if (n % 2)
+            for (int strand : {0, 1}) system.clear_row(strand, n);
+        for (int i = 2; i < n && i < 4; ++i) system.right(1, i) -= system.known_part(1, i, r[0], r[1]);
+        const Vec3d untouched = system.right(0, n - 1);
+        system.solve(Team{}, 2, [](int strand) { return strand == 1; });
+        EXPECT_EQ(norm(system.right(0, n - 1) - untouched), 0);
+        for (int i = 0; i < n; ++i) x.push_back(system.right(1, i));
+        for (int i = 2; i < n; ++i) {
+            Vec3d left = to_mat3(diagonal[size_t(i)]) * x[size_t(i)];
+            left += transposed_times(u1[size_t(i - 1)], x[size_t(i - 1)]);
+            left += transposed_times(u2[size_t(i - 2)], x[size_t(i - 2)]);
+            if (i + 1 < n) left += u1[size_t(i)] * x[size_t(i + 1)];
+            if (i + 2 < n) left += u2[size_t(i)] * x[size_t(i + 2)];
+            EXPECT_LT(norm(left - r[size_t(i)]), 1e-13) << "row " << i << " of " << n;
+        }
+    }
 }
 
 TEST(StrandStep, does_what_the_reference_passes_do) {
