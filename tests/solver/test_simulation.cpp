@@ -364,8 +364,8 @@ TEST(Simulation, keys_outside_the_tables_change_the_result_too) {
          {"curl.radius=0.0085", "curl.pitch=0.022", "bend.form='printed'", "core.form='printed'",
           "cohesion.passes=9", "integrator.substeps=5", "integrator.gravity=[0, -9, 0]",
           "integrator.settle=0.1", "seed=2", "groom.linear_density=6e-6", "groom.rest='sag_free'",
-          "adhesion.form='printed'", "fps=25", "integrator.kind='explicit'", "wetness.pattern='root'",
-          "motion.angle=21"}) {
+          "adhesion.form='printed'", "fps=25", "integrator.kind='explicit'",
+          "integrator.kind='backward_euler'", "wetness.pattern='root'", "motion.angle=21"}) {
         std::vector<string> changed{"curl.radius=0.008", "curl.pitch=0.02"};
         changed.push_back(set);
         EXPECT_FALSE(same_bits(base.seen(), after(scene_of(wet_scene, changed), 5).seen())) << set;
@@ -420,6 +420,36 @@ TEST(Simulation, an_explicit_run_of_soft_hair_agrees_with_the_implicit_one_as_bo
     const double b = farthest(with("integrator.kind='explicit'", "integrator.substeps=2000"), fine);
     EXPECT_GT(a, 1e-7);
     EXPECT_NEAR(a / b, 4, 1);  // symplectic Euler is of order one
+}
+
+TEST(Simulation, backward_euler_is_of_order_one_and_bdf2_of_order_two) {
+    // Damped, as above; the curls begin to fall at rest, where BDF2's first step has nothing to lose.
+    const std::vector<string> soft{"stretch.stiffness=0.05", "bend.stiffness=0.0005", "core.stiffness=0.0005",
+                                   "stretch.damping=1e-4", "stiffness.dry=20"};
+    auto with = [&](const string& kind, int substeps) {
+        auto set = soft;
+        set.insert(set.end(),
+                   {"integrator.kind='" + kind + "'", "integrator.substeps=" + std::to_string(substeps)});
+        return after(scene_of(dry_scene, set), 3, "double").positions;
+    };
+    const Strands fine = with("implicit", 6400);
+    auto ratio = [&](const string& kind) {
+        const double coarse = farthest(with(kind, 200), fine), halved = farthest(with(kind, 400), fine);
+        EXPECT_GT(halved, 1e-7) << kind;
+        return coarse / halved;
+    };
+    EXPECT_NEAR(ratio("backward_euler"), 2, 0.2);
+    EXPECT_NEAR(ratio("implicit"), 4, 0.8);
+}
+
+TEST(Simulation, a_backward_euler_run_taken_over_from_bdf2_stays_one) {
+    const Scene bdf2 = scene_of(dry_scene), euler = scene_of(dry_scene, {"integrator.kind='backward_euler'"});
+    const auto before = make_simulation(bdf2, "double"), after = make_simulation(euler, "double");
+    before->advance();
+    const SimulationState state = before->state();
+    ASSERT_FALSE(state.first);
+    after->restore(state);
+    EXPECT_TRUE(after->state().first);
 }
 
 TEST(Simulation, counts_the_edges_that_its_limiter_shortens) {
