@@ -18,7 +18,8 @@ double chain_operations(const Scene& scene, const SimulationState& from) {
     if (!state.frame.empty()) state.pack(from.frame, state.frame);
     if (!state.pushed.empty()) state.pack(from.pushed, state.pushed);
     const int n = state.n;
-    const float dt = float(1 / (scene.fps * scene.integrator.substeps)), springs = float(spring_sum(scene.chain));
+    const float dt = float(1 / (scene.fps * scene.integrator.substeps)),
+                springs = float(spring_sum(scene.chain));
     const auto p = placement_at<float>(scene, from.time + double(dt), double(dt));
     ChainScratch<S> scratch;
     scratch.resize(n, scene.chain, true, !scene.solids.empty());
@@ -28,8 +29,9 @@ double chain_operations(const Scene& scene, const SimulationState& from) {
         auto at = [&](auto& buffer) { return buffer.empty() ? nullptr : &buffer[k]; };
         Vec3<S> root[2];
         for (int i = 0; i < 2; ++i)
-            root[i] = rotate(cast<S>(cast<float>(p.head.rotation)), state.root[size_t(strand) * 2 + size_t(i)]) +
-                      cast<S>(cast<float>(p.head.translation));
+            root[i] =
+                rotate(cast<S>(cast<float>(p.head.rotation)), state.root[size_t(strand) * 2 + size_t(i)]) +
+                cast<S>(cast<float>(p.head.translation));
         BlockStep<S> step{n,
                           dt,
                           from.first,
@@ -60,8 +62,7 @@ double chain_operations(const Scene& scene, const SimulationState& from) {
         for (const auto& solid : p.solids)
             resolve_contact(solid, 0.f, n, rest_depth, scratch.clearance.data(), dt, view.mass, step.pushed,
                             step.x_before, step.x, step.v_before, step.v);
-        if (step.frame)
-            transport_frames(n, step.frame, Quat<float>::identity(), step.x_before, step.frame);
+        if (step.frame) transport_frames(n, step.frame, Quat<float>::identity(), step.x_before, step.frame);
     }
     return double(Counted::operations) / (double(state.strands) * n);
 }

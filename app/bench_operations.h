@@ -5,8 +5,8 @@
 
 namespace wetcurl::bench {
 
-// Of one particle in one substep of the chain, contact with rigid solids included: the mean over the strands of
-// an implicit scene, stepped once from a state of theirs.
+// Of one particle in one substep of the chain, contact with rigid solids included: the mean over the strands
+// of an implicit scene, stepped once from a state of theirs.
 double chain_operations(const Scene& scene, const SimulationState& state);
 
 // Of one particle in one pass of Eq 10 with so many neighbours.

@@ -422,26 +422,6 @@ TEST(Simulation, an_explicit_run_of_soft_hair_agrees_with_the_implicit_one_as_bo
     EXPECT_NEAR(a / b, 4, 1);  // symplectic Euler is of order one
 }
 
-TEST(Simulation, backward_euler_is_of_order_one_and_bdf2_of_order_two) {
-    // Damped, as above; the curls begin to fall at rest, where BDF2's first step has nothing to lose.
-    const std::vector<string> soft{"stretch.stiffness=0.05", "bend.stiffness=0.0005", "core.stiffness=0.0005",
-                                   "stretch.damping=1e-4", "stiffness.dry=20"};
-    auto with = [&](const string& kind, int substeps) {
-        auto set = soft;
-        set.insert(set.end(),
-                   {"integrator.kind='" + kind + "'", "integrator.substeps=" + std::to_string(substeps)});
-        return after(scene_of(dry_scene, set), 3, "double").positions;
-    };
-    const Strands fine = with("implicit", 6400);
-    auto ratio = [&](const string& kind) {
-        const double coarse = farthest(with(kind, 200), fine), halved = farthest(with(kind, 400), fine);
-        EXPECT_GT(halved, 1e-7) << kind;
-        return coarse / halved;
-    };
-    EXPECT_NEAR(ratio("backward_euler"), 2, 0.2);
-    EXPECT_NEAR(ratio("implicit"), 4, 0.8);
-}
-
 TEST(Simulation, a_backward_euler_run_taken_over_from_bdf2_stays_one) {
     const Scene bdf2 = scene_of(dry_scene), euler = scene_of(dry_scene, {"integrator.kind='backward_euler'"});
     const auto before = make_simulation(bdf2, "double"), after = make_simulation(euler, "double");
