@@ -1,4 +1,5 @@
-// How many floating-point operations the stages of a frame take, counted by running their formulas. Ours.
+// How many floating-point operations the stages of a frame take, counted by running their formulas as they
+// are written, each strand and neighbour for itself. Ours.
 #pragma once
 
 #include "solver/simulation.h"
