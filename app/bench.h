@@ -66,7 +66,7 @@ struct Workload {
     int across, along;    // strands, the groom's grid
     double radius;        // [m] of Eq 10; 30 to 40 neighbours of hair that hangs
     double settle;        // [s] before the frames that are measured
-    int frames = 24;      // at most, frame 0 among them
+    int frames = 24;      // 3 or more, frame 0 among them
     int particles = 100;  // a strand
     int strands() const { return across * along; }
 };

@@ -130,6 +130,13 @@ std::optional<double> operations_of_stage(const std::string& stage, const Worklo
     return std::nullopt;
 }
 
+std::string name_of_integrator(const std::string& kind) {
+    return kind == "implicit" ? "BDF2" : kind == "backward_euler" ? "backward Euler" : kind;
+}
+std::string name_of_precision(const std::string& precision) {
+    return precision == "float" ? "single" : precision;
+}
+
 std::string name_of(const Workload& w, bool wet) {
     return fmt::format("{} frame, {} strands", wet ? "wet" : "dry", w.strands());
 }
@@ -207,7 +214,8 @@ std::vector<Line> whole_frames(const Workload& w, bool wet, const std::string& d
 // A run of the scene, its error against `exact`; none where it diverges.
 static Point point_of(const Scene& scene, const std::string& device, const std::string& precision,
                       const std::vector<Strands>& exact) {
-    Point point{"", precision == "float" ? "single" : "double", scene.integrator.substeps};
+    Point point{name_of_integrator(scene.integrator.kind), name_of_precision(precision),
+                scene.integrator.substeps};
     const auto simulation = make_simulation_on(device, scene, precision);
     std::vector<Strands> seen;
     std::vector<double> seconds;
@@ -230,25 +238,23 @@ std::vector<Point> error_against_time(const Workload& w, const std::string& devi
     const auto& exact = reference_frames(w, true, device);
     std::vector<Point> points;
     for (int n : substeps) {
-        auto scene_in = [&](double settle) {
-            return scene_of({w.across, w.along, w.radius, settle, w.frames, w.particles}, true,
-                            // Its limiter would hide that the explicit scheme diverges.
-                            {"integrator.kind=" + integrator, fmt::format("integrator.substeps={}", n),
-                             "integrator.limiter=0"});
+        auto run = [&](double settle, size_t frames) {
+            Workload settled = w;
+            settled.settle = settle;
+            const Scene scene =
+                scene_of(settled, true,
+                         {"integrator.kind=" + integrator, fmt::format("integrator.substeps={}", n),
+                          // It would hide that the explicit scheme diverges.
+                          "integrator.limiter=0"});
+            return point_of(scene, device, precision, {exact.begin(), exact.begin() + long(frames)});
         };
-        // One that diverges at once need not settle first.
-        const Scene brief = scene_in(0), whole = scene_in(w.settle);
-        const std::vector<Strands> few(exact.begin(), exact.begin() + 3);
-        Point point{"", "", n};
-        if (integrator != "explicit" || point_of(brief, device, precision, few).error_mm)
-            point = point_of(whole, device, precision, exact);
-        point.integrator = integrator == "implicit"   ? "BDF2"
-                           : integrator == "explicit" ? "explicit"
-                                                      : "backward Euler";
-        point.precision = precision == "float" ? "single" : "double";
+        // The explicit scheme mostly diverges at once, and need not settle for that; from where it stands on
+        // more substeps only take longer.
+        const bool is_explicit = integrator == "explicit";
+        Point point = is_explicit ? run(0, 3) : run(w.settle, exact.size());
+        if (is_explicit && point.error_mm) point = run(w.settle, exact.size());
         points.push_back(point);
-        // The explicit scheme stands from some number on, and more only take longer.
-        if (integrator == "explicit" && point.error_mm) break;
+        if (is_explicit && point.error_mm) break;
     }
     return points;
 }
@@ -268,7 +274,12 @@ std::vector<Entry> frame_entries(const std::string& device) {
         }
     for (const std::string integrator : {"implicit", "backward_euler", "explicit"})
         for (const std::string precision : {"float", "double"}) {
-            Entry entry{{"error against run time"}, "error against run time", {}};
+            const std::string curve = "error against run time";
+            Entry entry{{fmt::format("{}, {}, {}", curve, name_of_integrator(integrator),
+                                     name_of_precision(precision))},
+                        curve,
+                        {},
+                        ""};
             const std::vector<int> substeps =
                 integrator == "explicit" ? std::vector<int>{10, 20, 40, 80, 160, 320, 640, 1280, 2560}
                                          : std::vector<int>{1, 2, 4, 8, 10, 16};
