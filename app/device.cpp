@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #ifdef WETCURL_HAVE_CUDA
+#include "cuda/rates.h"
 #include "cuda/simulation.h"
 #endif
 
@@ -21,6 +22,16 @@ static int number_of(const std::string& device) {
 std::vector<std::string> names_of_cuda_devices() {
 #ifdef WETCURL_HAVE_CUDA
     return cuda_devices();
+#else
+    return {};
+#endif
+}
+
+DeviceRates rates_of_cuda_device(const std::string& device) {
+    require_device(device);
+#ifdef WETCURL_HAVE_CUDA
+    const CudaRates rates = measured_cuda_rates(number_of(device));
+    return {cuda_devices()[size_t(number_of(device))], rates.copy_bytes, rates.operations};
 #else
     return {};
 #endif

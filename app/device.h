@@ -15,6 +15,13 @@ void require_device(const std::string& device);
 std::unique_ptr<Simulation> make_simulation_on(const std::string& device, const Scene& scene,
                                                const std::string& precision);
 
+// What a CUDA device does at most, measured there.
+struct DeviceRates {
+    std::string name;
+    double copy_bytes, operations;  // a second: a copy's, read and written; of float multiply-adds, two each
+};
+DeviceRates rates_of_cuda_device(const std::string& device);
+
 // Names of the CUDA devices there are; empty where the program was built without CUDA.
 std::vector<std::string> names_of_cuda_devices();
 

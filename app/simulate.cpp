@@ -9,6 +9,7 @@
 #include "app/adhesion_network.h"
 #include "app/commands.h"
 #include "app/device.h"
+#include "app/reference.h"
 #include "app/results.h"
 #include "app/run_of_scene.h"
 #include "base/interrupt.h"
@@ -17,14 +18,6 @@
 #include "solver/plan.h"
 
 namespace wetcurl {
-
-// Mean distance of what is seen in two frames [mm].
-static double distance_mm(const RunFrame& a, const RunFrame& b) {
-    const auto &p = a.seen().points, &q = b.seen().points;
-    double sum = 0;
-    for (size_t k = 0; k < p.size(); ++k) sum += norm(cast<double>(p[k]) - cast<double>(q[k]));
-    return 1000 * sum / double(p.size());
-}
 
 int simulate_command(const SimulateOptions& o) {
     require_device(o.device);
@@ -42,9 +35,8 @@ int simulate_command(const SimulateOptions& o) {
         log_warning(
             fmt::format("h² k / m is {:.2g}, above what single precision can factor (1e5): running in double",
                         stiffness_number(scene)));
-    Scene fine = scene;
-    fine.integrator.substeps = 160;
-    std::unique_ptr<Simulation> reference = o.reference ? make_simulation(fine, "double") : nullptr;
+    std::optional<Reference> reference;
+    if (o.reference) reference.emplace(scene);
     auto simulation = make_simulation_on(o.device, scene, precision);
     auto network = adhesion_model_of(scene, o.device, o.threads);
     simulation->use_adhesion_model(network.get());
@@ -54,7 +46,7 @@ int simulate_command(const SimulateOptions& o) {
     InterruptGuard guard;
     RunWriter writer(o.output, header, o.overwrite);
     Progress progress("simulate", scene.frames, "frame");
-    RunFrame frame, exact;
+    RunFrame frame;
     std::vector<double> seconds, errors;
     double output_seconds = 0;
     std::optional<Divergence> diverged;
@@ -65,11 +57,7 @@ int simulate_command(const SimulateOptions& o) {
         if ((diverged = simulation->divergence())) break;
         simulation->snapshot(frame);
         if (done > 0) seconds.push_back(frame.seconds);
-        if (reference) {
-            if (done > 0) reference->advance();
-            reference->snapshot(exact);
-            errors.push_back(distance_mm(frame, exact));
-        }
+        if (reference) errors.push_back(distance_mm(frame.seen(), reference->next().seen()));
         const double begin = omp_get_wtime();
         writer.append(frame);
         output_seconds += omp_get_wtime() - begin;

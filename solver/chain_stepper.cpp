@@ -24,7 +24,7 @@ ChainStepper<T>::ChainStepper(const Scene& scene)
     nearest_.phi.assign(cells, S(1e9));
     nearest_.normal.assign(cells, {S(0), S(1), S(0)}), nearest_.velocity.assign(cells, {S(0), S(0), S(0)});
     for (auto& s : scratch_)
-        s.resize(n_, scene_.chain, scene.integrator.kind == "implicit", !scene.solids.empty());
+        s.resize(n_, scene_.chain, scene.integrator.is_implicit(), !scene.solids.empty());
 }
 
 template <class T>
@@ -94,7 +94,7 @@ void ChainStepper<T>::step_block(int block, const BlockState& now, const Placeme
             hold([&](auto&&... a) { return expected_contact_of_all(p, a...); });
     };
     Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
-    const bool implicit = scene_.integrator.kind == "implicit";
+    const bool implicit = scene_.integrator.is_implicit();
     if (implicit)
         implicit_step(scene_.chain, step, view, scratch, sample);
     else

@@ -30,6 +30,8 @@ class ChainStepper {
     ChainState<S> state;
     Pose head;
     bool first = true;  // no history: the next substep is backward Euler
+    // Only BDF2 looks at the step before.
+    bool always_first() const { return scene_.integrator.kind != "implicit"; }
     Bdf2<S> scheme() const { return {T(dt_), first, share_}; }  // of the next implicit substep
 
     // Substeps along a path of placements: each block all of them before the next, so that its strands stay
@@ -65,8 +67,6 @@ class ChainStepper {
     struct BlockState {
         Vec3<S>*x, *x_before, *v, *v_before;
     };
-    // Only BDF2 looks at the step before.
-    bool always_first() const { return scene_.integrator.kind == "explicit"; }
     void step_block(int block, const BlockState& now, const Placement<T>& p, const GivenToChain<S>& given,
                     bool first, ChainScratch<S>& scratch);
     ChainView<S> view_of(int block) const;

@@ -29,9 +29,14 @@ Presence presence_of(const Scene& scene) {
     return p;
 }
 
+// h / dt of the implicit step.
+static double share_of_step(const Scene& scene) {
+    return scene.integrator.kind == "backward_euler" ? 1 : 2.0 / 3;
+}
+
 // h² k / m of a spring of k [N/m].
 static double step_number(const Scene& scene, double k) {
-    const double h = 2.0 / 3 / (scene.fps * scene.integrator.substeps);
+    const double h = share_of_step(scene) / (scene.fps * scene.integrator.substeps);
     return h * h * k / (scene.linear_density * mean_segment(scene.groom));
 }
 
@@ -53,8 +58,9 @@ double stiffness_number(const Scene& scene) {
     });
     const double number = step_number(scene, k);
     const auto& limit = scene.term<StrainLimit>();
-    // 4/9 of per_kg dt².
-    return limit ? std::max(number, 4e4 / 9 * mass_ratio(scene)) : number;
+    // per_kg h².
+    const double share = share_of_step(scene);
+    return limit ? std::max(number, 1e4 * share * share * mass_ratio(scene)) : number;
 }
 
 double predictor_share(const Scene& scene) {
@@ -67,7 +73,7 @@ double predictor_share(const Scene& scene) {
 
 std::string trusted_precision(const Scene& scene, const std::string& precision) {
     // Measured on chains: a float factorisation loses its digits above this.
-    return scene.integrator.kind == "implicit" && stiffness_number(scene) > 1e5 ? "double" : precision;
+    return scene.integrator.is_implicit() && stiffness_number(scene) > 1e5 ? "double" : precision;
 }
 
 }  // namespace wetcurl

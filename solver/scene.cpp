@@ -38,7 +38,7 @@ void read_chain(Scene& scene, Table root) {
         if (!(twist->torsion * twist->k_b > 0)) twist.reset();
     }
     auto& limit = scene.term<StrainLimit>();
-    if (scene.integrator.kind == "explicit" && !root.table("integrator").has("limiter")) limit = {0.1};
+    if (!scene.integrator.is_implicit() && !root.table("integrator").has("limiter")) limit = {0.1};
     if (limit && !(limit->most > 0)) limit.reset();
     if (limit) limit->stiffen(1 / (scene.fps * scene.integrator.substeps), spring_sum(scene.chain));
     if (scene.term<Adhesion>()) scene.adhesion_model = root.table("adhesion").path("model");
@@ -72,7 +72,7 @@ void check_baseline(Scene& scene, Table root) {
     };
     if (is_iben(scene)) {
         takes_place_of("stiffness");  // Eq 13 is what the paper adds to it
-        if (scene.integrator.kind != "explicit")
+        if (scene.integrator.is_implicit())
             root.table("integrator").fail("kind", "[baseline] method = \"iben\" steps explicitly");
         for (const char* table : {"bend", "core"})
             if (root.has(table) && !is_printed(root.table(table), "printed"))
@@ -154,7 +154,7 @@ void read_wet(Scene& scene, Table root) {
         const Table t = root.table("cohesion");
         if (scene.baseline)
             t.fail("strength", "draws strands in place of a [baseline], which this scene names");
-        if (scene.integrator.kind == "explicit") t.fail("strength", "needs [integrator] kind = \"implicit\"");
+        if (!scene.integrator.is_implicit()) t.fail("strength", "needs [integrator] kind = \"implicit\"");
         if (scene.flow) t.fail("strength", "goes by the water at the start; [wetness.flow] moves it");
     }
     for (const char* wet : {"curl", "cohesion", "adhesion"})
@@ -261,7 +261,8 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_baseline(scene, root);
     Table t = root.table("integrator");
     Integrator& in = scene.integrator;
-    in.kind = t.choice("kind", is_iben(scene) ? "explicit" : "implicit", {"implicit", "explicit"});
+    in.kind = t.choice("kind", is_iben(scene) ? "explicit" : "implicit",
+                       {"implicit", "backward_euler", "explicit"});
     in.substeps = int(t.integer("substeps", 10, 1, 1'000'000));
     in.looks = int(t.integer("looks", 4, 1, 1000));
     in.turn = t.number("turn", 0.002, 0, 10);

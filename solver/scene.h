@@ -23,12 +23,14 @@
 namespace wetcurl {
 
 struct Integrator {
-    std::string kind = "implicit";  // implicit: BDF2; explicit: symplectic Euler, the paper's
-    int substeps = 10;              // a frame
+    // implicit: BDF2; backward_euler: implicit, of order one; explicit: symplectic Euler, the paper's
+    std::string kind = "implicit";
+    int substeps = 10;    // a frame
     int looks = 4;        // within a step forces are taken anew where edges turn far, so often at most
     double turn = 0.002;  // [rad] what is far
     double settle = 0;    // [s] simulated before frame 0 with everything held at its first pose
     Vec3d gravity{0, -9.81, 0};
+    bool is_implicit() const { return kind != "explicit"; }
 };
 
 struct Solid {

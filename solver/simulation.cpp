@@ -252,7 +252,7 @@ SimulationState CpuSimulation<T>::state() const {
 
 template <class T>
 void CpuSimulation<T>::restore(const SimulationState& from) {
-    time_ = from.time, chain_.first = from.first;
+    time_ = from.time, chain_.first = from.first || chain_.always_first();
     chain_.head = scene_.motion.at(time_);
     if (surfaces_) surfaces_->hold(time_);
     for_each_pair(chain_.state, from, [&](auto& to, const auto& values) {

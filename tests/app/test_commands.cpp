@@ -173,30 +173,6 @@ TEST_F(Commands, runs_of_different_length_are_compared_over_the_common_frames_an
     EXPECT_NE(said.find("long.h5 has 3: frames 0 to 1"), std::string::npos) << said;
 }
 
-TEST_F(Commands, bench_gives_the_keys_that_others_rely_on) {
-    BenchOptions o;
-    o.filter = "brute force, 1000";
-    o.json = scratch.path("bench.json");
-    EXPECT_EQ(bench_command(o), 0);
-    const Json json = Json::parse(bytes_of(o.json));
-    EXPECT_GT(json.at("machine").at("copy_bytes_per_second").get<double>(), 1e8);
-    EXPECT_GT(json.at("machine").at("peak_bytes").get<double>(), 1e6);
-    const Json& entries = json.at("entries");
-    ASSERT_EQ(entries.size(), 1u);
-    for (const Json& e : entries) {
-        EXPECT_EQ(e.at("device"), "cpu");
-        EXPECT_TRUE(e.at("strands").is_null() && e.at("particles_per_strand").is_null());
-        const Json& t = e.at("milliseconds");
-        EXPECT_LE(t.at("min").get<double>(), t.at("median").get<double>());
-        EXPECT_LE(t.at("median").get<double>(), t.at("max").get<double>());
-        EXPECT_GT(e.at("items_per_second").get<double>(), 0);
-        EXPECT_GT(e.at("bytes").get<double>(), 0);
-        EXPECT_GT(e.at("share_of_copy_bandwidth").get<double>(), 0);
-    }
-    o.filter = "gird", o.json = "";
-    expect_error<Misuse>([&] { bench_command(o); }, {"--filter", "gird", "neighbour search by grid"});
-}
-
 TEST_F(Commands, an_interrupted_simulation_keeps_what_it_has) {
     SimulateOptions o = simulation("run.h5", 64);
     o.frames = 1000000;

@@ -1,6 +1,7 @@
 // The CUDA backend against the CPU's. DESIGN Sec. 3. Without a device each test says SKIP and why.
 #include <gtest/gtest.h>
 
+#include "cuda/rates.h"
 #include "cuda/simulation.h"
 #include "tests/solver/scenes.h"
 
@@ -143,13 +144,22 @@ TEST_F(Cuda, what_is_not_covered_is_refused) {
     EXPECT_THROW(make_cuda_simulation(scene_of(wet_scene + "[wetness.flow]\n"), "float", 0), Error);
     expect_error([] { make_cuda_simulation(scene_of(dry_scene, {"baseline.method='iben'"}), "float", 0); },
                  {"--device cpu", "iben"});
-    EXPECT_THROW(make_cuda_simulation(scene_of(dry_scene, {"integrator.kind='explicit'"}), "float", 0),
-                 Error);
+    for (const char* kind : {"integrator.kind='explicit'", "integrator.kind='backward_euler'"})
+        EXPECT_THROW(make_cuda_simulation(scene_of(dry_scene, {kind}), "float", 0), Error) << kind;
     EXPECT_THROW(make_cuda_simulation(scene_of(dry_scene), "float", 99), Error);
     const Scene scene = scene_of(wet_scene);
     const auto simulation = make_cuda_simulation(scene, "float", 0);
     std::vector<AdhesionRecord> records;
     EXPECT_THROW(simulation->record_adhesion(&records), Error);
+}
+
+TEST_F(Cuda, rates_are_those_of_a_gpu) {
+    const CudaRates rates = measured_cuda_rates(0);
+    // No device that this backend is built for is this slow, nor ten times as fast as today's.
+    EXPECT_GT(rates.copy_bytes, 1e11);
+    EXPECT_LT(rates.copy_bytes, 1e14);
+    EXPECT_GT(rates.operations, 1e12);
+    EXPECT_LT(rates.operations, 1e15);
 }
 
 TEST_F(Cuda, a_run_that_blows_up_is_seen) {

@@ -364,8 +364,8 @@ TEST(Simulation, keys_outside_the_tables_change_the_result_too) {
          {"curl.radius=0.0085", "curl.pitch=0.022", "bend.form='printed'", "core.form='printed'",
           "cohesion.passes=9", "integrator.substeps=5", "integrator.gravity=[0, -9, 0]",
           "integrator.settle=0.1", "seed=2", "groom.linear_density=6e-6", "groom.rest='sag_free'",
-          "adhesion.form='printed'", "fps=25", "integrator.kind='explicit'", "wetness.pattern='root'",
-          "motion.angle=21"}) {
+          "adhesion.form='printed'", "fps=25", "integrator.kind='explicit'",
+          "integrator.kind='backward_euler'", "wetness.pattern='root'", "motion.angle=21"}) {
         std::vector<string> changed{"curl.radius=0.008", "curl.pitch=0.02"};
         changed.push_back(set);
         EXPECT_FALSE(same_bits(base.seen(), after(scene_of(wet_scene, changed), 5).seen())) << set;
@@ -420,6 +420,16 @@ TEST(Simulation, an_explicit_run_of_soft_hair_agrees_with_the_implicit_one_as_bo
     const double b = farthest(with("integrator.kind='explicit'", "integrator.substeps=2000"), fine);
     EXPECT_GT(a, 1e-7);
     EXPECT_NEAR(a / b, 4, 1);  // symplectic Euler is of order one
+}
+
+TEST(Simulation, a_backward_euler_run_taken_over_from_bdf2_stays_one) {
+    const Scene bdf2 = scene_of(dry_scene), euler = scene_of(dry_scene, {"integrator.kind='backward_euler'"});
+    const auto before = make_simulation(bdf2, "double"), after = make_simulation(euler, "double");
+    before->advance();
+    const SimulationState state = before->state();
+    ASSERT_FALSE(state.first);
+    after->restore(state);
+    EXPECT_TRUE(after->state().first);
 }
 
 TEST(Simulation, counts_the_edges_that_its_limiter_shortens) {

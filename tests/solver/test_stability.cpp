@@ -202,6 +202,14 @@ TEST(Battery, sees_an_error_of_first_order) {
     EXPECT_TRUE(sees(broken, "S6", "order in dt"));
 }
 
+TEST(Battery, finds_backward_euler_of_order_one) {
+    StabilityMethod euler = ours();
+    euler.settings = {"integrator.kind='backward_euler'"};
+    EXPECT_TRUE(sees(euler, "S6", "order in dt"));  // it is not of order 2
+    euler.order = 1;
+    EXPECT_FALSE(sees(euler, "S6", "order in dt"));
+}
+
 TEST(Battery, sees_what_depends_on_place_direction_order_and_unit) {
     const auto placed = ours_and([](SimulationState& s, double) {
         for (auto& v : s.v) v += 1e-6 * s.x.front();

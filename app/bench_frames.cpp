@@ -1,0 +1,298 @@
+// Whole frames of the fixed workload with their stages, and error against run time. Ours.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "app/bench.h"
+#include "app/bench_operations.h"
+#include "app/device.h"
+#include "app/reference.h"
+#include "base/log.h"
+
+namespace wetcurl::bench {
+
+namespace {
+
+constexpr const char* text = R"(
+title = "Fixed workload"
+[groom]
+grid = [{}, {}]
+particles = {}
+length_noise = 0.04
+phase_noise = 3.1
+[motion]
+axis = [0, 1, 0]
+angle = 25
+period = 1.6
+[integrator]
+substeps = 10
+settle = {}
+[stretch]
+[bend]
+[core]
+[wetness]
+jitter = 0.2
+[curl]
+[cohesion]
+radius = {}
+tightness = 0.97
+passes = 10
+[stiffness]
+dry = 4.0
+wet = 4.0
+[[solid]]
+name = "head"
+shape = "sphere"
+radius = 0.095
+attached = "head"
+)";
+
+// Radii measured: 30 to 40 neighbours in the frames that count. Larger ones settle for less long, since a
+// substep of all takes that long on a CPU.
+const Workload workloads[] = {{8, 8, 0.0185, 1.5},    {32, 16, 0.0070, 1.5},    {64, 32, 0.0042, 1.5},
+                              {110, 90, 0.0023, 1.5}, {200, 150, 0.0017, 0.25}, {400, 250, 0.00114, 0.25}};
+const Workload& fixed = workloads[1];
+
+// A run that takes too long ends after fewer frames, though after `fewest`; one of very long frames after 3.
+constexpr size_t fewest = 12;
+constexpr double long_run = 10, long_frame = 5;  // [s]
+// Of a simulation and of what makes it: 284 were measured of 100,000 wet strands.
+constexpr double bytes_a_particle = 350;
+
+// What is seen in each frame of the reference, which is run once.
+const std::vector<Strands>& reference_frames(const Workload& w, bool wet, const std::string& device) {
+    static std::map<std::string, std::vector<Strands>> known;
+    const Scene scene = scene_of(w, wet);
+    auto& frames = known[fmt::format("{}{}{}{}", scene.text, wet, device, w.frames)];
+    if (frames.empty()) {
+        Reference reference(scene, device);
+        while (int(frames.size()) < w.frames) frames.push_back(reference.next().seen());
+    }
+    return frames;
+}
+
+double mean_error(const std::vector<Strands>& frames, const std::vector<Strands>& reference) {
+    double sum = 0;
+    for (size_t f = 0; f < frames.size(); ++f) sum += distance_mm(frames[f], reference[f]);
+    return sum / double(frames.size());
+}
+
+double bytes_of(const BufferList& buffers, const std::vector<std::string>& names) {
+    size_t sum = 0;
+    for (const auto& b : buffers)
+        if (names.empty() || std::find(names.begin(), names.end(), b.name) != names.end()) sum += b.bytes;
+    return double(sum);
+}
+
+// What a stage goes through in a frame. Caches may hold some of it: the CPU takes a block of strands through
+// all substeps before the next.
+double bytes_of_stage(const std::string& stage, const Scene& scene, const BufferList& buffers) {
+    const double lists = bytes_of(buffers, {"cohesion lists"}),
+                 shown = bytes_of(buffers, {"displayed positions"});
+    if (stage == "chain") {
+        const double state = bytes_of(buffers, {"positions before", "velocities before", "bend frames",
+                                                "contact momentum"}),
+                     given = bytes_of(buffers, {"positions", "velocities", "roots", "mass", "rest lengths",
+                                                "bend targets", "core lengths", "saturation", "rest depth"});
+        return scene.integrator.substeps * (2 * state + given);  // the state is read and written
+    }
+    if (stage == "neighbours") return shown + lists;  // read, written
+    if (stage == "cohesion")
+        return scene.cohesion->passes * lists + 2 * shown;  // each pass; roots to tips at the end
+    throw Error("bench: what the stage '" + stage + "' moves is not known");
+}
+
+// Of a particle in a substep, as counted on a few strands of the workload.
+double chain_operations_of(const Workload& w, bool wet) {
+    static std::map<std::pair<bool, int>, double> known;
+    const auto [at, is_new] = known.insert({{wet, w.particles}, 0});
+    if (!is_new) return at->second;
+    const Workload few{8, 8, w.radius, 0.25, w.frames, w.particles};
+    const Scene scene = scene_of(few, wet);
+    const auto simulation = make_simulation(scene, "float");
+    double sum = 0;
+    for (int f = 0; f < few.frames; ++f) {
+        simulation->advance();
+        sum += chain_operations(scene, simulation->state());
+    }
+    return at->second = sum / few.frames;
+}
+
+// In a frame; none where they are not counted.
+std::optional<double> operations_of_stage(const std::string& stage, const Workload& w, const Scene& scene,
+                                          double neighbours) {
+    const double particles = double(w.strands()) * w.particles;
+    if (stage == "chain")
+        return particles * scene.integrator.substeps * chain_operations_of(w, scene.wetness.has_value());
+    if (stage == "cohesion")
+        return particles * scene.cohesion->passes * cohesion_operations(*scene.cohesion, neighbours);
+    return std::nullopt;
+}
+
+std::string name_of_integrator(const std::string& kind) {
+    return kind == "implicit" ? "BDF2" : kind == "backward_euler" ? "backward Euler" : kind;
+}
+std::string name_of_precision(const std::string& precision) {
+    return precision == "float" ? "single" : precision;
+}
+
+std::string name_of(const Workload& w, bool wet) {
+    return fmt::format("{} frame, {} strands", wet ? "wet" : "dry", w.strands());
+}
+
+// Of lines, before anything is run.
+std::vector<std::string> names_of(const Workload& w, bool wet) {
+    const std::string whole = name_of(w, wet);
+    std::vector<std::string> names{whole, whole + ": chain"};
+    if (wet) names.insert(names.end(), {whole + ": neighbours", whole + ": cohesion"});
+    return names;
+}
+
+bool fits(const Workload& w) {
+    const double needed = bytes_a_particle * w.strands() * w.particles, there = double(available_bytes());
+    if (there == 0 || needed <= there) return true;
+    log_warning(fmt::format("{} strands are left out: they need about {:.1f} GB of memory, {:.1f} are free",
+                            w.strands(), needed / 1e9, there / 1e9));
+    return false;
+}
+
+}  // namespace
+
+Scene scene_of(const Workload& w, bool wet, const std::vector<std::string>& set) {
+    SceneOptions options;
+    options.set = set;
+    Scene scene = parse_scene(fmt::format(text, w.across, w.along, w.particles, w.settle, w.radius),
+                              "the fixed workload", ".", options);
+    if (!wet) make_dry(scene);
+    return scene;
+}
+
+std::vector<Line> whole_frames(const Workload& w, bool wet, const std::string& device, bool with_error) {
+    const Scene scene = scene_of(w, wet);
+    const auto simulation = make_simulation_on(device, scene, "float");
+    const auto& stages = simulation->stages;
+    std::vector<std::vector<double>> seconds(1 + stages.size());  // (line, frame)
+    std::vector<Strands> seen;
+    double spent = 0;
+    for (int f = 0; f < w.frames; ++f) {
+        RunFrame frame;
+        if (f > 0) simulation->advance();
+        simulation->snapshot(frame);
+        if (with_error) seen.push_back(frame.seen());
+        // Frame 1 finds memory and caches cold; it counts only where it is long.
+        if (f == 0 || (f == 1 && frame.seconds < long_frame)) continue;
+        seconds[0].push_back(frame.seconds);
+        for (size_t k = 0; k < stages.size(); ++k) seconds[1 + k].push_back(double(frame.stage_seconds[k]));
+        spent += frame.seconds;
+        const size_t enough = frame.seconds > long_frame ? 3 : spent > long_run ? fewest : size_t(w.frames);
+        if (!with_error && seconds[0].size() >= enough) break;
+    }
+    if (simulation->divergence()) throw Error("bench: " + name_of(w, wet) + " diverges");
+
+    const BufferList buffers = simulation->buffers();
+    const double particles = double(w.strands()) * w.particles;
+    Line line;
+    line.series = wet ? "wet frame" : "dry frame", line.name = name_of(w, wet);
+    line.size = w.strands(), line.strands = w.strands(), line.particles = w.particles;
+    line.item = "particle", line.items = particles;
+    std::vector<Line> lines{line};
+    for (const auto& stage : stages) {
+        lines.push_back(line);
+        lines.back().name += ": " + stage, lines.back().series += ": " + stage;
+        lines.back().bytes = bytes_of_stage(stage, scene, buffers);
+        lines.back().operations = operations_of_stage(stage, w, scene, simulation->neighbours_mean());
+        lines[0].bytes += lines.back().bytes;
+    }
+    for (size_t k = 0; k < lines.size(); ++k) lines[k].seconds = times_of(seconds[k]);
+    lines[0].bytes_a_particle = bytes_of(buffers, {}) / particles;
+    if (wet) lines[0].neighbours = simulation->neighbours_mean();
+    if (with_error) lines[0].error_mm = mean_error(seen, reference_frames(w, wet, device));
+    return lines;
+}
+
+// A run of the scene, its error against `exact`; none where it diverges.
+static Point point_of(const Scene& scene, const std::string& device, const std::string& precision,
+                      const std::vector<Strands>& exact) {
+    Point point{name_of_integrator(scene.integrator.kind), name_of_precision(precision),
+                scene.integrator.substeps};
+    const auto simulation = make_simulation_on(device, scene, precision);
+    std::vector<Strands> seen;
+    std::vector<double> seconds;
+    RunFrame frame;
+    while (seen.size() < exact.size() && !simulation->divergence()) {
+        if (!seen.empty()) simulation->advance();
+        simulation->snapshot(frame);
+        seen.push_back(frame.seen());
+        if (seen.size() > 2) seconds.push_back(frame.seconds);
+    }
+    if (simulation->divergence()) return point;
+    point.seconds = times_of(seconds);
+    point.error_mm = mean_error(seen, exact);
+    return point;
+}
+
+std::vector<Point> error_against_time(const Workload& w, const std::string& device,
+                                      const std::string& integrator, const std::string& precision,
+                                      const std::vector<int>& substeps) {
+    const auto& exact = reference_frames(w, true, device);
+    std::vector<Point> points;
+    for (int n : substeps) {
+        auto run = [&](double settle, size_t frames) {
+            Workload settled = w;
+            settled.settle = settle;
+            const Scene scene =
+                scene_of(settled, true,
+                         {"integrator.kind=" + integrator, fmt::format("integrator.substeps={}", n),
+                          // It would hide that the explicit scheme diverges.
+                          "integrator.limiter=0"});
+            return point_of(scene, device, precision, {exact.begin(), exact.begin() + long(frames)});
+        };
+        // The explicit scheme mostly diverges at once, and need not settle for that; from where it stands on
+        // more substeps only take longer.
+        const bool is_explicit = integrator == "explicit";
+        Point point = is_explicit ? run(0, 3) : run(w.settle, exact.size());
+        if (is_explicit && point.error_mm) point = run(w.settle, exact.size());
+        points.push_back(point);
+        if (is_explicit && point.error_mm) break;
+    }
+    return points;
+}
+
+std::vector<Entry> frame_entries(const std::string& device) {
+    std::vector<Entry> all;
+    // The reference takes 16 times the substeps in double precision.
+    const int most_with_error = device == "cpu" ? 512 : 9900;
+    for (bool wet : {true, false})
+        for (const Workload& w : workloads) {
+            auto measure = [w, wet, device, most_with_error](Results& out) {
+                if (!fits(w)) return;
+                const auto lines = whole_frames(w, wet, device, w.strands() <= most_with_error);
+                out.lines.insert(out.lines.end(), lines.begin(), lines.end());
+            };
+            all.push_back({names_of(w, wet), wet ? "wet frame" : "dry frame", measure});
+        }
+    for (const std::string integrator : {"implicit", "backward_euler", "explicit"})
+        for (const std::string precision : {"float", "double"}) {
+            const std::string curve = "error against run time";
+            Entry entry{{fmt::format("{}, {}, {}", curve, name_of_integrator(integrator),
+                                     name_of_precision(precision))},
+                        curve,
+                        {},
+                        ""};
+            const std::vector<int> substeps =
+                integrator == "explicit" ? std::vector<int>{10, 20, 40, 80, 160, 320, 640, 1280, 2560}
+                                         : std::vector<int>{1, 2, 4, 8, 10, 16};
+            if (device == "cpu" || integrator == "implicit")
+                entry.measure = [=](Results& out) {
+                    const auto points = error_against_time(fixed, device, integrator, precision, substeps);
+                    out.points.insert(out.points.end(), points.begin(), points.end());
+                };
+            else
+                entry.absent = "CUDA steps by BDF2 alone";
+            all.push_back(entry);
+        }
+    return all;
+}
+
+}  // namespace wetcurl::bench
