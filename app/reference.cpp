@@ -7,6 +7,9 @@ namespace wetcurl {
 
 static Scene in_short_steps(Scene scene) {
     scene.integrator.substeps = Reference::substeps;
+    // As where the scene is read: as stiff as these steps want it.
+    if (auto& limit = scene.term<StrainLimit>())
+        limit->stiffen(1 / (scene.fps * scene.integrator.substeps), limit->others);
     return scene;
 }
 
