@@ -11,8 +11,15 @@
 
 namespace wetcurl {
 
-struct alignas(16) Point4 {
-    float x, y, z, w;
+// What a particle's neighbours ask of it, in one sector of memory: V = m / rho and sigma V.
+struct alignas(32) HairPoint {
+    float x, y, z, volume, wet_volume;
+    WETCURL_HD Vec3f position() const { return {x, y, z}; }
+};
+// What the search asks.
+struct alignas(16) SortedPoint {
+    float x, y, z;
+    uint32_t id;
     WETCURL_HD Vec3f position() const { return {x, y, z}; }
 };
 
@@ -58,13 +65,12 @@ inline constexpr uint32_t no_particle = 0xffffffffu;  // begin of an empty cell
 struct CohesionMemory {
     uint32_t count;
     int particles;             // a strand
-    Point4 *now, *next;        // position and volume V = m / rho; one more
-    const float* wet_volume;   // sigma V; one more
+    HairPoint *now, *next;     // one more
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
     uint32_t *key, *id;        // in the order of particles
     uint32_t *sorted_key, *sorted_id;
-    Point4* sorted;   // in the order of cells: position, and the particle's number as bits
-    CellRange* cell;  // (cells)
+    SortedPoint* sorted;  // in the order of cells
+    CellRange* cell;      // (cells)
     // Neighbour lists of 32 particles in step: entry k of lane l at list[offset + 32 k + l], filled up with
     // `count`, who is nobody. Groups never cross a block of strands.
     uint32_t *list, *offset, *capacity, *length;
@@ -77,15 +83,15 @@ struct CohesionBodies {
     Cohesion term;
     CohesionMemory m;
 
-    WETCURL_HD void place(uint32_t id, const Vec3f& p, float volume) const {
-        m.now[id] = m.next[id] = {p.x, p.y, p.z, volume};
+    WETCURL_HD void place(uint32_t id, const Vec3f& p, float volume, float wet_volume) const {
+        m.now[id] = m.next[id] = {p.x, p.y, p.z, volume, wet_volume};
         const Vec3f x = p - m.origin;
         const auto c = m.grid.holds(x) ? m.grid.cell_of(x) : WrappedGrid::Cell{0, 0, 0};
         m.key[id] = m.grid.holds(x) ? m.grid.key(c.x, c.y, c.z) : m.grid.cells();
         m.id[id] = id;
     }
     WETCURL_HD void measure(int strand) const {
-        const Point4* p = m.now + size_t(strand) * size_t(m.particles);
+        const HairPoint* p = m.now + size_t(strand) * size_t(m.particles);
         double length = 0;
         for (int i = 0; i + 1 < m.particles; ++i)
             length += norm(cast<double>(p[i + 1].position() - p[i].position()));
@@ -97,9 +103,7 @@ struct CohesionBodies {
     WETCURL_HD void mark_cell(uint32_t k) const {
         const uint32_t key = m.sorted_key[k], id = m.sorted_id[k];
         const Vec3f p = m.now[id].position();
-        Point4 s{p.x, p.y, p.z, 0};
-        memcpy(&s.w, &id, sizeof id);
-        m.sorted[k] = s;
+        m.sorted[k] = {p.x, p.y, p.z, id};
         if (key == m.grid.cells()) return;
         if (k == 0 || m.sorted_key[k - 1] != key) m.cell[key].begin = k;
         if (k + 1 == m.count || m.sorted_key[k + 1] != key) m.cell[key].end = k + 1;
@@ -114,11 +118,9 @@ struct CohesionBodies {
         const uint32_t own = id - id % uint32_t(m.particles);
         auto search = [&](uint32_t begin, uint32_t end) {
             for (uint32_t k = begin; k < end; ++k) {
-                const Point4 s = m.sorted[k];
+                const SortedPoint s = m.sorted[k];
                 const Vec3f d = s.position() - p;
-                uint32_t j;
-                memcpy(&j, &s.w, sizeof j);
-                if (dot(d, d) < m.h * m.h && j - own >= uint32_t(m.particles)) visit(j);
+                if (dot(d, d) < m.h * m.h && s.id - own >= uint32_t(m.particles)) visit(s.id);
             }
         };
         for (int z = c.z - 1; z <= c.z + 1; ++z)
@@ -136,21 +138,21 @@ struct CohesionBodies {
     }
 
     // p_i^w - p_i over a list of `length` entries, 32 apart.
-    WETCURL_HD Vec3f displacement(const Point4* now, uint32_t id, const uint32_t* list,
+    WETCURL_HD Vec3f displacement(const HairPoint* now, uint32_t id, const uint32_t* list,
                                   uint32_t length) const {
-        const Point4 own = now[id];
+        const HairPoint own = now[id];
         Cohesion::Sums<float> sums{{0, 0, 0}, 0};
         for (uint32_t k = 0; k < length; ++k) {
-            const uint32_t j = list[32 * k];
-            const Point4 other = now[j];
-            sums.add(other.position() - own.position(), m.h, other.w, m.wet_volume[j]);
+            const HairPoint other = now[list[32 * k]];
+            sums.add(other.position() - own.position(), m.h, other.volume, other.wet_volume);
         }
-        return term.displacement(sums, own.w * m.own_weight[id / uint32_t(m.particles)]);
+        return term.displacement(sums, own.volume * m.own_weight[id / uint32_t(m.particles)]);
     }
 
     // A strand after the last pass, no edge longer than the term allows: place(id, x), root to tip.
     template <class Place>
-    WETCURL_HD void within_lengths(int strand, const Point4* now, const Vec3f* simulated, Place place) const {
+    WETCURL_HD void within_lengths(int strand, const HairPoint* now, const Vec3f* simulated,
+                                   Place place) const {
         uint32_t id = uint32_t(strand) * uint32_t(m.particles);
         Vec3f x = now[id].position(), before = simulated[id];
         place(id, x);

@@ -14,9 +14,10 @@ unsigned blocks_for(size_t items, int threads) {
     return unsigned((items + size_t(threads) - 1) / size_t(threads));
 }
 
-__global__ void place(CohesionBodies b, const Vec3f* positions, const float* volume) {
+__global__ void place(CohesionBodies b, const Vec3f* positions, const float* volume,
+                      const float* wet_volume) {
     const uint32_t id = blockIdx.x * blockDim.x + threadIdx.x;
-    if (id < b.m.count) b.place(id, positions[id], volume[id]);
+    if (id < b.m.count) b.place(id, positions[id], volume[id], wet_volume[id]);
 }
 __global__ void measure(CohesionBodies b, int strands) {
     const int strand = int(blockIdx.x * blockDim.x + threadIdx.x);
@@ -62,8 +63,8 @@ __global__ void __launch_bounds__(1024)
 }
 
 // One Jacobi pass. Shared memory: displacements (3, count), and 32 numbers a warp.
-__global__ void __launch_bounds__(1024)
-    jacobi(CohesionBodies b, int strands_of_block, int groups_of_block, const Point4* now, Point4* next) {
+__global__ void __launch_bounds__(1024) jacobi(CohesionBodies b, int strands_of_block, int groups_of_block,
+                                               const HairPoint* now, HairPoint* next) {
     extern __shared__ float u[];
     const Share share(b.m, strands_of_block, groups_of_block);
     const int n = b.m.particles, lane = int(threadIdx.x) % warp;
@@ -92,14 +93,14 @@ __global__ void __launch_bounds__(1024)
         __syncthreads();
     }
     for (int k = int(threadIdx.x); k < share.count; k += int(blockDim.x)) {
-        Point4 p = now[share.first + uint32_t(k)];
+        HairPoint p = now[share.first + uint32_t(k)];
         p.x += u[k], p.y += u[share.count + k], p.z += u[2 * share.count + k];
         next[share.first + uint32_t(k)] = p;
     }
 }
 
 template <class T>
-__global__ void show(CohesionBodies b, int strands, const Point4* now, const Vec3f* simulated,
+__global__ void show(CohesionBodies b, int strands, const HairPoint* now, const Vec3f* simulated,
                      const float* rest_depth, const SubstepMotion<T>* motion, Vec3f* displayed) {
     const int strand = int(blockIdx.x * blockDim.x + threadIdx.x);
     if (strand >= strands) return;
@@ -120,6 +121,7 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
       strands_(strands),
       particles_(particles),
       volume_(volume),
+      wet_volume_(wet_volume),
       rest_depth_(rest_depth),
       grid_(wrapped_grid(volume.size(), term.h_c)),
       origin_(origin) {
@@ -143,13 +145,10 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
     check_cuda(cudaFuncSetAttribute(jacobi, cudaFuncAttributeMaxDynamicSharedMemorySize, int(shared_bytes_)),
                "shared memory");
 
-    std::vector<float> wet = wet_volume;
-    wet.push_back(0);  // of nobody
-    wet_volume_ = DeviceBuffer<float>(wet);
     beta_ = DeviceBuffer<float>(size_t(strands)), own_weight_ = DeviceBuffer<float>(size_t(strands));
-    const std::vector<Point4> points(count + 1, Point4{0, 0, 0, 0});
-    now_ = DeviceBuffer<Point4>(points), next_ = DeviceBuffer<Point4>(points);
-    sorted_ = DeviceBuffer<Point4>(count);
+    const std::vector<HairPoint> points(count + 1, HairPoint{0, 0, 0, 0, 0});
+    now_ = DeviceBuffer<HairPoint>(points), next_ = DeviceBuffer<HairPoint>(points);
+    sorted_ = DeviceBuffer<SortedPoint>(count);
     for (auto* b : {&key_, &id_, &sorted_key_, &sorted_id_}) *b = DeviceBuffer<uint32_t>(count);
     const std::vector<uint32_t> none(size_t(blocks_) * size_t(groups_of_block_), 0);
     for (auto* b : {&offset_, &capacity_, &length_}) *b = DeviceBuffer<uint32_t>(none);
@@ -162,33 +161,17 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
 }
 
 CohesionBodies CohesionDevice::bodies() const {
-    return {term_,
-            {uint32_t(volume_.size()),
-             particles_,
-             now_.data(),
-             next_.data(),
-             wet_volume_.data(),
-             beta_.data(),
-             own_weight_.data(),
-             key_.data(),
-             id_.data(),
-             sorted_key_.data(),
-             sorted_id_.data(),
-             sorted_.data(),
-             cell_.data(),
-             list_.data(),
-             offset_.data(),
-             capacity_.data(),
-             length_.data(),
-             grid_,
-             origin_,
-             float(term_.h_c)}};
+    return {
+        term_,
+        {uint32_t(volume_.size()), particles_, now_.data(), next_.data(), beta_.data(), own_weight_.data(),
+         key_.data(), id_.data(), sorted_key_.data(), sorted_id_.data(), sorted_.data(), cell_.data(),
+         list_.data(), offset_.data(), capacity_.data(), length_.data(), grid_, origin_, float(term_.h_c)}};
 }
 
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
     const CohesionBodies b = bodies();
     const unsigned blocks = blocks_for(volume_.size(), small_block);
-    place<<<blocks, small_block, 0, stream>>>(b, positions, volume_.data());
+    place<<<blocks, small_block, 0, stream>>>(b, positions, volume_.data(), wet_volume_.data());
     measure<<<blocks_for(size_t(strands_), warp), warp, 0, stream>>>(b, strands_);
     size_t size = sort_memory_.size();
     // One bit more than a cell's number has: the key of what lies nowhere.
@@ -207,13 +190,13 @@ template <class T>
 void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T>* motion, Vec3f* displayed,
                                    cudaStream_t stream) {
     const CohesionBodies b = bodies();
-    const Point4* now = now_.data();
-    Point4* next = next_.data();
+    const HairPoint* now = now_.data();
+    HairPoint* next = next_.data();
     for (int pass = 0; pass < term_.passes; ++pass) {
         jacobi<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_, groups_of_block_,
                                                                        now, next);
-        Point4* newer = next;
-        next = const_cast<Point4*>(now), now = newer;
+        HairPoint* newer = next;
+        next = const_cast<HairPoint*>(now), now = newer;
     }
     show<<<blocks_for(size_t(strands_), warp), warp, 0, stream>>>(
         b, strands_, now, simulated, rest_depth_.size() ? rest_depth_.data() : nullptr, motion, displayed);
@@ -244,7 +227,7 @@ void CohesionDevice::grow() {
 size_t CohesionDevice::bytes() const {
     size_t sum = sort_memory_.bytes() + cell_.bytes();
     for (const auto* b : {&volume_, &wet_volume_, &rest_depth_, &beta_, &own_weight_}) sum += b->bytes();
-    for (const auto* b : {&now_, &next_, &sorted_}) sum += b->bytes();
+    sum += now_.bytes() + next_.bytes() + sorted_.bytes();
     for (const auto* b : {&key_, &id_, &sorted_key_, &sorted_id_, &list_, &offset_, &capacity_, &length_})
         sum += b->bytes();
     return sum;

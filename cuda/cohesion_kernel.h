@@ -43,7 +43,8 @@ class CohesionDevice {
     unsigned blocks_;
     size_t shared_bytes_;
     DeviceBuffer<float> volume_, wet_volume_, rest_depth_, beta_, own_weight_;
-    DeviceBuffer<Point4> now_, next_, sorted_;
+    DeviceBuffer<HairPoint> now_, next_;
+    DeviceBuffer<SortedPoint> sorted_;
     DeviceBuffer<uint32_t> key_, id_, sorted_key_, sorted_id_, list_, offset_, capacity_, length_;
     DeviceBuffer<CellRange> cell_;
     DeviceBuffer<char> sort_memory_;

@@ -46,18 +46,34 @@ Result by_reference(const Tuft& hair, const Cohesion& term) {
 Result by_bodies(const Tuft& hair, const Cohesion& term) {
     const size_t count = hair.p.points.size();
     const int n = hair.p.particles, groups = (n + 31) / 32;
-    std::vector<Point4> now(count + 1), next(count + 1), sorted(count);
-    std::vector<float> wet(count + 1), beta(size_t(hair.p.count)), own(size_t(hair.p.count));
+    std::vector<HairPoint> now(count + 1), next(count + 1);
+    std::vector<SortedPoint> sorted(count);
+    std::vector<float> beta(size_t(hair.p.count)), own(size_t(hair.p.count));
     std::vector<uint32_t> key(count), id(count), sorted_key, sorted_id(count), list, none;
-    for (size_t k = 0; k < count; ++k) wet[k] = hair.volume[k] * hair.saturation[k];
     const WrappedGrid grid = wrapped_grid(count, term.h_c);
     std::vector<CellRange> cell(grid.cells(), {no_particle, no_particle});
-    CohesionBodies b{term, {uint32_t(count), n,           now.data(),       next.data(),
-                            wet.data(),      beta.data(), own.data(),       key.data(),
-                            id.data(),       nullptr,     sorted_id.data(), sorted.data(),
-                            cell.data(),     nullptr,     nullptr,          nullptr,
-                            nullptr,         grid,        {1, 2, 0},        float(term.h_c)}};
-    for (size_t k = 0; k < count; ++k) b.place(uint32_t(k), hair.p.points[k], hair.volume[k]);
+    CohesionBodies b{term,
+                     {uint32_t(count),
+                      n,
+                      now.data(),
+                      next.data(),
+                      beta.data(),
+                      own.data(),
+                      key.data(),
+                      id.data(),
+                      nullptr,
+                      sorted_id.data(),
+                      sorted.data(),
+                      cell.data(),
+                      nullptr,
+                      nullptr,
+                      nullptr,
+                      nullptr,
+                      grid,
+                      {1, 2, 0},
+                      float(term.h_c)}};
+    for (size_t k = 0; k < count; ++k)
+        b.place(uint32_t(k), hair.p.points[k], hair.volume[k], hair.volume[k] * hair.saturation[k]);
     for (int s = 0; s < hair.p.count; ++s) b.measure(s);
     std::iota(sorted_id.begin(), sorted_id.end(), 0u);
     std::stable_sort(sorted_id.begin(), sorted_id.end(),
@@ -96,7 +112,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term) {
                         for (int lane = 0; lane < 32; ++lane) body(lane);
                     });
             for (int i = 0; i < n; ++i) {
-                Point4 p = now[first + uint32_t(i)];
+                HairPoint p = now[first + uint32_t(i)];
                 p.x += u[size_t(i)], p.y += u[size_t(n + i)], p.z += u[size_t(2 * n + i)];
                 next[first + uint32_t(i)] = p;
             }
