@@ -43,7 +43,7 @@ std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
     std::vector<RunPair> out;
     for (size_t k = 0; k < inputs.size(); k += 2) out.emplace_back(inputs[k], inputs[k + 1]);
     for (const auto& pair : out) {
-        if (pair.dry->header().method == "simulated wet")
+        if (pair.dry->header().method.starts_with("simulated wet"))
             log_warning(pair.dry->path() +
                         ": was simulated wet; a model of these pairs is for wet runs only");
         const int found = pair.wet->header().groom.rest.particles,

@@ -176,7 +176,7 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     const ModelCard& card = network->card();
     if (card.codec == "adhesion")
         throw Misuse(o.model + ": an adhesion model; it acts in a scene, not on a run: infer SCENE.toml");
-    if (low.method == "simulated wet")
+    if (low.method.starts_with("simulated wet"))
         log_warning(o.input + ": was simulated wet; a model learns from dry runs and adds the water itself");
     if (card.codec == "strand") {
         if (!o.reconstruct.empty())
@@ -208,7 +208,7 @@ void take_learned(InferOptions& o, const Scene& scene) {
     if (o.reconstruct.empty()) o.reconstruct = scene.learned->reconstruct;
     if (!std::filesystem::exists(o.model))
         throw Error(o.model + ": [learned] names it and it is not there yet; `wetcurl train sr PAIRS.h5 -o " +
-                    o.model + "` makes it, scenes/README.md says of which pairs");
+                    o.model + "` makes it, the head of scenes/scene11a.toml says of which pairs");
 }
 
 bool is_scene(const std::string& path) { return path.ends_with(".toml"); }

@@ -1,5 +1,5 @@
 // What the networks share: the base of a model, its layers in either precision, the up() of the residual.
-// Ours, but up(): EQUATIONS Eq 17, vertex-aligned.
+// Ours, but up(): Eq 17, vertex-aligned.
 #pragma once
 
 #include <torch/nn/init.h>

@@ -17,7 +17,7 @@ inline double adhesion_kernel(double r, double h) {
 }
 
 // C(r) [1/m^3]: attraction beyond 0.273 h, repulsion nearer, 0 from h on. As Akinci 2013 prints it, the
-// h^6 / 64 stands inside the factor (EQUATIONS Sec. 4): else C jumps at h/2.
+// h^6 / 64 stands inside the factor here: else C jumps at h/2.
 inline double cohesion_kernel(double r, double h) {
     if (!(r < h)) return 0;
     const double q = r / h, u = (1 - q) * q, cube = u * u * u;

@@ -1,5 +1,4 @@
-// Adhesion by who answers in Eq 11's place (a network), and what one is trained on: EQUATIONS Sec. 6.
-// Ours.
+// Adhesion by who answers in Eq 11's place (a network), and what one is trained on. Ours.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +10,8 @@
 
 namespace wetcurl {
 
-// Who gives the adhesion force in Eq 11's place (a network): F.n / (sigma m a_max) from the twelve inputs of
-// EQUATIONS Sec. 6, {contact, v.n / sqrt(a_max h), phi / h, F.n / (sigma m a_max)} of particles i-1, i, i+1.
+// Who gives the adhesion force in Eq 11's place (a network): F.n / (sigma m a_max) from twelve inputs,
+// {contact, v.n / sqrt(a_max h), phi / h, F.n / (sigma m a_max)} of particles i-1, i, i+1.
 class AdhesionModel {
   public:
     virtual ~AdhesionModel() = default;

@@ -1,5 +1,5 @@
 // One substep of one block of strands: the implicit step (BDF2) and the paper's explicit one.
-// EQUATIONS: A (v - v^) = M (v~ - v^) + h f(x~ + h v^, v^), A = M + h C + h² H, x = x~ + h v, with the
+// A (v - v^) = M (v~ - v^) + h f(x~ + h v^, v^), A = M + h C + h² H, x = x~ + h v, with the
 // history x~, v~ and step h of BDF2 (backward Euler in the first step) and the predictor v^ = v_n. Seen: the
 // higher-order predictor 2 v_n - v_{n-1} feeds energy in wherever H is a majoriser; none at all (v^ = 0)
 // kills a swing. Where what the majoriser adds across the strand outweighs the strand 1e5 times (core) or 4e4

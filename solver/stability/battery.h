@@ -1,5 +1,5 @@
 // The battery of stability, S1 to S9: what a way of stepping hair must stand, and figures for how it does.
-// EQUATIONS Sec. 8. Ours.
+// Ours.
 #pragma once
 
 #include <functional>
@@ -36,7 +36,7 @@ struct StabilityMethod {
     bool compared() const { return !sweep.empty(); }
 };
 
-// Ours in single and double precision, the paper's printed scheme, the compared methods of EQUATIONS Sec. 4:
+// Ours in single and double precision, the paper's printed scheme, the compared methods:
 // the last with our chain, so that it is their forces that fail. Of a compared one the settings lack what
 // `swept` finds.
 const std::vector<StabilityMethod>& stability_methods();

@@ -51,7 +51,7 @@ StabilityCase order_in_time(const Battery& b, double k_over_m) {
 }
 
 // Droop of a cantilever under its own small weight q a length: q L^4 / 8 EI. First order in the segment,
-// since the clamped edge is one (EQUATIONS Sec. 1: (1 + 1/m)(1 + 1/(2m)) for a load at the tip).
+// since the clamped edge is one ((1 + 1/m)(1 + 1/(2m)) for a load at the tip).
 StabilityCase order_in_particles(const Battery& b) {
     StabilityCase c = b.named("S6", "order in N of a drooping beam", {});
     const double reach = 0.1, flexural = 1e-9, g = 0.02;  // [m], [N m²], [m/s²]: a droop of 2 mm

@@ -1,4 +1,4 @@
-// Vectors, quaternions, packs and the smoothing filter against algebra. EQUATIONS: Eq 2 and its adjoint.
+// Vectors, quaternions, packs and the smoothing filter against algebra. Eq 2 and its adjoint.
 #include <numbers>
 #include <vector>
 

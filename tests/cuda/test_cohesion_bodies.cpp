@@ -1,4 +1,4 @@
-// The device's cohesion run on the host, particle by particle, against the reference pass. DESIGN Sec. 3.
+// The device's cohesion run on the host, particle by particle, against the reference pass.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The CUDA backend against the CPU's. DESIGN Sec. 3. Without a device each test says SKIP and why.
+// The CUDA backend against the CPU's. Without a device each test says SKIP and why.
 #include <gtest/gtest.h>
 
 #include "cuda/rates.h"

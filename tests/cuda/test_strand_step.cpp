@@ -1,4 +1,4 @@
-// The device's steps run on the host by a team of one, against the reference passes. DESIGN Sec. 3.
+// The device's steps run on the host by a team of one, against the reference passes.
 #include "cuda/chain_setup.h"
 #include "solver/chain_state.h"
 #include "tests/solver/one_strand.h"

@@ -1,5 +1,5 @@
 // Compared methods: their kernels against analytic properties, their pairs' symmetry, what they do to wet
-// and to dry strands, what they stand in the place of. EQUATIONS Sec. 4; Akinci 2013; the paper, Fig 41.
+// and to dry strands, what they stand in the place of. Akinci 2013; the paper, Fig 41.
 #include <algorithm>
 
 #include "solver/couplings/forces_on_strands.h"

@@ -1,5 +1,5 @@
 // The step of one strand: order in dt, energy and noise over stiffnesses, the hanging chain, the cantilever,
-// and what keeps the frames. EQUATIONS Sec. 1, 2 and 8 (S1, S2, S5, S6, S7).
+// and what keeps the frames. What S1, S2, S5, S6 and S7 of the battery ask, one by one.
 #include <cstdio>
 #include <Eigen/Cholesky>
 

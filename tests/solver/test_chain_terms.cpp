@@ -1,5 +1,5 @@
 // Terms along a strand against calculus: forces are differenced energies, matrices are differenced forces,
-// internal forces move nothing rigidly, damping takes energy. EQUATIONS: Eq 1-5, Form V.
+// internal forces move nothing rigidly, damping takes energy. Eq 1-5.
 #include <Eigen/Eigenvalues>
 
 #include "tests/solver/one_strand.h"

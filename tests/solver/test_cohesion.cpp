@@ -1,4 +1,4 @@
-// Eq 10 as a term and as a pass, against its symmetries and known gaps. EQUATIONS Sec. 3.
+// Eq 10 as a term and as a pass, against its symmetries and known gaps.
 #include <algorithm>
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // Whole simulations on small grooms: the same bits for any number of threads, nested grids, equilibria,
-// contact, what is absent, what every parameter is for, divergence. DESIGN Sec. 3 and 5; Fig 28.
+// contact, what is absent, what every parameter is for, divergence. and 5; Fig 28.
 #include <algorithm>
 #include <Eigen/SVD>
 #include <numeric>

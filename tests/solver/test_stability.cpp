@@ -1,5 +1,5 @@
 // The battery of stability: ours stands it, each check is seen to fail on a broken way of stepping, and the
-// work that it counts is that of analytic cases. EQUATIONS Sec. 8.
+// work that it counts is that of analytic cases.
 #include <omp.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Curl, adhesion, contact and wetness against geometry. EQUATIONS Sec. 3: Eq 6-9, 11, 12; Fig 27.
+// Curl, adhesion, contact and wetness against geometry. Eq 6-9, 11, 12; Fig 27.
 #include <Eigen/SVD>
 
 #include "base/geometry/shapes.h"
