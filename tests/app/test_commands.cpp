@@ -112,7 +112,7 @@ TEST_F(Commands, infer_of_a_learned_scene_says_which_model_is_missing_before_it_
     expect_error<Misuse>([&] { infer_command(o); }, {"--model", "--interpolate", "[learned]"});
     o.input = scratch.file("learned.toml", std::string(small_scene) + "[learned]\nmodel = \"absent.h5\"\n");
     expect_error([&] { infer_command(o); },
-                 {"absent.h5", "[learned]", "wetcurl train sr", "scenes/README.md"});
+                 {"absent.h5", "[learned]", "wetcurl train sr", "scenes/scene11a.toml"});
     EXPECT_FALSE(fs::exists(o.output + ".dry.h5"));
     o.interpolate = "quad";  // needs none
     EXPECT_EQ(infer_command(o), 0);
