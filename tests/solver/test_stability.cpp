@@ -112,7 +112,7 @@ StabilityMethod ours_assembled_with(Change change) {
 
 TEST(Battery, ours_stands_it_in_single_and_double) {
     for (const char* precision : {"double", "float"})
-        for (const char* id : {"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8"})
+        for (const char* id : {"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"})
             for (const auto& c : cases_of(ours(precision), id))
                 EXPECT_TRUE(c.passed) << precision << " " << c.id << " " << c.what;
 }
