@@ -1,4 +1,5 @@
-// The strands of a scene as the stepper holds them on every device: strand-interleaved, a lane a strand.
+// The strands of a scene as the stepper holds them: strand-interleaved, a lane a strand; on a device, which
+// has them one after the other, of one lane.
 // Ours.
 #pragma once
 

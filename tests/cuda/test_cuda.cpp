@@ -33,7 +33,7 @@ struct Case {
     bool creases =
         false;  // between solids, where a rounding decides which one holds, on few strands: over one frame
 };
-// All that a scene may name; 36 strands: a full warp and a part of one.
+// All that a scene may name.
 std::vector<Case> cases() {
     const std::string grid = "groom.grid=[6, 6]",
                       attached = "[[solid]]\nradius = 0.097\nattached = \"head\"\n";
