@@ -18,22 +18,18 @@ double chain_operations(const Scene& scene, const SimulationState& from) {
     if (!state.frame.empty()) state.pack(from.frame, state.frame);
     if (!state.pushed.empty()) state.pack(from.pushed, state.pushed);
     const int n = state.n;
-    const float dt = float(1 / (scene.fps * scene.integrator.substeps)),
-                springs = float(spring_sum(scene.chain));
-    const auto p = placement_at<float>(scene, from.time + double(dt), double(dt));
-    ChainScratch<S> scratch;
-    scratch.resize(n, scene.chain, true, !scene.solids.empty());
+    const double dt = 1 / (scene.fps * scene.integrator.substeps);
+    const auto rules = substep_rules<float>(scene);
+    const auto p = placement_at<float>(scene, from.time + dt, dt);
+    OwnScratch<S> scratch(n, scene.chain, true, !scene.solids.empty());
     Counted::operations = 0;
     for (int strand = 0; strand < state.strands; ++strand) {
         const size_t k = state.at(strand, 0);
         auto at = [&](auto& buffer) { return buffer.empty() ? nullptr : &buffer[k]; };
         Vec3<S> root[2];
-        for (int i = 0; i < 2; ++i)
-            root[i] =
-                rotate(cast<S>(cast<float>(p.head.rotation)), state.root[size_t(strand) * 2 + size_t(i)]) +
-                cast<S>(cast<float>(p.head.translation));
+        place_roots(p.head, &state.root[size_t(strand) * 2], root);
         BlockStep<S> step{n,
-                          dt,
+                          float(dt),
                           from.first,
                           at(state.x),
                           at(state.x_before),
@@ -51,18 +47,9 @@ double chain_operations(const Scene& scene, const SimulationState& from) {
         view.mass = at(state.mass), view.rest_length = at(state.rest_length), view.target = at(state.target);
         view.rest_core = at(state.rest_core), view.saturation = at(state.saturation);
         view.turn = cast<S>(p.turn), view.turn_center = cast<S>(p.turn_center), view.drift = cast<S>(p.drift);
-        const S* rest_depth = at(state.rest_depth);
-        implicit_step(scene.chain, step, view, scratch, [&](const Vec3<S>* x, const Vec3<S>* v, int looks) {
-            for (int i = 2; looks == 0 && step.pushed && i < n; ++i)
-                scratch.hold[size_t(i)] =
-                    expected_contact(p.solids, rest_depth ? rest_depth[i] : S(0),
-                                     hold_stiffness(springs, Bdf2<S>(dt, from.first).h, view.mass[i]), x[i],
-                                     v[i], step.pushed[i]);
-        });
-        for (const auto& solid : p.solids)
-            resolve_contact(solid, 0.f, n, rest_depth, scratch.clearance.data(), dt, view.mass, step.pushed,
-                            step.x_before, step.x, step.v_before, step.v);
-        if (step.frame) transport_frames(n, step.frame, Quat<float>::identity(), step.x_before, step.frame);
+        take_substep(rules, step, view, {}, at(state.rest_depth),
+                     SolidsInALoop<S, std::vector<PosedSolid<float>>>{p.solids}, scratch,
+                     static_cast<NoMeter*>(nullptr));
     }
     return double(Counted::operations) / (double(state.strands) * n);
 }

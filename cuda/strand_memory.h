@@ -1,30 +1,9 @@
 // The strands of a scene in a device's memory, and what kernels are told beside it. Ours.
 #pragma once
 
-#include <type_traits>
-
-#include "solver/passes/chain_step.h"
-#include "solver/passes/contact.h"
+#include "solver/passes/substep.h"
 
 namespace wetcurl {
-
-// What ChainState<S> of a device is made of: one strand after the other, in plain numbers.
-template <class T>
-struct SingleLane {
-    static constexpr int lanes = 1;
-    T number;
-
-    SingleLane() = default;
-    template <class U>
-    requires std::is_arithmetic_v<U>
-    explicit SingleLane(U u) : number(T(u)) {}
-    T operator[](int) const { return number; }
-    void set(int, T t) { number = t; }
-};
-template <class T>
-struct PlainOf<SingleLane<T>> {
-    using type = T;
-};
 
 // (strand, particle) in the device's memory. Null where no present term needs it.
 template <class T>
@@ -33,15 +12,18 @@ struct StrandMemory {
     Vec3<T>*x, *x_before, *v, *v_before;
     T *touching, *pushed;
     Quat<T>* frame;
-    const Vec3<T>*root, *target, *push;  // root: (strand, 2) in the head's frame
+    const Vec3<T>*root, *target, *push, *air;  // root: (strand, 2) in the head's frame
     const T *mass, *rest_length, *rest_core, *saturation, *rest_depth;
+    // What others give for the substeps that follow, as of GivenToChain.
+    const Vec3<T>* given_force;
+    const T *given_stiffness, *given_adhesion;
 };
 
 // What is the same for all strands and substeps.
 template <class T>
 struct ChainConstants {
-    ChainTerms terms;
-    T dt, spring_sum, share, turn;
+    SubstepRules<T> rules;
+    T dt, share, turn;
     int looks;  // as of a BlockStep
     Vec3<T> gravity;
 };

@@ -155,7 +155,7 @@ class StrandStep {
 
     WETCURL_HD Hold<T> expected_hold(int k, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, const V& x,
                                      T& momentum) const {
-        return expected_contact(motion, rest_depth(k), hold_stiffness(k_.spring_sum, scheme.h, mass_[k]), x,
+        return expected_contact(motion, rest_depth(k), hold_stiffness(k_.rules.spring_sum, scheme.h, mass_[k]), x,
                                 V(v_[k]), momentum);
     }
     // The contact of a particle that a solid has pushed or is to push: held while `pushed` is above 0;
@@ -218,7 +218,7 @@ class StrandStep {
     template <class Set>
     WETCURL_HD void take_along(const Set& set, const Bdf2<T>& scheme) {
         const bool filters = has<Core>(set);
-        const T beta = filters ? T(get<Core>(k_.terms).beta) : T(0);
+        const T beta = filters ? T(get<Core>(k_.rules.terms).beta) : T(0);
         for_each_active(0, [&](int g, int i) {
             const int k = cell(g, i), root = cell(g, 0);
             if (has<Twist>(set) && i > 0) twist(g, false)[i] = joint(scheme, i, k);
@@ -235,7 +235,7 @@ class StrandStep {
                 rates(g, !other)[i] = doubled(rates(g, other), i, -reach, weight);
             });
         });
-        const bool adjoint = filters && !get<Core>(k_.terms).printed;
+        const bool adjoint = filters && !get<Core>(k_.rules.terms).printed;
         for_each_active(0, [&](int g, int i) {
             const int k = cell(g, i), root = cell(g, 0);
             if (has<Twist>(set) && i > 0) {
@@ -248,7 +248,7 @@ class StrandStep {
                     nu = rate_[root + 1] - rate_[root] + c * rates(g, last)[i];
             // As many rounds go back: they end in the core's own room.
             core(g, adjoint && last)[i] =
-                (adjoint ? c : T(1)) * get<Core>(k_.terms).pull(b, nu, of(m_.rest_core, k));
+                (adjoint ? c : T(1)) * get<Core>(k_.rules.terms).pull(b, nu, of(m_.rest_core, k));
         });
         if (adjoint)
             in_rounds(last, 1 - beta, [&](bool other, int reach, T weight) {
@@ -289,7 +289,7 @@ class StrandStep {
     }
     // As of TwistElimination.
     WETCURL_HD TwistRow joint(const Bdf2<T>& scheme, int i, int k) const {
-        const Twist& springs = get<Twist>(k_.terms);
+        const Twist& springs = get<Twist>(k_.rules.terms);
         const Q frame = frame_[k];
         const T stiffness = springs.stiffness(rest_length_[k]);
         const T torque = stiffness * Twist::HalfAngle<T>(Q(frame_[k - 1]), frame).sine_of_whole();
@@ -297,7 +297,7 @@ class StrandStep {
         if (i + 2 < m_.n) {
             after = springs.stiffness(rest_length_[k + 1]);
             torque_after = after * Twist::HalfAngle<T>(frame, Q(frame_[k + 1])).sine_of_whole();
-            bend_by_turn(get<Bend>(k_.terms), frame, of(m_.target, k + 1), edge_at(k + 1), slope, bound);
+            bend_by_turn(get<Bend>(k_.rules.terms), frame, of(m_.target, k + 1), edge_at(k + 1), slope, bound);
         }
         const T lag = springs.lag(scheme.h, mass_[k]);
         const T excess = bound + lag * (bound + stiffness + after);
@@ -317,7 +317,7 @@ class StrandStep {
     template <class Set, size_t... place>
     WETCURL_HD void assemble_present(const Set& set, const ChainView<T>& view, const ChainSystem<T>& system,
                                      std::index_sequence<place...>) const {
-        ((set.has(int(place)) ? std::get<place>(k_.terms)->assemble(view, system, 2, 3) : void()), ...);
+        ((set.has(int(place)) ? std::get<place>(k_.rules.terms)->assemble(view, system, 2, 3) : void()), ...);
     }
     // Those that end at particle j of strand g.
     template <class Set>
@@ -328,7 +328,7 @@ class StrandStep {
         const M no_mat{zero, zero, zero};
         Element e{{zero, zero, zero}, {no_sym, no_sym, no_sym}, {no_mat, no_mat}, {no_mat}};
         const int k = cell(g, j);
-        V x[3], v[3], target[2], core[2], push[2], limit_edge[2], normal[3], surface_velocity[3];
+        V x[3], v[3], target[2], core[2], push[2], limit_edge[2], normal[3], surface_velocity[3], air[3];
         Q frame[2];
         T mass[3], rest_length[2], saturation[3], touching[3], phi[3];
         for (int l = 0; l < 3; ++l)
@@ -338,13 +338,16 @@ class StrandStep {
             frame[0] = frame_[k - 2], frame[1] = frame_[k - 1], target[1] = of(m_.target, k - 1);
         if (has<Core>(set)) core[1] = core_[k - 1];
         if (has<CurlPush>(set)) push[1] = of(m_.push, k - 1);
+        if (has<AirDrag>(set)) air[1] = of(m_.air, k - 1), air[2] = of(m_.air, k);
         if (has<StrainLimit>(set)) limit_edge[1] = limit_edge_[k - 1];
         const bool wet = (has<Adhesion>(set) || has<Stiffness>(set)) && m_.saturation;
         saturation[2] = wet ? of(m_.saturation, k) : T(0);
         normal[2] = {T(0), T(1), T(0)}, surface_velocity[2] = zero;
+        T adhesion[3];
         if (has<Adhesion>(set)) {
             touching[2] = of(m_.touching, k);
             sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
+            if (m_.given_adhesion) adhesion[2] = of(m_.given_adhesion, k);
         }
         ChainView<T> view{};
         view.n = 3;
@@ -352,7 +355,8 @@ class StrandStep {
         view.limit_edge = limit_edge;
         view.target = target, view.frame = frame, view.core_pull = core, view.push = push;
         view.saturation = saturation, view.touching = touching, view.phi = phi, view.normal = normal;
-        view.surface_velocity = surface_velocity;
+        view.surface_velocity = surface_velocity, view.air = air;
+        if (has<Adhesion>(set) && m_.given_adhesion) view.given_adhesion = adhesion;
         view.turn = motion.turn, view.turn_center = motion.turn_center, view.drift = motion.drift;
         if (has<CurlPush>(set)) view.chord = at_[cell(g, m_.n - 1)] - at_[cell(g, 0)];
         assemble_present(set, view, {scheme.h, e.force, e.diagonal, e.upper1, e.upper2},
@@ -429,7 +433,7 @@ class StrandStep {
                 unsigned seen = 0;
                 if (turned_far<T>(way, rest, far_turn(k_.turn, T(contacts))) > 0) seen |= turned;
                 if (limits &&
-                    get<StrainLimit>(k_.terms).unsettled(edge_at(k - 1) + way, limit_edge_[k - 1], rest) > 0)
+                    get<StrainLimit>(k_.rules.terms).unsettled(edge_at(k - 1) + way, limit_edge_[k - 1], rest) > 0)
                     seen |= limit_moved;
                 if (holds && contacts && pushed_[k] != 0) {
                     Hold<T> hold = hold_of(k, motion, scheme, pushed_[k]);
@@ -468,13 +472,13 @@ class StrandStep {
             const V d = system_.right(g, i), expected = at_[k];
             V x = i < 2 ? placed_root(motion, g, i) : expected + scheme.h * d, v = rate_[k] + d;
             if (has<StrainLimit>(set) && i >= 2)
-                limited += get<StrainLimit>(k_.terms).holds(limit_edge_[k - 1], rest_length_[k - 1]);
+                limited += get<StrainLimit>(k_.rules.terms).holds(limit_edge_[k - 1], rest_length_[k - 1]);
             if (has<Adhesion>(set)) {
                 T phi;
                 V normal, surface_velocity;
                 sample_nearest(motion, expected, phi, normal, surface_velocity);
                 T& touching = m_.touching[first_ * size_t(m_.n) + size_t(k)];
-                touching = updated_touching(touching, phi, T(get<Adhesion>(k_.terms).h_a));
+                touching = updated_touching(touching, phi, T(get<Adhesion>(k_.rules.terms).h_a));
             }
             if (set.has(present::contact) && i >= 2) {
                 const T pushed_before = pushed_[k];

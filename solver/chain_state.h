@@ -1,6 +1,5 @@
 // The strands of a scene as the stepper holds them: strand-interleaved, a lane a strand; on a device, which
-// has them one after the other, of one lane.
-// Ours.
+// has them one after the other, in plain numbers of one lane. Ours.
 #pragma once
 
 #include <algorithm>
@@ -15,11 +14,17 @@
 
 namespace wetcurl {
 
-// Buffers of (block, particle), empty where no present term needs them. S has S::lanes numbers, set by
-// `set(lane, value)`; the last block is filled up with copies of the last strand.
+// Buffers of (block, particle), empty where no present term needs them. S is a plain number, or S::lanes of
+// them; the last block is filled up with copies of the last strand.
 template <class S>
 struct ChainState {
-    static constexpr int lanes = S::lanes;
+    static constexpr bool plain = std::is_arithmetic_v<S>;
+    static constexpr int lanes = [] {
+        if constexpr (plain)
+            return 1;
+        else
+            return S::lanes;
+    }();
     int strands, n, blocks;
     std::vector<Vec3<S>> x, x_before, v, v_before, target, push, air;
     std::vector<Vec3<S>> root;  // (block, 2) particles 0 and 1 in the head's frame
@@ -56,7 +61,12 @@ struct ChainState {
     }
 
     // One lane of a number, a vector, a rotation.
-    static void put(S& to, int lane, double a) { to.set(lane, Plain<S>(a)); }
+    static void put(S& to, int lane, double a) {
+        if constexpr (plain)
+            to = S(a);
+        else
+            to.set(lane, Plain<S>(a));
+    }
     static void put(Vec3<S>& to, int lane, const Vec3d& p) {
         put(to.x, lane, p.x), put(to.y, lane, p.y), put(to.z, lane, p.z);
     }
@@ -65,15 +75,18 @@ struct ChainState {
     }
     template <class U>
     static U lane_of(const S& a, int lane) {
-        return U(a[lane]);
+        if constexpr (plain)
+            return U(a);
+        else
+            return U(a[lane]);
     }
     template <class U>
     static Vec3<U> lane_of(const Vec3<S>& a, int lane) {
-        return {U(a.x[lane]), U(a.y[lane]), U(a.z[lane])};
+        return {lane_of<U>(a.x, lane), lane_of<U>(a.y, lane), lane_of<U>(a.z, lane)};
     }
     template <class U>
     static Quat<U> lane_of(const Quat<S>& a, int lane) {
-        return {U(a.w[lane]), U(a.x[lane]), U(a.y[lane]), U(a.z[lane])};
+        return {lane_of<U>(a.w, lane), lane_of<U>(a.x, lane), lane_of<U>(a.y, lane), lane_of<U>(a.z, lane)};
     }
 
     // Calls f(particle, cell, lane) for each particle: its index in arrays (strand, particle), and where the

@@ -16,15 +16,13 @@ ChainStepper<T>::ChainStepper(const Scene& scene)
       scene_(scene),
       n_(state.n),
       dt_(1 / (scene.fps * scene.integrator.substeps)),
-      spring_sum_(T(spring_sum(scene.chain))),
-      share_(T(predictor_share(scene))),
-      iben_(scene.baseline ? std::get_if<Iben2013>(&*scene.baseline) : nullptr),
-      scratch_(size_t(omp_get_max_threads())) {
+      rules_(substep_rules<T>(scene)),
+      share_(T(predictor_share(scene))) {
     const size_t cells = state.touching.size();
     nearest_.phi.assign(cells, S(1e9));
     nearest_.normal.assign(cells, {S(0), S(1), S(0)}), nearest_.velocity.assign(cells, {S(0), S(0), S(0)});
-    for (auto& s : scratch_)
-        s.resize(n_, scene_.chain, scene.integrator.is_implicit(), !scene.solids.empty());
+    while (scratch_.size() < size_t(omp_get_max_threads()))
+        scratch_.emplace_back(n_, scene.chain, scene.integrator.is_implicit(), !scene.solids.empty());
 }
 
 template <class T>
@@ -48,12 +46,9 @@ template <class T>
 void ChainStepper<T>::step_block(int block, const BlockState& now, const Placement<T>& p,
                                  const GivenToChain<S>& given, bool first, ChainScratch<S>& scratch) {
     const size_t k = state.at(block, 0);
+    auto from = [&](auto& buffer) { return buffer.empty() ? nullptr : &buffer[k]; };
     Vec3<S> root[2];
-    for (int i = 0; i < 2; ++i)
-        root[i] = rotate(cast<S>(cast<T>(p.head.rotation)), state.root[size_t(block) * 2 + size_t(i)]) +
-                  cast<S>(cast<T>(p.head.translation));
-    const auto& bend = scene_.term<Bend>();
-    const auto& adhesion = scene_.term<Adhesion>();
+    place_roots(p.head, &state.root[size_t(block) * 2], root);
     BlockStep<S> step{n_,
                       T(dt_),
                       first,
@@ -64,8 +59,8 @@ void ChainStepper<T>::step_block(int block, const BlockState& now, const Placeme
                       root,
                       cast<T>(scene_.integrator.gravity),
                       p.root_turn,
-                      bend ? &state.frame[k] : nullptr,
-                      state.pushed.empty() ? nullptr : &state.pushed[k],
+                      from(state.frame),
+                      from(state.pushed),
                       given.force ? given.force + k : nullptr,
                       given.stiffness ? given.stiffness + k : nullptr,
                       share_,
@@ -73,82 +68,17 @@ void ChainStepper<T>::step_block(int block, const BlockState& now, const Placeme
                       T(scene_.integrator.turn)};
     WorkMeter<S>* meter = meters_.empty() ? nullptr : &meters_[size_t(block)];
     if (meter) step.reaction = meter->begin(step);
-    const S* rest_depth = state.rest_depth.empty() ? nullptr : &state.rest_depth[k];
     ChainView<S> view = view_of(block);
     view.given_adhesion = given.adhesion ? given.adhesion + k : nullptr;
     view.turn = cast<S>(p.turn), view.turn_center = cast<S>(p.turn_center), view.drift = cast<S>(p.drift);
-    auto sample = [&](const Vec3<S>* x, const Vec3<S>* v, int looks) {
-        if (adhesion && !given.adhesion)
-            sample_nearest(p, n_, x, &nearest_.phi[k], &nearest_.normal[k], &nearest_.velocity[k]);
-        if (looks > 0) return;
-        const S h = Bdf2<S>(step.dt, first).h;
-        auto hold = [&](auto contact) {
-            for (int i = 2; i < int(scratch.hold.size()); ++i)
-                scratch.hold[size_t(i)] = contact(rest_depth ? rest_depth[i] : S(0),
-                                                  hold_stiffness(spring_sum_, h, state.mass[k + size_t(i)]),
-                                                  x[i], v[i], step.pushed[i]);
-        };
-        if (p.few())
-            hold([&](auto&&... a) { return expected_contact(p.solids, a...); });
-        else
-            hold([&](auto&&... a) { return expected_contact_of_all(p, a...); });
-    };
-    Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
-    const bool implicit = scene_.integrator.is_implicit();
-    if (implicit)
-        implicit_step(scene_.chain, step, view, scratch, sample);
-    else
-        explicit_step(scene_.chain, step, view, scratch, sample), turn_left = step.root_turn;
-
-    Vec3<S>*x = now.x_before, *x_old = now.x, *v = now.v_before, *v_old = now.v;
-    if (iben_) iben_->limit_velocities(n_, T(dt_), x, v);
-    view.x = x, view.v = v;
-    if (meter) meter->add_step(step, view, turn_left, now.x, scratch);
-    auto counted = [&](double Work::*kind, auto act) {
-        if (meter)
-            meter->add_change(kind, step, view, turn_left, act);
-        else
-            act();
-    };
-    int limited = 0;
-    const auto& limit = scene_.term<StrainLimit>();
-    if (limit && !scratch.limit_edge.empty())
-        for (int i = 1; i + 1 < n_; ++i)
-            limited += count_lanes<S>(limit->holds(scratch.limit_edge[size_t(i)], view.rest_length[i]));
-    else if (limit)
-        counted(&Work::limiter, [&] {
-            auto* unlimited = scratch.predicted_x.data();
-            std::copy_n(x, n_, unlimited);
-            limited = limit_strain(n_, view.rest_length, T(limit->most), x);
-            for (int i = 2; i < n_; ++i) {
-                const Vec3<S> dx = x[i] - unlimited[i], dv = S(T(1 / dt_)) * dx;
-                x_old[i] += dx, v[i] += dv, v_old[i] += dv;
-            }
-        });
+    const NearestView<S> near{from(nearest_.phi), from(nearest_.normal), from(nearest_.velocity),
+                              from(state.touching)};
+    const int limited =
+        take_substep(rules_, step, view, near, from(state.rest_depth), SurfacesOf<S>{p}, scratch, meter);
     if (limited > 0) {
 #pragma omp atomic
         limited_ += limited;
     }
-    const S* clearance = scratch.clearance.empty() ? nullptr : scratch.clearance.data();
-    auto meet = [&](const auto& solid, bool deforms) {
-        bool met = false;
-        auto resolve = [&] {
-            met = resolve_contact(solid, implicit ? T(0) : solid.friction, n_, rest_depth, clearance, T(dt_),
-                                  view.mass, step.pushed, x, x_old, v, v_old);
-        };
-        if (deforms || norm(solid.velocity) + norm(solid.spin) > 0)
-            counted(&Work::solids, resolve);
-        else
-            resolve();
-        return met;
-    };
-    if (p.tree)
-        p.tree->for_each_met(n_, x, [&](size_t solid) { return meet(p.solids[solid], false); });
-    else
-        for (const auto& solid : p.solids) meet(solid, false);
-    for (const auto& solid : p.deforming) meet(solid, true);
-    if (adhesion) update_touching(n_, view.phi, T(adhesion->h_a), &state.touching[k]);
-    if (bend) transport_frames(n_, step.frame, turn_left, x, step.frame);
 }
 
 template <class T>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "solver/chain_state.h"
-#include "solver/passes/chain_step.h"
+#include "solver/passes/substep.h"
 #include "solver/passes/work.h"
 #include "solver/placement.h"
 
@@ -75,11 +75,11 @@ class ChainStepper {
     const Scene& scene_;
     const int n_;
     const double dt_;
-    const T spring_sum_, share_;
-    const Iben2013* iben_;
+    const SubstepRules<T> rules_;
+    const T share_;
     NearestSurface<S> nearest_;
-    std::vector<ChainScratch<S>> scratch_;  // (thread)
-    std::vector<WorkMeter<S>> meters_;      // (block); empty: not counted
+    std::vector<OwnScratch<S>> scratch_;  // (thread)
+    std::vector<WorkMeter<S>> meters_;    // (block); empty: not counted
     long limited_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "solver/passes/solid_tree.h"
+#include "solver/passes/substep.h"
 #include "solver/scene.h"
 
 namespace wetcurl {
@@ -47,6 +48,42 @@ void sample_nearest(const Placement<Plain<S>>& p, int n, const Vec3<S>* x, S* ph
                     Vec3<S>* surface_velocity) {
     if (p.few()) return sample_nearest(p.solids, n, x, phi, normal, surface_velocity);
     for (int i = 0; i < n; ++i) sample_nearest_of_all(p, x[i], phi[i], normal[i], surface_velocity[i]);
+}
+
+// A placement's surfaces as a substep asks for them.
+template <class S>
+struct SurfacesOf {
+    const Placement<Plain<S>>& p;
+
+    template <class Use>
+    void expect(Use use) const {
+        if (p.few()) return SolidsInALoop<S, std::vector<PosedSolid<Plain<S>>>>{p.solids}.expect(use);
+        use([&](const S& rest_depth, const S& stiff, const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
+            return expected_contact_of_all(p, rest_depth, stiff, x, v, pushed);
+        });
+    }
+    void sample(int n, const Vec3<S>* x, const NearestView<S>& near) const {
+        sample_nearest(p, n, x, near.phi, near.normal, near.velocity);
+    }
+    template <class Meet>
+    void for_each_met(int n, const Vec3<S>* x, Meet meet) const {
+        auto meet_rigid = [&](const PosedSolid<Plain<S>>& solid) {
+            return meet(solid, norm(solid.velocity) + norm(solid.spin) > 0);
+        };
+        if (p.tree)
+            p.tree->for_each_met(n, x, [&](size_t solid) { return meet_rigid(p.solids[solid]); });
+        else
+            for (const auto& solid : p.solids) meet_rigid(solid);
+        for (const auto& solid : p.deforming) meet(solid, true);
+    }
+};
+
+// Particles 0 and 1 of a block at a pose of the head, from where they are in its frame.
+template <class S>
+void place_roots(const Pose& head, const Vec3<S>* in_head, Vec3<S>* root) {
+    for (int i = 0; i < 2; ++i)
+        root[i] = rotate(cast<S>(cast<Plain<S>>(head.rotation)), in_head[i]) +
+                  cast<S>(cast<Plain<S>>(head.translation));
 }
 
 // The surface nearest to each particle, (block, particle); empty where no present term needs it.

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "solver/passes/substep.h"
 #include "solver/scene.h"
 
 namespace wetcurl {
@@ -20,6 +21,12 @@ double stiffness_number(const Scene& scene);
 // The share of v_n in the implicit step's predictor: 1 but where core or bends are stiffer than a step can
 // tell.
 double predictor_share(const Scene& scene);
+template <class T>
+SubstepRules<T> substep_rules(const Scene& scene) {
+    const auto* iben = scene.baseline ? std::get_if<Iben2013>(&*scene.baseline) : nullptr;
+    return {scene.chain, iben ? std::optional(*iben) : std::nullopt, scene.integrator.is_implicit(),
+            T(spring_sum(scene.chain))};
+}
 // `precision`, or "double" where a float factorisation of this scene is not to be trusted.
 std::string trusted_precision(const Scene& scene, const std::string& precision);
 

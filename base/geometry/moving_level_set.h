@@ -18,14 +18,14 @@ struct MovingGrid : DistanceGrid {  // phi: at the end of the span
     float share;                    // of the span that is over
     float per_second;               // 1 / span; 0: the surface rests
     // Exactly the one and the other at the ends.
-    float at(size_t node) const { return (1 - share) * phi_before[node] + share * phi[node]; }
+    WETCURL_HD float at(size_t node) const { return (1 - share) * phi_before[node] + share * phi[node]; }
 };
 
 namespace detail {
 
 // The trilinear interpolant of value(node), a number or a vector.
 template <class T, class Value>
-auto interpolated(const DistanceGrid& grid, const Vec3<T>& x, Value value) {
+WETCURL_HD auto interpolated(const DistanceGrid& grid, const Vec3<T>& x, Value value) {
     const auto [node, row, slab, u, v, w] = cell_of(grid, x);
     const auto between = [](const auto& a, const auto& b, T share) { return a + share * (b - a); };
     const auto along_x = [&](size_t k) { return between(value(k), value(k + 1), u); };
@@ -38,7 +38,7 @@ auto interpolated(const DistanceGrid& grid, const Vec3<T>& x, Value value) {
 // Of the surface near x [m], in body coordinates [m/s]: along the normal what the level set itself does,
 // -dphi/dt, so that contact and velocity never disagree; across it that of the mesh's nearest point.
 template <class T>
-Vec3<T> surface_velocity(const MovingGrid& grid, const Vec3<T>& x) {
+WETCURL_HD Vec3<T> surface_velocity(const MovingGrid& grid, const Vec3<T>& x) {
     const Vec3<T> n = sample(grid, x).normal;
     const T rate = T(grid.per_second) * detail::interpolated(grid, x, [&](size_t k) {
                        return T(grid.phi[k]) - T(grid.phi_before[k]);

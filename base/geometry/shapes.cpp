@@ -13,7 +13,7 @@ ShapeView view_of(const Shape& shape) {
         view.kind = ShapeView::Kind::round, view.round = *capsule;
     if (const auto* box = std::get_if<Box>(&shape)) view.kind = ShapeView::Kind::box, view.box = *box;
     if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&shape))
-        view.kind = ShapeView::Kind::grid, view.grid = (*level_set)->grid();
+        view.kind = ShapeView::Kind::grid, static_cast<DistanceGrid&>(view.grid) = (*level_set)->grid();
     return view;
 }
 

@@ -95,12 +95,13 @@ DistanceSample<S> distance(const Shape& shape, const Vec3<S>& x) {
     return std::visit([&x](const auto& s) { return distance(s, x); }, shape);
 }
 
-// A shape by value, as any device samples it; `grid` lies in that device's memory.
+// A shape by value, as any device samples it; `grid` lies in that device's memory. Of one that rests it is a
+// DistanceGrid alone.
 struct ShapeView {
-    enum class Kind { round, box, plane, grid } kind = Kind::plane;
+    enum class Kind { round, box, plane, grid, moving_grid } kind = Kind::plane;
     Capsule round;
     Box box;
-    DistanceGrid grid{};
+    MovingGrid grid{};
 };
 ShapeView view_of(const Shape& shape);
 
@@ -116,6 +117,8 @@ WETCURL_HD DistanceSample<S> distance(const ShapeView& shape, const Vec3<S>& x) 
         case ShapeView::Kind::box:
             return distance(shape.box, x);
         case ShapeView::Kind::grid:
+            return sample(static_cast<const DistanceGrid&>(shape.grid), x);
+        case ShapeView::Kind::moving_grid:
             return sample(shape.grid, x);
         default:
             return distance(Plane{}, x);

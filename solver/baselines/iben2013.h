@@ -21,7 +21,7 @@ struct Iben2013 {
     // Root to tip: a particle whose velocity differs by more from the one before it is slowed, and moved as
     // its step of dt would have been.
     template <class S>
-    void limit_velocities(int n, Plain<S> dt, Vec3<S>* x, Vec3<S>* v) const {
+    WETCURL_HD void limit_velocities(int n, Plain<S> dt, Vec3<S>* x, Vec3<S>* v) const {
         for (int i = 1; i + 1 < n; ++i) {
             const Vec3<S> dv = v[i + 1] - v[i];
             const S speed = norm(dv), kept = minimum(S(1), S(dv_max) / maximum(speed, S(tiny_length<S>)));

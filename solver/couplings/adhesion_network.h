@@ -26,10 +26,8 @@ struct AdhesionRecord {
 };
 
 // Asks the model, and records, for all strands between two substeps.
-template <class T>
+template <class S>
 class AdhesionNetwork {
-    using S = Pack<T>;
-
   public:
     AdhesionModel* model = nullptr;
     std::vector<AdhesionRecord>* records = nullptr;
@@ -48,10 +46,12 @@ class AdhesionNetwork {
     std::vector<float> answers_;  // F.n / (sigma m a_max) of the step before (strand, particle)
 };
 
-template <class T>
-void AdhesionNetwork<T>::evaluate(const Adhesion& term, const ChainState<S>& state,
+template <class S>
+void AdhesionNetwork<S>::evaluate(const Adhesion& term, const ChainState<S>& state,
                                   const NearestSurface<S>& near) {
-    const int n = state.n, lanes = S::lanes;
+    using T = Plain<S>;
+    const int n = state.n, lanes = state.lanes;
+    auto number = [](const S& a, int lane) { return ChainState<S>::template lane_of<T>(a, lane); };
     if (answers_.empty()) answers_.assign(size_t(state.strands) * size_t(n), 0.f);
     if (model && given_.empty()) given_.assign(state.mass.size(), S(0));
     std::vector<AdhesionRecord> found;
@@ -62,7 +62,8 @@ void AdhesionNetwork<T>::evaluate(const Adhesion& term, const ChainState<S>& sta
         for (int i = 1; i < n; ++i) {
             const int lane = s % lanes;
             const size_t k = state.at(s / lanes, i);
-            if (!(state.saturation[k][lane] > 0) || near.phi[k][lane] > 2 * term.h_a) continue;
+            if (!(number(state.saturation[k], lane) > 0) || number(near.phi[k], lane) > 2 * term.h_a)
+                continue;
             AdhesionRecord r;
             const Vec3<T> normal = state.template lane_of<T>(near.normal[k], lane);
             for (int side = -1; side <= 1; ++side) {
@@ -70,14 +71,14 @@ void AdhesionNetwork<T>::evaluate(const Adhesion& term, const ChainState<S>& sta
                 const size_t m = state.at(s / lanes, j);
                 const Vec3<T> slide = state.template lane_of<T>(state.v[m] - near.velocity[k], lane);
                 float* in = r.inputs + 4 * (side + 1);
-                in[0] = float(state.touching[m][lane]);
+                in[0] = float(number(state.touching[m], lane));
                 in[1] = float(dot(slide, normal) * speed);
-                in[2] = float(std::min(near.phi[m][lane] / T(term.h_a), T(4)));
+                in[2] = float(std::min(number(near.phi[m], lane) / T(term.h_a), T(4)));
                 in[3] = answer(s, j);
             }
             float value, slope;
-            Adhesion::shape(float(near.phi[k][lane] / T(term.h_a)), value, slope);
-            r.contact = state.touching[k][lane] > 0;
+            Adhesion::shape(float(number(near.phi[k], lane) / T(term.h_a)), value, slope);
+            r.contact = number(state.touching[k], lane) > 0;
             r.target = r.contact ? -value : 0;
             found.push_back(r);
             where.push_back({s, i});
@@ -94,7 +95,7 @@ void AdhesionNetwork<T>::evaluate(const Adhesion& term, const ChainState<S>& sta
         const auto [s, i] = where[k];
         const float f = model ? (found[k].contact ? out[k] : 0.f) : found[k].target;
         answer(s, i) = f;
-        if (model) given_[state.at(s / lanes, i)].set(s % lanes, T(f));
+        if (model) state.put(given_[state.at(s / lanes, i)], s % lanes, f);
     }
     if (records) records->insert(records->end(), found.begin(), found.end());
 }

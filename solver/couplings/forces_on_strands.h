@@ -14,10 +14,8 @@ namespace wetcurl {
 // Of the scene; null where it names none. The scene must outlive it.
 std::unique_ptr<ParticleForces> make_particle_forces(const Scene& scene);
 
-template <class T>
+template <class S>
 class ForcesOnStrands {
-    using S = Pack<T>;
-
   public:
     ForcesOnStrands(std::unique_ptr<ParticleForces> method, const ChainState<S>& state)
         : method_(std::move(method)), given_(state.x.size(), {S(0), S(0), S(0)}) {}

@@ -8,10 +8,8 @@
 
 namespace wetcurl {
 
-template <class T>
+template <class S>
 class HairInAir {
-    using S = Pack<T>;
-
   public:
     // For a scene with [air], which must outlive it; `state` feels the air where it is.
     HairInAir(const Scene& scene, ChainState<S>& state) : scene_(scene), field_(*scene.air) {
@@ -43,7 +41,9 @@ class HairInAir {
         const double c = scene_.term<AirDrag>()->c;
         const size_t n = size_t(state.n);
         state.for_each_particle([&](size_t id, size_t k, int lane) {
-            auto edge_length = [&](size_t edge) { return double(state.rest_length[edge][lane]); };
+            auto edge_length = [&](size_t edge) {
+                return state.template lane_of<double>(state.rest_length[edge], lane);
+            };
             const size_t i = id % n;
             const double length = 0.5 * ((i > 0 ? edge_length(k - 1) : 0) + (i + 1 < n ? edge_length(k) : 0));
             hair_[id] = {state.template lane_of<float>(state.x[k], lane),

@@ -6,10 +6,8 @@
 
 namespace wetcurl {
 
-template <class T>
+template <class S>
 class TouchingStrands {
-    using S = Pack<T>;
-
   public:
     // For a scene with [strand_contact], which must outlive it.
     TouchingStrands(const Scene& scene, const ChainState<S>& state)
@@ -20,7 +18,7 @@ class TouchingStrands {
     void weigh(const ChainState<S>& state) {
         const size_t n = size_t(state.n);
         state.for_each_particle([&](size_t id, size_t k, int lane) {
-            if (id % n > 1) pass_.inverse_mass[id] = float(1 / state.mass[k][lane]);
+            if (id % n > 1) pass_.inverse_mass[id] = 1 / state.template lane_of<float>(state.mass[k], lane);
         });
     }
     // Takes up where the strands are; false where they are too far gone.

@@ -9,10 +9,8 @@
 
 namespace wetcurl {
 
-template <class T>
+template <class S>
 class WaterInHair {
-    using S = Pack<T>;
-
   public:
     // For a scene with [wetness.flow], which must outlive it.
     explicit WaterInHair(const Scene& scene)
@@ -41,12 +39,13 @@ class WaterInHair {
         const int n = state.n;
 #pragma omp parallel for schedule(static)
         for (int block = 0; block < state.blocks; ++block)
-            for (int lane = 0; lane < S::lanes; ++lane) {
+            for (int lane = 0; lane < state.lanes; ++lane) {
                 const int s = state.strand_of(block, lane);
                 const float* sigma = flow_.saturation().data() + size_t(s) * size_t(n);
                 StrandRest rest;
                 for (int i = 0; !state.push.empty() && i + 1 < n; ++i)
-                    rest.rest_length.push_back(double(state.rest_length[state.at(block, i)][lane]));
+                    rest.rest_length.push_back(
+                        state.template lane_of<double>(state.rest_length[state.at(block, i)], lane));
                 wetcurl::soak(scene_, soaking_[size_t(s)], sigma, rest);
                 state.put_water(scene_, block, lane, rest, sigma);
             }

@@ -66,37 +66,53 @@ WETCURL_HD S hold_stiffness(Plain<S> spring_sum, const S& h, const S& mass) {
     return S(100) * (mass + S(4 * spring_sum) * h * h);
 }
 
-// Buffers of one thread, for one block.
+// Buffers for one block, in room that others own; null where no present term needs them.
 template <class S>
 struct ChainScratch {
-    std::vector<Vec3<S>> predicted_x, force, solution, core_pull, limit_edge, expected_v;
-    std::vector<Sym3<S>> diagonal;
-    std::vector<Mat3<S>> upper1, upper2;
-    std::vector<S> twist;
+    Vec3<S>*predicted_x, *expected_v, *force, *solution, *core_pull, *limit_edge;
+    Sym3<S>* diagonal;
+    Mat3<S>*upper1, *upper2;
+    S* twist;
     // Of strands for which forces are not taken anew.
-    std::vector<Vec3<S>> kept;
-    std::vector<Quat<S>> kept_frame;
-    std::vector<Hold<S>> hold;  // of particles that were pushed; filled before forces are taken
-    std::vector<S> clearance;   // [m] (n) that the implicit step left between particles and surfaces at least
+    Vec3<S>* kept;
+    Quat<S>* kept_frame;
+    Hold<S>* hold;  // of particles that were pushed; filled before forces are taken
+    S* clearance;   // [m] (n) that the implicit step left between particles and surfaces at least
 
-    void resize(int n, const ChainTerms& terms, bool implicit, bool solids) {
-        const size_t m = size_t(n);
-        if (implicit && solids) hold.resize(m), clearance.resize(m);
-        predicted_x.resize(m), expected_v.resize(m), force.resize(m);
-        if (std::get<Slot<Core>>(terms)) core_pull.resize(2 * m);
-        if (implicit) solution.resize(m), diagonal.resize(m), upper1.resize(m);
-        if (implicit && couples_two_edges(terms)) upper2.resize(m);
-        if (std::get<Slot<Twist>>(terms)) twist.resize(2 * m);
-        if (implicit && std::get<Slot<StrainLimit>>(terms)) limit_edge.resize(m);
+    // Takes `room`, and returns how many numbers of it; null: only counts them.
+    WETCURL_HD size_t lay(int n, const ChainTerms& terms, bool implicit, bool solids, S* room) {
+        size_t taken = 0;
+        auto take = [&]<class V>(V*& buffer, int count, bool needed) {
+            buffer = needed && room ? reinterpret_cast<V*>(room + taken) : nullptr;
+            taken += needed ? size_t(count) * sizeof(V) / sizeof(S) : 0;
+        };
+        const bool limits = bool(std::get<Slot<StrainLimit>>(terms));
+        take(predicted_x, n, true), take(expected_v, n, implicit), take(force, n, true);
+        take(solution, n, implicit), take(diagonal, n, implicit), take(upper1, n, implicit);
+        take(upper2, n, implicit && couples_two_edges(terms));
+        take(core_pull, 2 * n, bool(std::get<Slot<Core>>(terms)));
+        take(limit_edge, n, implicit && limits);
+        take(twist, 2 * n, bool(std::get<Slot<Twist>>(terms)));
+        take(kept, n, implicit), take(kept_frame, n, implicit && bool(std::get<Slot<Bend>>(terms)));
+        take(hold, n, implicit && solids), take(clearance, n, implicit && solids);
+        return taken;
     }
-    size_t bytes() const {
-        return (predicted_x.size() + expected_v.size() + force.size() + solution.size() + core_pull.size() +
-                limit_edge.size() + kept.size()) *
-                   sizeof(Vec3<S>) +
-               diagonal.size() * sizeof(Sym3<S>) + (upper1.size() + upper2.size()) * sizeof(Mat3<S>) +
-               kept_frame.size() * sizeof(Quat<S>) + (twist.size() + clearance.size()) * sizeof(S) +
-               hold.size() * sizeof(Hold<S>);
+};
+
+// With room of its own.
+template <class S>
+class OwnScratch : public ChainScratch<S> {
+  public:
+    OwnScratch(int n, const ChainTerms& terms, bool implicit, bool solids) {
+        room_.resize(this->lay(n, terms, implicit, solids, nullptr));
+        this->lay(n, terms, implicit, solids, room_.data());
     }
+    OwnScratch(const OwnScratch&) = delete;
+    OwnScratch(OwnScratch&&) = default;  // the room stays where it is
+    size_t bytes() const { return room_.size() * sizeof(S); }
+
+  private:
+    std::vector<S> room_;
 };
 
 // The frames of all edges carried to the positions x: first the root's own rotation, then each edge's.
@@ -120,8 +136,8 @@ WETCURL_HD void relax_frames(const ChainTerms& terms, const ChainView<S>& view, 
 // The edges after a step h that changes velocities by dv (n), of `active` strands whose strain limit must be
 // solved for again; the others' stay, and so does their solution. Returns whether there are any.
 template <class S>
-bool update_limit_edges(const StrainLimit& limit, const ChainView<S>& c, const S& h, const Vec3<S>* dv,
-                        const S& active, Vec3<S>* at) {
+WETCURL_HD bool update_limit_edges(const StrainLimit& limit, const ChainView<S>& c, const S& h,
+                                   const Vec3<S>* dv, const S& active, Vec3<S>* at) {
     S farthest(0);
     auto edge_after = [&](int i) { return edge(c, i) + h * (dv[i + 1] - dv[i]); };
     for (int i = 1; i + 1 < c.n; ++i)
@@ -148,7 +164,8 @@ WETCURL_HD S far_turn(Plain<S> turn, const S& pushed) {
 // 1 for strands with such an edge after a step h that changes velocities by dv (n), 0 for others. `pushed`
 // (n) by surfaces; null: there are none.
 template <class S>
-S turned_far(const ChainView<S>& c, const S& h, const Vec3<S>* dv, const S* pushed, Plain<S> most) {
+WETCURL_HD S turned_far(const ChainView<S>& c, const S& h, const Vec3<S>* dv, const S* pushed,
+                        Plain<S> most) {
     S far(0), push(0);
     for (int i = 2; pushed && i < c.n; ++i) push = maximum(push, pushed[i]);
     const S turn = far_turn(most, push);
@@ -160,7 +177,8 @@ S turned_far(const ChainView<S>& c, const S& h, const Vec3<S>* dv, const S* push
 // Which particles the surfaces hold, after a step h that changes velocities by dv (n), in lanes that are
 // `active`. Returns whether others than before.
 template <class S>
-bool update_holds(int n, const S& h, const Vec3<S>* dv, const S* pushed, const S& active, Hold<S>* hold) {
+WETCURL_HD bool update_holds(int n, const S& h, const Vec3<S>* dv, const S* pushed, const S& active,
+                             Hold<S>* hold) {
     S changed(0);
     for (int i = 2; i < n; ++i) {
         if (!any_positive(pushed[i])) continue;
@@ -173,7 +191,7 @@ bool update_holds(int n, const S& h, const Vec3<S>* dv, const S* pushed, const S
 
 // How many of `over`'s lanes hold.
 template <class S, class Mask>
-int count_lanes(const Mask& over) {
+WETCURL_HD int count_lanes(const Mask& over) {
     if constexpr (std::is_same_v<S, Plain<S>>) return over;
     int count = 0;
     if constexpr (!std::is_same_v<S, Plain<S>>)
@@ -183,7 +201,7 @@ int count_lanes(const Mask& over) {
 // Moves the end of each edge that is longer than (1 + most) of its rest length, root to tip (Selle 2008).
 // Returns how many were.
 template <class S>
-int limit_strain(int n, const S* rest_length, Plain<S> most, Vec3<S>* x) {
+WETCURL_HD int limit_strain(int n, const S* rest_length, Plain<S> most, Vec3<S>* x) {
     int limited = 0;
     for (int i = 1; i + 1 < n; ++i) {
         const Vec3<S> e = x[i + 1] - x[i];
@@ -199,8 +217,8 @@ int limit_strain(int n, const S* rest_length, Plain<S> most, Vec3<S>* x) {
 // `before_forces(x, v, looks)` is called once the positions are known at which forces are taken, with the
 // velocities before, `looks` times so far in the step; frames are left there.
 template <class S, class BeforeForces>
-void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
-                   BeforeForces before_forces) {
+WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view,
+                              ChainScratch<S>& s, BeforeForces before_forces) {
     const int n = b.n;
     const Bdf2<S> scheme(b.dt, b.first, b.share);
     const S h = scheme.h;
@@ -208,25 +226,24 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         s.predicted_x[i] = scheme.predicted(b.x[i], b.x_before[i], b.v[i]);
         s.expected_v[i] = scheme.expected_velocity(b.v[i]);
     }
-    view.x = s.predicted_x.data();
-    view.v = s.expected_v.data();
-    view.core_pull = s.core_pull.data();
+    view.x = s.predicted_x;
+    view.v = s.expected_v;
+    view.core_pull = s.core_pull;
     auto look = [&](const Quat<Plain<S>>& root_turn) {
         view.chord = view.x[n - 1] - view.x[0];
         if (!b.frame) return;
         transport_frames(n, b.frame, root_turn, view.x, b.frame);
-        relax_frames(terms, view, h, s.twist.data(), b.frame);
+        relax_frames(terms, view, h, s.twist, b.frame);
     };
     look(b.root_turn);
     view.frame = b.frame;
     before_forces(view.x, b.v, 0);
-    const bool penta = !s.upper2.empty();
+    const bool penta = s.upper2 != nullptr;
     const Sym3<S> no_sym = identity_times(S(0));
     const Vec3<S> gravity = cast<S>(b.gravity);
-    const ChainSystem<S> system{h, s.force.data(), s.diagonal.data(), s.upper1.data(), s.upper2.data()};
+    const ChainSystem<S> system{h, s.force, s.diagonal, s.upper1, s.upper2};
     Vec3<S> known[2], root_force[2];
-    Vec3<S>* r =
-        s.solution.data();  // the right side, then the solution: what the view's velocities change by
+    Vec3<S>* r = s.solution;  // the right side, then the solution: what the view's velocities change by
     // Nothing more is added to row i: it becomes one of the substitution.
     auto complete = [&](int i) {
         if (b.external) s.force[i] += b.external[i];
@@ -242,9 +259,9 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
         if (i == 2) r[i] -= transposed_times(s.upper1[1], known[1]);
         if (penta && i < 4) r[i] -= transposed_times(s.upper2[i - 2], known[i - 2]);
         if (penta)
-            eliminate_row<true>(i, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
+            eliminate_row<true>(i, n, s.diagonal, s.upper1, s.upper2, r);
         else
-            eliminate_row<false>(i, n, s.diagonal.data(), s.upper1.data(), s.upper2.data(), r);
+            eliminate_row<false>(i, n, s.diagonal, s.upper1, s.upper2, r);
     };
     // A few rows at a time, which stay in the nearest cache from their first element to their elimination.
     auto solve = [&] {
@@ -268,13 +285,13 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
                 complete(whole);
         }
         if (penta)
-            substitute_rows<true>(2, n, s.upper1.data(), s.upper2.data(), r);
+            substitute_rows<true>(2, n, s.upper1, s.upper2, r);
         else
-            substitute_rows<false>(2, n, s.upper1.data(), s.upper2.data(), r);
+            substitute_rows<false>(2, n, s.upper1, s.upper2, r);
         for (int i = 0; i < 2; ++i) root_force[i] = s.force[i], r[i] = known[i];
     };
     const auto& limit = std::get<Slot<StrainLimit>>(terms);
-    view.limit_edge = s.limit_edge.data();
+    view.limit_edge = s.limit_edge;
     S active(1);  // lanes that are solved for; the others keep their solution
     bool anew = false;
     for (int looks = 1;; ++looks) {
@@ -285,22 +302,22 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
             solve();
             for (int i = 0; looks > 1 && i < n; ++i) r[i] = select(active > S(0), r[i], s.kept[i]);
             again = limit && solves < limit->most_solves &&
-                    update_limit_edges(*limit, view, h, r, active, s.limit_edge.data());
+                    update_limit_edges(*limit, view, h, r, active, s.limit_edge);
             if (b.pushed && solves < most_contact_solves)
-                again |= update_holds(n, h, r, b.pushed, active, s.hold.data());
+                again |= update_holds(n, h, r, b.pushed, active, s.hold);
         }
         if (looks == b.looks) break;
         active = active * turned_far(view, h, r, b.pushed, b.turn);
         if (!any_positive(active)) break;
         // Forces are taken anew where the solution has led those strands.
         anew = true;
-        s.kept.assign(r, r + n);
         for (int i = 0; i < n; ++i) {
+            s.kept[i] = r[i];
             const Vec3<S> dv = active * r[i], way = h * dv;
             s.predicted_x[i] += way, s.expected_v[i] += dv;
             if (b.pushed && i > 1 && any_positive(b.pushed[i])) s.hold[i].gap += dot(way, s.hold[i].normal);
         }
-        if (b.frame) s.kept_frame.assign(b.frame, b.frame + n - 1);
+        for (int i = 0; b.frame && i + 1 < n; ++i) s.kept_frame[i] = b.frame[i];
         look(Quat<Plain<S>>::identity());
         for (int i = 0; b.frame && i + 1 < n; ++i)
             b.frame[i] = select(active > S(0), b.frame[i], s.kept_frame[i]);
@@ -326,24 +343,24 @@ void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> 
     for (int i = 2; b.pushed && i < n; ++i) {
         if (any_positive(b.pushed[i])) b.pushed[i] = pushed_by(s.hold[i], h, r[i]);
         // Where forces were taken anew the gap is a guess.
-        s.clearance[size_t(i)] = anew ? S(-1) : s.hold[i].gap - h * norm(r[i]);
+        s.clearance[i] = anew ? S(-1) : s.hold[i].gap - h * norm(r[i]);
     }
 }
 
 // The paper's scheme: symplectic Euler on printed forces. Frames are left at the positions before.
 template <class S, class BeforeForces>
-void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view, ChainScratch<S>& s,
-                   BeforeForces before_forces) {
+WETCURL_HD void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, ChainView<S> view,
+                              ChainScratch<S>& s, BeforeForces before_forces) {
     view.x = b.x;
     view.v = b.v;
-    if (b.frame) relax_frames(terms, view, S(0), s.twist.data(), b.frame);
+    if (b.frame) relax_frames(terms, view, S(0), s.twist, b.frame);
     view.frame = b.frame;
     view.chord = view.x[b.n - 1] - view.x[0];
-    view.core_pull = s.core_pull.data();
+    view.core_pull = s.core_pull;
     before_forces(view.x, view.v, 0);
     const Vec3<S> gravity = cast<S>(b.gravity);
     for (int i = 0; i < b.n; ++i) s.force[i] = view.mass[i] * gravity;
-    const ChainSystem<S> system{S(b.dt), s.force.data(), nullptr, nullptr, nullptr};
+    const ChainSystem<S> system{S(b.dt), s.force, nullptr, nullptr, nullptr};
     for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
     for (int i = 0; b.external && i < b.n; ++i) s.force[i] += b.external[i];
     for (int i = 0; i < b.n; ++i) {

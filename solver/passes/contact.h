@@ -34,10 +34,13 @@ template <class S, class Body>
 WETCURL_HD Vec3<S> velocity_at(const PosedSolid<Plain<S>, Body>& solid, const Vec3<S>& x) {
     const Vec3<S> arm = x - cast<S>(solid.translation);
     const Vec3<S> v = cast<S>(solid.velocity) + cross(cast<S>(solid.spin), arm);
-    if constexpr (std::is_same_v<Body, MovingGrid>) {
+    auto deforming = [&](const MovingGrid& grid) {
         const Quat<S> r = cast<S>(solid.rotation);
-        return v + rotate(r, surface_velocity(*solid.shape, rotate(conjugate(r), arm)));
-    }
+        return v + rotate(r, surface_velocity(grid, rotate(conjugate(r), arm)));
+    };
+    if constexpr (std::is_same_v<Body, MovingGrid>) return deforming(*solid.shape);
+    if constexpr (std::is_same_v<Body, ShapeView>)
+        if (solid.shape->kind == ShapeView::Kind::moving_grid) return deforming(solid.shape->grid);
     return v;
 }
 
@@ -176,9 +179,9 @@ WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, Plain<S
 }
 // The same for n particles; 0 and 1 are prescribed, and those of some `clearance` need no look. Null: all do.
 template <class S, class Body>
-bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, Plain<S> friction, int n, const S* rest_depth,
-                     const S* clearance, Plain<S> dt, const S* mass, S* pushed, Vec3<S>* x, Vec3<S>* x_before,
-                     Vec3<S>* v, Vec3<S>* v_before) {
+WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, Plain<S> friction, int n,
+                                const S* rest_depth, const S* clearance, Plain<S> dt, const S* mass,
+                                S* pushed, Vec3<S>* x, Vec3<S>* x_before, Vec3<S>* v, Vec3<S>* v_before) {
     bool met = false;
     for (int i = 2; i < n; ++i)
         if (!clearance || any_positive(S(Plain<S>(1e-6)) - clearance[i]))
@@ -216,7 +219,7 @@ WETCURL_HD S updated_touching(const S& touching, const S& phi, Plain<S> range) {
     return select(phi > S(range), S(0), select(phi < S(Plain<S>(0.1) * range), S(1), touching));
 }
 template <class S>
-void update_touching(int n, const S* phi, Plain<S> range, S* touching) {
+WETCURL_HD void update_touching(int n, const S* phi, Plain<S> range, S* touching) {
     for (int i = 0; i < n; ++i) touching[i] = updated_touching(touching[i], phi[i], range);
 }
 

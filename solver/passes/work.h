@@ -101,13 +101,13 @@ S half_work_of(const Vec3<S>* force, int n, const Vec3<S>* from, const Vec3<S>* 
 
 // Of surfaces on the particles that they held within a step, which these leave at velocities v.
 template <class S>
-S work_of_holds(const BlockStep<S>& step, const std::vector<Hold<S>>& holds, const Vec3<S>* v) {
+S work_of_holds(const BlockStep<S>& step, const Hold<S>* holds, const Vec3<S>* v) {
     S sum(0);
     // The momentum was given over h of the scheme, the way is that of dt.
     const S share = S(step.dt) / Bdf2<S>(step.dt, step.first).h;
-    for (int i = 2; i < int(holds.size()); ++i) {
+    for (int i = 2; holds && i < step.n; ++i) {
         if (!any_positive(step.pushed[i])) continue;
-        const Hold<S>& hold = holds[size_t(i)];
+        const Hold<S>& hold = holds[i];
         sum += share * dot(step.pushed[i] * hold.normal + friction_of(hold, v[i]), hold.surface_velocity);
     }
     return sum;
@@ -135,6 +135,8 @@ class WorkMeter {
           with_frames_(std::get<Slot<Bend>>(terms).has_value()),
           frame_(with_frames_ ? size_t(n) : 0) {}
 
+    static constexpr double Work::*limiter = &Work::limiter, Work::*solids = &Work::solids;
+
     // Before a step: where its reactions are to be put.
     Vec3<S>* begin(const BlockStep<S>& step) {
         if (with_frames_) root_frame_ = step.frame[0];
@@ -155,14 +157,13 @@ class WorkMeter {
                 sum_of_lanes(S(0.5) * (torque_before_ + torque) * root_spin(root_frame_, frame_[0]), lanes_);
             torque_before_ = torque;
         }
-        const S h = scratch.diagonal.empty() ? S(step.dt) : Bdf2<S>(step.dt, step.first).h;
-        work_.terms +=
-            sum_of_lanes(work_of_terms(terms_, view, step.dt, h, from, scratch.force.data()), lanes_);
-        work_.wind += sum_of_lanes(work_of_wind(terms_, view, step.dt, scratch.force.data()), lanes_);
+        const S h = scratch.diagonal ? Bdf2<S>(step.dt, step.first).h : S(step.dt);
+        work_.terms += sum_of_lanes(work_of_terms(terms_, view, step.dt, h, from, scratch.force), lanes_);
+        work_.wind += sum_of_lanes(work_of_wind(terms_, view, step.dt, scratch.force), lanes_);
         add_forces(step, from, view.x);
         work_.solids += sum_of_lanes(work_of_holds(step, scratch.hold, view.v), lanes_);
         const auto& limit = std::get<Slot<StrainLimit>>(terms_);
-        if (limit && !scratch.limit_edge.empty())
+        if (limit && scratch.limit_edge)
             work_.limiter += sum_of_lanes(work_of_limit(*limit, view, from), lanes_);
     }
     // What `act`, which moves particles at the end of the step, adds to the energy is its work.

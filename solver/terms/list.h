@@ -25,7 +25,7 @@ using ChainTerms = std::tuple<Slot<Stretch>, Slot<Bend>, Slot<Twist>, Slot<Core>
 
 // Calls f(term) for each term that the scene names, in the order of the list.
 template <class Terms, class F>
-void for_each_present(Terms& terms, F f) {
+WETCURL_HD void for_each_present(Terms& terms, F f) {
     std::apply([&](auto&... term) { ((term ? f(*term) : void()), ...); }, terms);
 }
 
@@ -38,7 +38,7 @@ inline double spring_sum(const ChainTerms& terms) {
     return sum;
 }
 
-inline bool couples_two_edges(const ChainTerms& terms) {
+WETCURL_HD inline bool couples_two_edges(const ChainTerms& terms) {
     bool any = false;
     for_each_present(terms, [&](const auto& t) { any = any || t.couples_two_edges; });
     return any;

@@ -21,8 +21,13 @@ Eigen::VectorXd force_of(const Term& term, const ChainView<double>& c) {
 class Stepper {
   public:
     Stepper(const ChainTerms& terms, OneStrand& strand, double dt, const Vec3d& gravity)
-        : terms_(terms), s_(strand), dt_(dt), gravity_(gravity), x_before_(strand.x), v_before_(strand.v) {
-        scratch_.resize(s_.n, terms_, true, false);
+        : terms_(terms),
+          s_(strand),
+          dt_(dt),
+          gravity_(gravity),
+          x_before_(strand.x),
+          v_before_(strand.v),
+          scratch_(strand.n, terms, true, false) {
         root_[0] = s_.x[0];
         root_[1] = s_.x[1];
     }
@@ -63,7 +68,7 @@ class Stepper {
     Vec3d gravity_;
     Points x_before_, v_before_;
     Vec3d root_[2];
-    ChainScratch<double> scratch_;
+    OwnScratch<double> scratch_;
     bool first_ = true;
 };
 

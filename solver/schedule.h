@@ -1,0 +1,301 @@
+// A frame's schedule, on whichever device the strands are: what a scene names that acts on all strands at
+// once, and in what order. Ours.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "solver/chain_stepper.h"
+#include "solver/couplings/forces_on_strands.h"
+#include "solver/couplings/hair_in_air.h"
+#include "solver/couplings/touching_strands.h"
+#include "solver/couplings/water_in_hair.h"
+#include "solver/deforming_solids.h"
+#include "solver/simulation.h"
+
+namespace wetcurl {
+
+// Of the frame at hand, in the hair's own stages.
+struct HairSeconds {
+    double chain = 0, lists = 0, cohesion = 0;
+};
+
+// Hair is the strands of a scene on a device, and what is seen of them: CpuHair says what that is. Couplings
+// read and write its `state`, the host's view, between fetch and give.
+template <class Hair>
+class SimulationOf final : public Simulation {
+    using T = typename Hair::Number;
+    using S = typename Hair::S;
+
+  public:
+    explicit SimulationOf(const Scene& scene);
+    void advance() override;
+    void snapshot(RunFrame& frame) const override;
+    std::optional<Divergence> divergence() const override { return hair_.divergence(); }
+    BufferList buffers() const override;
+    double neighbours_mean() const override {
+        return scene_.cohesion    ? hair_.neighbours_mean()
+               : forces_          ? forces_->neighbours_mean()
+               : between_strands_ ? between_strands_->neighbours_mean()
+                                  : 0;
+    }
+    long limited_edges() const override { return hair_.limited_edges(); }
+    std::optional<WaterBalance> water() const override {
+        return water_ ? std::optional(water_->flow().water()) : std::nullopt;
+    }
+    void use_adhesion_model(AdhesionModel* model) override {
+        if (model || network_) network().model = model;
+    }
+    void record_adhesion(std::vector<AdhesionRecord>* records) override {
+        if (records || network_) network().records = records;
+    }
+    SimulationState state() const override;
+    void restore(const SimulationState& state) override;
+    void count_work() override;
+    Work work() const override;
+    std::vector<double> energy() const override;
+
+  private:
+    AdhesionNetwork<S>& network() { return network_ ? *network_ : network_.emplace(); }
+    // Where all is at a time [s] when `done` substeps of a frame are.
+    Placement<T> placement(double time, int done, bool moving = true) const {
+        return placement_at<T>(scene_, time, dt_, moving, surfaces_ ? surfaces_->after(done) : nullptr);
+    }
+    // Who answers for all strands at once needs them at the same substep.
+    bool alone() const { return !forces_ && !between_strands_ && !(network_ && network_->asked()); }
+    void ask_network(int done);
+    void run(const std::vector<Placement<T>>& path, bool ends_frame);
+    void move_water();
+    void follow_water();
+    void move_air();
+    void touch_strands();
+    // Calls f(name, seconds in the frame at hand) for each stage, in the order of their columns.
+    template <class Self, class F>
+    static void for_each_stage(Self& s, F f) {
+        f("chain", s.hair_.seconds.chain);
+        if (s.scene_.cohesion)
+            f("neighbours", s.hair_.seconds.lists), f("cohesion", s.hair_.seconds.cohesion);
+        if (s.water_) f("saturation", s.water_->seconds);
+        if (s.air_) f("air", s.air_->seconds);
+        if (s.surfaces_) f("level set", s.surface_seconds_);
+        if (s.forces_) f(s.forces_->name(), s.forces_->seconds);
+        if (s.between_strands_) f(StrandContact::name, s.between_strands_->seconds);
+    }
+
+    const Scene& scene_;
+    const double dt_;
+    double time_ = 0;
+    Hair hair_;
+    // What the scene names.
+    std::optional<WaterInHair<S>> water_;
+    std::optional<HairInAir<S>> air_;
+    std::optional<DeformingSolids> surfaces_;
+    std::optional<ForcesOnStrands<S>> forces_;
+    std::optional<TouchingStrands<S>> between_strands_;
+    std::optional<AdhesionNetwork<S>> network_;  // once it is asked for
+    double surface_seconds_ = 0, frame_seconds_ = 0;
+};
+
+template <class Hair>
+SimulationOf<Hair>::SimulationOf(const Scene& scene)
+    : scene_(scene), dt_(1 / (scene.fps * scene.integrator.substeps)), hair_(scene) {
+    if (scene.flow) water_.emplace(scene);
+    if (scene.cohesion && water_)
+        hair_.begin_display(water_->flow().saturation(), scene.flow->reach);
+    else if (scene.cohesion)
+        hair_.begin_display(scene.saturation, 0);
+    if (scene.air) air_.emplace(scene, hair_.state), hair_.give_air();
+    if (scene.has_deforming_solid()) surfaces_.emplace(scene), hair_.take_surfaces(*surfaces_);
+    if (auto method = make_particle_forces(scene)) forces_.emplace(std::move(method), hair_.state);
+    if (scene.strand_contact) between_strands_.emplace(scene, hair_.state);
+    for_each_stage(*this, [&](const char* name, double) { stages.push_back(name); });
+    energy_kinds = kinds_of_energy(scene.chain);
+    if (forces_) energy_kinds.push_back(forces_->name());
+
+    if (const long steps = std::lround(scene.integrator.settle / dt_); steps > 0) {
+        const std::vector<Placement<T>> held(alone() ? size_t(steps) : 1, placement(0, 0, false));
+        for (long k = 0; k < steps; k += long(held.size())) run(held, false);
+    }
+    hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+    hair_.seconds.chain = 0;  // frame 0 has no substeps
+}
+
+template <class Hair>
+void SimulationOf<Hair>::advance() {
+    for_each_stage(*this, [](const char*, double& seconds) { seconds = 0; });
+    frame_seconds_ = 0;
+    const StageTimer timer(frame_seconds_);
+    if (water_) move_water();
+    if (air_) move_air();
+    const int substeps = scene_.integrator.substeps;
+    if (surfaces_) {
+        const StageTimer surface_timer(surface_seconds_);
+        surfaces_->advance(time_, time_ + substeps * dt_, substeps);
+        hair_.take_surfaces(*surfaces_);
+    }
+    for (int done = 0; done < substeps;) {
+        ask_network(done);
+        std::vector<Placement<T>> path;
+        double time = time_;
+        do {
+            time += dt_;
+            path.push_back(placement(time, ++done));
+        } while (alone() && done < substeps);
+        run(path, done == substeps);
+        time_ = time;
+    }
+    hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+}
+
+// From the state as it is; what a network answers holds for the substep that follows.
+template <class Hair>
+void SimulationOf<Hair>::ask_network(int done) {
+    if (!network_ || !network_->asked()) return;
+    const StageTimer timer(hair_.seconds.chain);
+    hair_.fetch();
+    hair_.find_nearest(placement(time_, done));
+    network_->evaluate(*scene_.term<Adhesion>(), hair_.state, hair_.nearest());
+}
+
+// Substeps from the time as it is: one where strands do not go alone.
+template <class Hair>
+void SimulationOf<Hair>::run(const std::vector<Placement<T>>& path, bool ends_frame) {
+    if (forces_) {
+        hair_.fetch(), hair_.fetch_history();
+        forces_->evaluate(hair_.state, hair_.scheme(), time_, dt_, hair_.counts_work());
+    }
+    GivenToChain<S> given;
+    if (forces_) given.force = forces_->force(), given.stiffness = forces_->stiffness();
+    if (network_) given.adhesion = network_->given();
+    hair_.run(path, given, ends_frame);
+    if (between_strands_) touch_strands();
+}
+
+template <class Hair>
+void SimulationOf<Hair>::touch_strands() {
+    const StageTimer timer(between_strands_->seconds);
+    hair_.fetch(), hair_.fetch_history();
+    if (!between_strands_->look(hair_.state)) return;
+    hair_.count_change(between_strands_->work, [&] { between_strands_->push(hair_.state, dt_); });
+    hair_.give_velocities();
+}
+
+template <class Hair>
+void SimulationOf<Hair>::move_water() {
+    const StageTimer timer(water_->seconds);
+    const Strands& seen = hair_.seen();
+    if (!is_finite(seen.points)) return;
+    hair_.count_change(water_->work, [&] {
+        water_->step(seen, time_, hair_.lent_neighbours());
+        follow_water();
+    });
+}
+
+// All that follows the saturation.
+template <class Hair>
+void SimulationOf<Hair>::follow_water() {
+    water_->soak(hair_.state);
+    hair_.give_water();
+    if (scene_.cohesion) hair_.take_up_water(water_->flow().dry_mass());
+    if (between_strands_) between_strands_->weigh(hair_.state);
+}
+
+template <class Hair>
+void SimulationOf<Hair>::move_air() {
+    hair_.fetch();
+    air_->advance(hair_.state, time_);
+    hair_.give_air();
+}
+
+template <class Hair>
+std::vector<double> SimulationOf<Hair>::energy() const {
+    hair_.fetch();
+    auto sum = hair_.energy();
+    if (forces_) sum.push_back(forces_->potential(hair_.state, time_));
+    return sum;
+}
+
+template <class Hair>
+void SimulationOf<Hair>::count_work() {
+    hair_.count_work();
+    if (water_) water_->work = 0;
+    if (forces_) forces_->work = 0;
+    if (between_strands_) between_strands_->work = 0;
+}
+
+template <class Hair>
+Work SimulationOf<Hair>::work() const {
+    Work sum = hair_.work();
+    if (water_) sum.water = water_->work;
+    if (forces_) sum.solids += forces_->work;
+    if (between_strands_) sum.strands = between_strands_->work;
+    return sum;
+}
+
+// The buffers of a state beside those of the strands that it is read from, or that take it.
+template <class Chain, class State, class F>
+void for_each_pair(Chain& chain, State& state, F f) {
+    f(chain.x, state.x), f(chain.x_before, state.x_before), f(chain.v, state.v);
+    f(chain.v_before, state.v_before), f(chain.frame, state.frame);
+    f(chain.touching, state.touching), f(chain.pushed, state.pushed);
+}
+
+template <class Hair>
+SimulationState SimulationOf<Hair>::state() const {
+    hair_.fetch(), hair_.fetch_history();
+    SimulationState out;
+    out.time = time_, out.first = hair_.first;
+    if (water_) out.saturation = water_->flow().exact();
+    for_each_pair(hair_.state, out,
+                  [&](const auto& from, auto& to) { hair_.state.template unpack<double>(from, to); });
+    return out;
+}
+
+template <class Hair>
+void SimulationOf<Hair>::restore(const SimulationState& from) {
+    time_ = from.time, hair_.first = from.first || hair_.always_first();
+    hair_.head = scene_.motion.at(time_);
+    if (surfaces_) surfaces_->hold(time_), hair_.take_surfaces(*surfaces_);
+    hair_.fetch(), hair_.fetch_history();
+    for_each_pair(hair_.state, from, [&](auto& to, const auto& values) {
+        if (!to.empty() && !values.empty()) hair_.state.pack(values, to);
+    });
+    hair_.give_state();
+    if (water_ && !from.saturation.empty()) water_->restore(from.saturation), follow_water();
+    hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+}
+
+template <class Hair>
+void SimulationOf<Hair>::snapshot(RunFrame& frame) const {
+    frame.head = hair_.head;
+    hair_.positions(frame.positions);
+    frame.displayed = scene_.cohesion ? hair_.seen() : Strands();
+    frame.seconds = frame_seconds_;
+    frame.stage_seconds.clear();
+    for_each_stage(*this,
+                   [&](const char*, double seconds) { frame.stage_seconds.push_back(float(seconds)); });
+    const auto sum = energy();
+    frame.energy.assign(sum.begin(), sum.end());
+    frame.saturation = water_ ? water_->flow().saturation() : std::vector<float>{};
+    frame.water.clear();
+    if (const auto w = water()) frame.water = {w->held, w->taken, w->dripped, w->dried};
+    frame.contact = hair_.state.contacts();
+}
+
+template <class Hair>
+BufferList SimulationOf<Hair>::buffers() const {
+    BufferList list;
+    hair_.list(list);
+    if (network_) network_->list(list);
+    if (forces_) forces_->list(list);
+    if (between_strands_) between_strands_->list(list);
+    if (water_) water_->list(list);
+    if (air_) air_->list(list);
+    for (const auto& solid : scene_.solids)
+        if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape))
+            list.push_back({"level set of " + solid.name, (*level_set)->bytes()});
+    if (surfaces_) list.push_back({"level sets of deforming solids", surfaces_->bytes()});
+    return list;
+}
+
+}  // namespace wetcurl
