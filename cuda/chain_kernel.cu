@@ -28,7 +28,7 @@ __global__ void __launch_bounds__(threads, blocks_at_once)
     strands.load(set);
     int limited = 0;
     for (int k = 0; k < launch.substeps; ++k)
-        limited += strands.step(set, launch.motion[k], launch.first && k == 0);
+        limited += strands.step(set, launch.motion[k], launch.is_first(k));
     strands.store(set);
     if (limited) atomicAdd(launch.limited, static_cast<unsigned long long>(limited));
 }

@@ -23,14 +23,22 @@ struct ChainLaunch {
     ChainConstants<T> constants;
     const SubstepMotion<T>* motion;  // (substeps)
     int substeps;
-    bool first;                   // from rest: no history
+    bool first, always_first;     // from rest: no history; each substep goes without
     unsigned set;                 // what is there: set_of
     unsigned long long* limited;  // edges that the limiter shortened are added to it
     T* room;                      // group.bytes of each block where they are not near, else null
     StrandGroup group;
+    WETCURL_HD bool is_first(int substep) const { return always_first || (first && substep == 0); }
 };
 template <class T>
 void launch_chain(const ChainLaunch<T>& launch, cudaStream_t stream);
+
+// The same by the CPU's own pass, a thread a strand: the other's reference, and whatever that does not cover.
+// `room`: reference_room of each strand.
+template <class T>
+size_t reference_room(int n, const SubstepRules<T>& rules, bool contact);
+template <class T>
+void launch_reference(const ChainLaunch<T>& launch, cudaStream_t stream);
 
 // Positions in single precision. `diverged` becomes the first strand that is not finite or has left the scene
 // (ten strand lengths from its root), where there is one below it.

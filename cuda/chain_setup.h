@@ -11,25 +11,26 @@ namespace wetcurl {
 
 template <class T>
 ChainConstants<T> chain_constants(const Scene& scene, double dt) {
-    return {scene.chain,
-            T(dt),
-            T(spring_sum(scene.chain)),
-            T(predictor_share(scene)),
-            T(scene.integrator.turn),
-            scene.integrator.looks,
-            cast<T>(scene.integrator.gravity)};
+    return {substep_rules<T>(scene),   T(dt),
+            T(predictor_share(scene)), T(scene.integrator.turn),
+            scene.integrator.looks,    cast<T>(scene.integrator.gravity)};
 }
 
-inline unsigned set_of(const Scene& scene) { return set_of(scene.chain, !scene.solids.empty()); }
+inline unsigned set_of(const Scene& scene, bool given = false) {
+    return set_of(scene.chain, !scene.solids.empty(), given);
+}
 
-// `shapes`: the scene's solids in the device's memory; the motion's solids are appended to `solids`, its
-// pointer to them is the caller's to set.
+// The shapes of the placement's rigid and deforming solids lie in the device's memory; the motion's
+// solids are appended to `solids`, its pointer to them is the caller's to set.
 template <class T>
 SubstepMotion<T> substep_motion(const Placement<T>& p, const ShapeView* shapes,
-                                std::vector<DeviceSolid<T>>& solids) {
-    for (const auto& solid : p.solids)
-        solids.push_back({shapes++, solid.rotation, solid.translation, solid.velocity, solid.spin,
+                                const ShapeView* deforming_shapes, std::vector<DeviceSolid<T>>& solids) {
+    auto add = [&](const auto& solid, const ShapeView* shape) {
+        solids.push_back({shape, solid.rotation, solid.translation, solid.velocity, solid.spin,
                           solid.friction, solid.attached});
+    };
+    for (const auto& solid : p.solids) add(solid, shapes++);
+    for (const auto& solid : p.deforming) add(solid, deforming_shapes++);
     return {cast<T>(p.head.rotation),
             p.root_turn,
             cast<T>(p.head.translation),
@@ -37,7 +38,7 @@ SubstepMotion<T> substep_motion(const Placement<T>& p, const ShapeView* shapes,
             p.turn_center,
             p.drift,
             nullptr,
-            int(p.solids.size())};
+            int(p.solids.size() + p.deforming.size())};
 }
 
 }  // namespace wetcurl

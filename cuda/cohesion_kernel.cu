@@ -115,17 +115,16 @@ constexpr int small_block = 128;
 }  // namespace
 
 CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles, const Vec3f& origin,
-                               const std::vector<float>& volume, const std::vector<float>& wet_volume,
                                const std::vector<float>& rest_depth)
     : term_(term),
       strands_(strands),
       particles_(particles),
-      volume_(volume),
-      wet_volume_(wet_volume),
+      volume_(size_t(strands) * size_t(particles)),
+      wet_volume_(volume_.size()),
       rest_depth_(rest_depth),
-      grid_(wrapped_grid(volume.size(), term.h_c)),
+      grid_(wrapped_grid(volume_.size(), term.h_c)),
       origin_(origin) {
-    const size_t count = volume.size();
+    const size_t count = volume_.size();
     int device = 0, processors = 1, most_shared = 0;
     check_cuda(cudaGetDevice(&device), "device");
     check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "attribute");
@@ -158,6 +157,12 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
                                                sorted_id_.data(), int(count), 0, 32),
                "size of the sort");
     sort_memory_ = DeviceBuffer<char>(needed);
+}
+
+void CohesionDevice::take_volumes(const std::vector<float>& volume, const std::vector<float>& saturation) {
+    std::vector<float> wet;
+    for (size_t k = 0; k < volume.size(); ++k) wet.push_back(volume[k] * saturation[k]);
+    volume_.upload(volume.data(), volume.size()), wet_volume_.upload(wet.data(), wet.size());
 }
 
 CohesionBodies CohesionDevice::bodies() const {

@@ -20,10 +20,11 @@ struct FrameReport {
 // `grow`, so that launches can be captured into a graph.
 class CohesionDevice {
   public:
-    // `volume`, `wet_volume` (strand, particle): V and sigma V [m^3]; `rest_depth` likewise, or empty.
+    // `rest_depth` (strand, particle) [m], or empty.
     CohesionDevice(const Cohesion& term, int strands, int particles, const Vec3f& origin,
-                   const std::vector<float>& volume, const std::vector<float>& wet_volume,
                    const std::vector<float>& rest_depth);
+    // V [m^3] and sigma (strand, particle), from now on.
+    void take_volumes(const std::vector<float>& volume, const std::vector<float>& saturation);
 
     // Positions (strand, particle) -> neighbour lists.
     void launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream);

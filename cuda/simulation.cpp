@@ -1,8 +1,6 @@
 // The stepper on a CUDA device: one graph a frame.
 #include "cuda/simulation.h"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -11,7 +9,7 @@
 #include "cuda/chain_kernel.h"
 #include "cuda/chain_setup.h"
 #include "cuda/cohesion_kernel.h"
-#include "solver/chain_state.h"
+#include "solver/schedule.h"
 
 namespace wetcurl {
 
@@ -59,109 +57,182 @@ struct Graph {
     }
 };
 
+// The strands in a device's memory: a schedule's Hair, as CpuHair is one.
 template <class T>
-class CudaSimulation final : public Simulation {
-    using S = SingleLane<T>;
-
+class CudaHair {
   public:
-    explicit CudaSimulation(const Scene& scene);
-    void advance() override;
-    void snapshot(RunFrame& frame) const override;
-    std::optional<Divergence> divergence() const override;
-    BufferList buffers() const override;
-    double neighbours_mean() const override { return neighbours_mean_; }
-    long limited_edges() const override { return limited_; }
-    void use_adhesion_model(AdhesionModel* model) override {
-        if (model) throw Error("--device cuda does not run a network in the loop; --device cpu does");
+    using Number = T;
+    using S = T;
+
+    CudaHair(const Scene& scene, bool by_reference);
+
+    // The host's view: as uploaded, and as fetched last.
+    mutable ChainState<T> state;
+    Pose head;
+    bool first = true;  // no history: the next substep is backward Euler
+    bool always_first() const { return scene_.integrator.kind != "implicit"; }
+    Bdf2<T> scheme() const { return {T(dt_), first, T(predictor_share(scene_))}; }
+
+    void begin_display(const std::vector<float>& saturation, double reach);
+    void take_up_water(const std::vector<double>& dry_mass);
+    const Display* lent_neighbours() const { return nullptr; }  // they stay on the device
+    double neighbours_mean() const { return neighbours_mean_; }
+
+    void fetch() const;
+    void fetch_history() const;
+    void give_state();
+    void give_velocities();
+    void give_water();
+    void give_air() { upload(state.air, air_); }
+    void take_surfaces(const DeformingSolids& surfaces);
+
+    void find_nearest(const Placement<T>& p);
+    const NearestSurface<T>& nearest() const { return nearest_; }
+
+    // A whole frame without history to wait for is one graph, which shows it too.
+    void run(const std::vector<Placement<T>>& path, const GivenToChain<T>& given, bool ends_frame);
+    void show(double time, const MovingGrid* surfaces);
+    void positions(Strands& out) const { download(positions_, out); }
+    const Strands& seen() const;
+
+    std::vector<double> energy() const;
+    std::optional<Divergence> divergence() const;
+    long limited_edges() const { return limited_; }
+    void count_work() { throw_uncounted(); }
+    Work work() const { return throw_uncounted(), Work(); }
+    bool counts_work() const { return false; }
+    template <class Act>
+    void count_change(double&, Act act) {
+        act();
     }
-    void record_adhesion(std::vector<AdhesionRecord>* records) override {
-        if (records) throw Error("--device cuda does not record adhesion; --device cpu does");
-    }
+    void list(BufferList& buffers) const;
+    HairSeconds seconds;
 
   private:
-    // A buffer of the state as plain numbers, and back.
-    template <class V, class Of>
-    static void upload(const std::vector<Of>& host, DeviceBuffer<V>& to) {
-        static_assert(sizeof(V) == sizeof(Of));
-        to = DeviceBuffer<V>(host.size());
-        to.upload(reinterpret_cast<const V*>(host.data()), host.size());
+    struct DeviceSurface {
+        DeviceBuffer<float> phi_before, phi;
+        DeviceBuffer<Vec3f> velocity;
+    };
+    [[noreturn]] static void throw_uncounted() {
+        throw Error("the work done on hair is counted by --device cpu alone");
     }
-    template <class V, class Of>
-    static void download(const DeviceBuffer<V>& from, std::vector<Of>& host) {
-        from.download(reinterpret_cast<V*>(host.data()));
+    template <class V>
+    static void upload(const std::vector<V>& host, DeviceBuffer<V>& to) {
+        if (to.size() != host.size()) to = DeviceBuffer<V>(host.size());
+        to.upload(host.data(), host.size());
+    }
+    template <class V>
+    static void download(const DeviceBuffer<V>& from, std::vector<V>& host) {
+        host.resize(from.size());
+        from.download(host.data());
+    }
+    void download(const DeviceBuffer<Vec3f>& from, Strands& to) const {
+        to.count = state.strands, to.particles = state.n;
+        download(from, to.points);
     }
     StrandMemory<T> memory() const;
+    void take_given(const GivenToChain<T>& given);
     void put_motion(int slot, const Placement<T>& p);
     void upload_motion();
     void launch_chain(int substeps);
-    void launch_frame();
+    void launch_display();
     void replay();
     void read_report();
     void mark(size_t event);
+    double between(size_t event) const;
     std::vector<double> energies_of(int strand) const;
 
     const Scene& scene_;
     const double dt_;
-    double time_ = 0;
-    Pose head_;
-    bool first_ = true, capturing_ = false;
+    bool capturing_ = false;
+    bool shown_ = false;  // what was run last is seen already
+    mutable bool fetched_ = true, history_fetched_ = true;
 
-    mutable ChainState<S> state_;  // as uploaded; snapshots bring x, v and frames back
-    DeviceBuffer<Vec3<T>> x_, x_before_, v_, v_before_, root_, target_, push_;
+    DeviceBuffer<Vec3<T>> x_, x_before_, v_, v_before_, root_, target_, push_, air_;
     DeviceBuffer<Quat<T>> frame_;
     DeviceBuffer<T> touching_, pushed_, mass_, rest_length_, rest_core_, saturation_, rest_depth_;
-    StrandGroup group_;
+    const bool by_reference_;  // stepped by the CPU's own pass
+    StrandGroup group_{};
     DeviceBuffer<T> room_;  // of strands that do not fit a processor
     DeviceBuffer<Vec3f> positions_, displayed_;
+    mutable Strands seen_;
+    // What others give, and where adhesion was asked for; empty where nobody does.
+    NearestSurface<T> nearest_;
+    DeviceBuffer<Vec3<T>> given_force_, given_normal_, given_surface_velocity_;
+    DeviceBuffer<T> given_stiffness_, given_adhesion_, given_phi_;
+    // Solids.
     std::vector<DeviceBuffer<float>> level_sets_;
-    DeviceBuffer<ShapeView> shapes_;
+    DeviceBuffer<ShapeView> shapes_;  // of rigid ones
+    std::vector<DeviceSurface> surfaces_;
     // A frame's motion, substep by substep.
-    int slots_;
+    const int slots_;
+    const size_t solids_each_, deforming_each_;
     PinnedBuffer<SubstepMotion<T>> host_motion_;
     DeviceBuffer<SubstepMotion<T>> motion_;
     PinnedBuffer<DeviceSolid<T>> host_solids_;
     DeviceBuffer<DeviceSolid<T>> solids_;
+    PinnedBuffer<ShapeView> host_deforming_;
+    DeviceBuffer<ShapeView> deforming_;
     PinnedBuffer<FrameReport> host_report_;  // a blank one, and the last frame's
     DeviceBuffer<FrameReport> report_;
+    const std::vector<float>* display_saturation_ = nullptr;
     std::optional<CohesionDevice> cohesion_;
 
     Stream stream_;
     std::array<Event, 4> events_;
     Graph graph_;  // of a frame
-    std::array<double, 3> stage_{};
-    double frame_seconds_ = 0, neighbours_mean_ = 0;
+    double neighbours_mean_ = 0;
     long limited_ = 0;
 };
 
+size_t deforming_in(const Scene& scene) {
+    return size_t(std::count_if(scene.solids.begin(), scene.solids.end(),
+                                [](const Solid& s) { return s.deformation != nullptr; }));
+}
+
+// The tuned kernel takes implicit steps; a build for parity has none.
+bool needs_reference(const Scene& scene) {
+#ifdef WETCURL_PARITY
+    return true;
+#endif
+    return !scene.integrator.is_implicit();
+}
+
 template <class T>
-CudaSimulation<T>::CudaSimulation(const Scene& scene)
-    : scene_(scene),
+CudaHair<T>::CudaHair(const Scene& scene, bool by_reference)
+    : state(scene),
+      head(scene.motion.at(0)),
+      scene_(scene),
       dt_(1 / (scene.fps * scene.integrator.substeps)),
-      head_(scene.motion.at(0)),
-      state_(scene),
+      by_reference_(by_reference || needs_reference(scene)),
       slots_(scene.integrator.substeps),
+      solids_each_(scene.solids.size()),
+      deforming_each_(deforming_in(scene)),
       host_motion_(size_t(slots_)),
       motion_(size_t(slots_)),
-      host_solids_(size_t(slots_) * scene.solids.size()),
-      solids_(size_t(slots_) * scene.solids.size()),
+      host_solids_(size_t(slots_) * solids_each_),
+      solids_(size_t(slots_) * solids_each_),
+      host_deforming_(size_t(slots_) * deforming_each_),
+      deforming_(size_t(slots_) * deforming_each_),
       host_report_(2),
       report_(1) {
-    upload(state_.x, x_), upload(state_.x_before, x_before_), upload(state_.v, v_);
-    upload(state_.v_before, v_before_), upload(state_.root, root_), upload(state_.target, target_);
-    upload(state_.push, push_), upload(state_.frame, frame_), upload(state_.touching, touching_);
-    upload(state_.pushed, pushed_), upload(state_.mass, mass_), upload(state_.rest_length, rest_length_);
-    upload(state_.rest_core, rest_core_), upload(state_.saturation, saturation_);
-    upload(state_.rest_depth, rest_depth_);
-    group_ = strand_group<T>(state_.n, state_.strands, scene.chain);
-    if (!group_.near) {
-        const size_t blocks = size_t((state_.strands + group_.strands - 1) / group_.strands);
-        room_ = DeviceBuffer<T>(blocks * group_.bytes / sizeof(T));
+    give_state(), give_water(), give_air();
+    upload(state.root, root_), upload(state.rest_length, rest_length_), upload(state.rest_depth, rest_depth_);
+    if (by_reference_) {
+        const auto rules = substep_rules<T>(scene);
+        room_ =
+            DeviceBuffer<T>(size_t(state.strands) * reference_room(state.n, rules, !scene.solids.empty()));
+    } else {
+        group_ = strand_group<T>(state.n, state.strands, scene.chain);
+        const size_t blocks = size_t((state.strands + group_.strands - 1) / group_.strands);
+        if (!group_.near) room_ = DeviceBuffer<T>(blocks * group_.bytes / sizeof(T));
     }
     positions_ = DeviceBuffer<Vec3f>(scene.groom.rest.points.size());
-    host_report_[0] = {};
+    host_report_[0] = host_report_[1] = {};
 
     std::vector<ShapeView> shapes;
     for (const auto& solid : scene.solids) {
+        if (solid.deformation) continue;
         ShapeView view = view_of(solid.shape);
         if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape)) {
             level_sets_.emplace_back((*level_set)->phi());
@@ -170,40 +241,131 @@ CudaSimulation<T>::CudaSimulation(const Scene& scene)
         shapes.push_back(view);
     }
     shapes_ = DeviceBuffer<ShapeView>(shapes);
+}
 
-    energy_kinds = kinds_of_energy(scene.chain);
-    stages = {"chain"};
-    if (scene.cohesion) {
-        stages.insert(stages.end(), {"neighbours", "cohesion"});
-        displayed_ = DeviceBuffer<Vec3f>(positions_.size());
-        const std::vector<float> volume = volumes_of(scene);
-        std::vector<float> wet_volume;
-        for (size_t k = 0; k < volume.size(); ++k) wet_volume.push_back(volume[k] * scene.saturation[k]);
-        cohesion_.emplace(*scene.cohesion, scene.groom.rest.count, scene.groom.rest.particles,
-                          cast<float>(head_.translation), volume, wet_volume, rest_depths_of(scene));
+template <class T>
+void CudaHair<T>::begin_display(const std::vector<float>& saturation, double) {
+    display_saturation_ = &saturation;
+    displayed_ = DeviceBuffer<Vec3f>(positions_.size());
+    cohesion_.emplace(*scene_.cohesion, state.strands, state.n, cast<float>(head.translation),
+                      rest_depths_of(scene_));
+    cohesion_->take_volumes(volumes_of(scene_), saturation);
+}
+
+template <class T>
+void CudaHair<T>::take_up_water(const std::vector<double>& dry_mass) {
+    std::vector<float> volume;
+    for (size_t k = 0; k < dry_mass.size(); ++k)
+        volume.push_back(
+            float(scene_.wetness->wet_mass(dry_mass[k], (*display_saturation_)[k]) / scene_.volume_density));
+    cohesion_->take_volumes(volume, *display_saturation_);
+}
+
+template <class T>
+void CudaHair<T>::fetch() const {
+    if (fetched_) return;
+    download(x_, state.x), download(v_, state.v);
+    download(frame_, state.frame), download(touching_, state.touching);
+    fetched_ = true;
+}
+template <class T>
+void CudaHair<T>::fetch_history() const {
+    if (history_fetched_) return;
+    download(x_before_, state.x_before), download(v_before_, state.v_before);
+    download(pushed_, state.pushed);
+    history_fetched_ = true;
+}
+template <class T>
+void CudaHair<T>::give_state() {
+    upload(state.x, x_), upload(state.x_before, x_before_), upload(state.frame, frame_);
+    upload(state.touching, touching_), upload(state.pushed, pushed_);
+    give_velocities();
+}
+template <class T>
+void CudaHair<T>::give_velocities() {
+    upload(state.v, v_), upload(state.v_before, v_before_);
+}
+template <class T>
+void CudaHair<T>::give_water() {
+    upload(state.mass, mass_), upload(state.saturation, saturation_);
+    upload(state.rest_core, rest_core_), upload(state.target, target_), upload(state.push, push_);
+}
+
+template <class T>
+void CudaHair<T>::take_surfaces(const DeformingSolids& surfaces) {
+    surfaces_.resize(surfaces.level_sets().size());
+    for (size_t k = 0; k < surfaces_.size(); ++k) {
+        const MovingLevelSet& from = surfaces.level_sets()[k];
+        upload(from.phi_before(), surfaces_[k].phi_before), upload(from.phi(), surfaces_[k].phi);
+        upload(from.velocity(), surfaces_[k].velocity);
     }
-    const Placement<T> at_rest = placement_at<T>(scene, 0, dt_, false);
-    for (int slot = 0; slot < slots_; ++slot) put_motion(slot, at_rest);
-    upload_motion();
-    for (long left = std::lround(scene.integrator.settle / dt_); left > 0; left -= slots_)
-        launch_chain(int(std::min(left, long(slots_))));
-    launch_frame();
-    read_report();
 }
 
 template <class T>
-StrandMemory<T> CudaSimulation<T>::memory() const {
-    return {state_.n,           state_.strands,    x_.data(),      x_before_.data(),    v_.data(),
-            v_before_.data(),   touching_.data(),  pushed_.data(), frame_.data(),       root_.data(),
-            target_.data(),     push_.data(),      mass_.data(),   rest_length_.data(), rest_core_.data(),
-            saturation_.data(), rest_depth_.data()};
+void CudaHair<T>::find_nearest(const Placement<T>& p) {
+    const size_t cells = state.x.size();
+    nearest_.phi.resize(cells, T(1e9)), nearest_.normal.resize(cells, {T(0), T(1), T(0)});
+    nearest_.velocity.resize(cells, {T(0), T(0), T(0)});
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < state.strands; ++s) {
+        const size_t k = state.at(s, 0);
+        sample_nearest(p, state.n, &state.x[k], &nearest_.phi[k], &nearest_.normal[k], &nearest_.velocity[k]);
+    }
 }
 
 template <class T>
-void CudaSimulation<T>::put_motion(int slot, const Placement<T>& p) {
-    const size_t begin = size_t(slot) * p.solids.size();
+StrandMemory<T> CudaHair<T>::memory() const {
+    return {state.n,
+            state.strands,
+            x_.data(),
+            x_before_.data(),
+            v_.data(),
+            v_before_.data(),
+            touching_.data(),
+            pushed_.data(),
+            frame_.data(),
+            root_.data(),
+            target_.data(),
+            push_.data(),
+            air_.data(),
+            mass_.data(),
+            rest_length_.data(),
+            rest_core_.data(),
+            saturation_.data(),
+            rest_depth_.data(),
+            given_force_.data(),
+            given_stiffness_.data(),
+            given_adhesion_.data(),
+            given_phi_.data(),
+            given_normal_.data(),
+            given_surface_velocity_.data()};
+}
+
+template <class T>
+void CudaHair<T>::take_given(const GivenToChain<T>& given) {
+    auto take = [&](const auto* from, auto& to) {
+        if (from && !to.size()) to = std::decay_t<decltype(to)>(x_.size());
+        if (from) to.upload(from, x_.size());
+    };
+    take(given.force, given_force_), take(given.stiffness, given_stiffness_);
+    take(given.adhesion, given_adhesion_);
+    if (!given.adhesion) return void(given_adhesion_ = {});
+    upload(nearest_.phi, given_phi_), upload(nearest_.normal, given_normal_);
+    upload(nearest_.velocity, given_surface_velocity_);
+}
+
+template <class T>
+void CudaHair<T>::put_motion(int slot, const Placement<T>& p) {
+    const size_t begin = size_t(slot) * solids_each_, begin_deforming = size_t(slot) * deforming_each_;
+    for (size_t k = 0; k < deforming_each_; ++k) {
+        ShapeView& view = host_deforming_[begin_deforming + k];
+        view = {};
+        view.kind = ShapeView::Kind::moving_grid, view.grid = *p.deforming[k].shape;
+        view.grid.phi = surfaces_[k].phi.data(), view.grid.phi_before = surfaces_[k].phi_before.data();
+        view.grid.velocity = surfaces_[k].velocity.data();
+    }
     std::vector<DeviceSolid<T>> solids;
-    SubstepMotion<T> motion = substep_motion(p, shapes_.data(), solids);
+    SubstepMotion<T> motion = substep_motion(p, shapes_.data(), deforming_.data() + begin_deforming, solids);
     motion.solids = solids_.data() + begin;
     host_motion_[size_t(slot)] = motion;
     std::copy(solids.begin(), solids.end(), host_solids_.data() + begin);
@@ -211,37 +373,55 @@ void CudaSimulation<T>::put_motion(int slot, const Placement<T>& p) {
 
 // From page-locked memory, which a graph reads anew each time it is replayed.
 template <class T>
-void CudaSimulation<T>::upload_motion() {
+void CudaHair<T>::upload_motion() {
     auto copy = [&](auto& to, const auto& from) {
         if (to.size())
             check_cuda(
                 cudaMemcpyAsync(to.data(), from.data(), to.bytes(), cudaMemcpyHostToDevice, stream_.handle),
                 "motion");
     };
-    copy(motion_, host_motion_), copy(solids_, host_solids_);
+    copy(motion_, host_motion_), copy(solids_, host_solids_), copy(deforming_, host_deforming_);
     check_cuda(cudaMemcpyAsync(report_.data(), host_report_.data(), sizeof(FrameReport),
                                cudaMemcpyHostToDevice, stream_.handle),
                "report");
 }
 
+// The last `substeps` of the motion.
 template <class T>
-void CudaSimulation<T>::launch_chain(int substeps) {
-    const ChainLaunch<T> launch{
-        memory(),       chain_constants<T>(scene_, dt_), motion_.data(), substeps, first_,
-        set_of(scene_), &report_.data()->limited,        room_.data(),   group_};
-    wetcurl::launch_chain(launch, stream_.handle);
-    first_ = false;
+void CudaHair<T>::launch_chain(int substeps) {
+    const bool given = given_force_.size() || given_adhesion_.size();
+    const ChainLaunch<T> launch{memory(),
+                                chain_constants<T>(scene_, dt_),
+                                motion_.data() + slots_ - substeps,
+                                substeps,
+                                first,
+                                always_first(),
+                                set_of(scene_, given),
+                                &report_.data()->limited,
+                                room_.data(),
+                                group_};
+    if (by_reference_)
+        launch_reference(launch, stream_.handle);
+    else
+        wetcurl::launch_chain(launch, stream_.handle);
 }
 
 template <class T>
-void CudaSimulation<T>::mark(size_t event) {
+void CudaHair<T>::mark(size_t event) {
     const unsigned flags = capturing_ ? cudaEventRecordExternal : cudaEventRecordDefault;
     check_cuda(cudaEventRecordWithFlags(events_[event].handle, stream_.handle, flags), "event");
+}
+// Seconds from an event to the next.
+template <class T>
+double CudaHair<T>::between(size_t event) const {
+    float milliseconds = 0;
+    check_cuda(cudaEventElapsedTime(&milliseconds, events_[event].handle, events_[event + 1].handle), "time");
+    return 1e-3 * milliseconds;
 }
 
 // All of a frame after its substeps, up to the report for the host.
 template <class T>
-void CudaSimulation<T>::launch_frame() {
+void CudaHair<T>::launch_display() {
     launch_unpack(memory(), positions_.data(), &report_.data()->diverged, stream_.handle);
     mark(1);
     if (cohesion_) cohesion_->launch_lists(positions_.data(), report_.data(), stream_.handle);
@@ -255,37 +435,17 @@ void CudaSimulation<T>::launch_frame() {
                "report");
 }
 
-template <class T>
-void CudaSimulation<T>::read_report() {
-    check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
-    limited_ += long(host_report_[1].limited);
-    while (host_report_[1].overflow) {
-        // Longer lists than ever before: the display again, with room for them. The graph holds the old
-        // addresses.
-        cohesion_->grow();
-        graph_.reset();
-        upload_motion();
-        launch_frame();
-        check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
-    }
-    neighbours_mean_ = double(host_report_[1].pairs) / double(positions_.size());
-}
-
 // The frame as a graph, captured the first time that it is asked for.
 template <class T>
-void CudaSimulation<T>::replay() {
-    auto launch = [&] {
-        upload_motion();
-        mark(0);
-        launch_chain(slots_);
-        launch_frame();
-    };
-    if (first_) return launch();  // no history: a launch like no other
+void CudaHair<T>::replay() {
     if (!graph_.handle) {
         cudaGraph_t captured;
         capturing_ = true;
         check_cuda(cudaStreamBeginCapture(stream_.handle, cudaStreamCaptureModeThreadLocal), "capture");
-        launch();
+        upload_motion();
+        mark(0);
+        launch_chain(slots_);
+        launch_display();
         check_cuda(cudaStreamEndCapture(stream_.handle, &captured), "capture");
         capturing_ = false;
         const cudaError_t status = cudaGraphInstantiate(&graph_.handle, captured, 0);
@@ -296,89 +456,112 @@ void CudaSimulation<T>::replay() {
 }
 
 template <class T>
-void CudaSimulation<T>::advance() {
-    const double begin = omp_get_wtime();
-    Placement<T> p;
-    for (int k = 0; k < slots_; ++k) {
-        time_ += dt_;
-        p = placement_at<T>(scene_, time_, dt_);
-        put_motion(k, p);
+void CudaHair<T>::run(const std::vector<Placement<T>>& path, const GivenToChain<T>& given, bool ends_frame) {
+    head = path.back().head;
+    fetched_ = history_fetched_ = false;
+    take_given(given);
+    shown_ = ends_frame && path.size() == size_t(slots_) && first == always_first();
+    if (shown_) {
+        for (int k = 0; k < slots_; ++k) put_motion(k, path[size_t(k)]);
+        return replay();
     }
-    head_ = p.head;
-    replay();
-    read_report();
-    for (size_t k = 0; k + 1 < events_.size(); ++k) {
-        float milliseconds = 0;
-        check_cuda(cudaEventElapsedTime(&milliseconds, events_[k].handle, events_[k + 1].handle), "time");
-        stage_[k] = 1e-3 * milliseconds;
+    const StageTimer timer(seconds.chain);
+    for (size_t done = 0; done < path.size();) {
+        const int substeps = int(std::min(path.size() - done, size_t(slots_)));
+        for (int k = slots_ - substeps; k < slots_; ++k) put_motion(k, path[done++]);
+        upload_motion();
+        launch_chain(substeps);
+        first = always_first();
+        check_cuda(cudaMemcpyAsync(&host_report_[1], report_.data(), sizeof(FrameReport),
+                                   cudaMemcpyDeviceToHost, stream_.handle),
+                   "report");
+        check_cuda(cudaStreamSynchronize(stream_.handle), "substeps");
+        limited_ += long(host_report_[1].limited);
     }
-    frame_seconds_ = omp_get_wtime() - begin;
 }
 
-// From what the last snapshot brought back.
 template <class T>
-std::vector<double> CudaSimulation<T>::energies_of(int strand) const {
+void CudaHair<T>::show(double time, const MovingGrid* surfaces) {
+    if (!shown_) {
+        put_motion(slots_ - 1, placement_at<T>(scene_, time, dt_, false, surfaces));
+        upload_motion();
+        launch_display();
+    }
+    read_report();
+    if (shown_) seconds.chain = between(0);
+    if (cohesion_) seconds.lists = between(1), seconds.cohesion = between(2);
+    shown_ = false;
+}
+
+template <class T>
+void CudaHair<T>::read_report() {
+    check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
+    limited_ += long(host_report_[1].limited);
+    while (host_report_[1].overflow) {
+        // Longer lists than ever before: the display again, with room for them. The graph holds the old
+        // addresses.
+        cohesion_->grow();
+        graph_.reset();
+        upload_motion();
+        launch_display();
+        check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
+    }
+    neighbours_mean_ = double(host_report_[1].pairs) / double(positions_.size());
+}
+
+template <class T>
+const Strands& CudaHair<T>::seen() const {
+    download(cohesion_ ? displayed_ : positions_, seen_);
+    return seen_;
+}
+
+// From the host's view.
+template <class T>
+std::vector<double> CudaHair<T>::energies_of(int strand) const {
     // A strand's numbers lie one after the other.
-    auto of = [&](const auto& numbers, auto plain) {
-        using V = decltype(plain);
-        return numbers.empty() ? nullptr : reinterpret_cast<const V*>(&numbers[state_.at(strand, 0)]);
-    };
+    auto of = [&](const auto& numbers) { return numbers.empty() ? nullptr : &numbers[state.at(strand, 0)]; };
     ChainView<T> view{};
-    view.n = state_.n;
-    const Vec3<T> vector{};
-    view.x = of(state_.x, vector), view.v = of(state_.v, vector), view.target = of(state_.target, vector);
-    view.mass = of(state_.mass, T()), view.rest_length = of(state_.rest_length, T());
-    view.rest_core = of(state_.rest_core, T()), view.frame = of(state_.frame, Quat<T>());
+    view.n = state.n;
+    view.x = of(state.x), view.v = of(state.v), view.target = of(state.target);
+    view.mass = of(state.mass), view.rest_length = of(state.rest_length);
+    view.rest_core = of(state.rest_core), view.frame = of(state.frame);
     const auto e = energies(scene_.chain, view, scene_.integrator.gravity);
     return {e.begin(), e.end()};
 }
 
 template <class T>
-void CudaSimulation<T>::snapshot(RunFrame& frame) const {
-    frame.head = head_;
-    frame.positions = Strands(state_.strands, state_.n);
-    positions_.download(frame.positions.points.data());
-    frame.displayed = {};
-    if (cohesion_) {
-        frame.displayed = Strands(state_.strands, state_.n);
-        displayed_.download(frame.displayed.points.data());
-    }
-    frame.seconds = frame_seconds_;
-    frame.stage_seconds.assign(stage_.begin(), stage_.begin() + long(stages.size()));
-
-    download(x_, state_.x), download(v_, state_.v);
-    download(frame_, state_.frame), download(touching_, state_.touching);
-    std::vector<std::vector<double>> each(size_t(state_.strands));
+std::vector<double> CudaHair<T>::energy() const {
+    std::vector<std::vector<double>> each(size_t(state.strands));
 #pragma omp parallel for schedule(static)
-    for (int s = 0; s < state_.strands; ++s) each[size_t(s)] = energies_of(s);
-    std::vector<double> sum(energy_kinds.size(), 0);
+    for (int s = 0; s < state.strands; ++s) each[size_t(s)] = energies_of(s);
+    std::vector<double> sum(kinds_of_energy(scene_.chain).size(), 0);
     for (const auto& e : each)
         for (size_t kind = 0; kind < e.size(); ++kind) sum[kind] += e[kind];
-    frame.energy.assign(sum.begin(), sum.end());
-    frame.contact = state_.contacts();
+    return sum;
 }
 
 template <class T>
-std::optional<Divergence> CudaSimulation<T>::divergence() const {
+std::optional<Divergence> CudaHair<T>::divergence() const {
     const int strand = host_report_[1].diverged;
-    if (strand >= state_.strands) return std::nullopt;
-    RunFrame frame;
-    snapshot(frame);
-    return Divergence{strand, energy_kinds[largest_energy(energies_of(strand))]};
+    if (strand >= state.strands) return std::nullopt;
+    fetch();
+    return Divergence{strand, kinds_of_energy(scene_.chain)[largest_energy(energies_of(strand))]};
 }
 
 template <class T>
-BufferList CudaSimulation<T>::buffers() const {
-    BufferList out;
-    state_.list(out);
+void CudaHair<T>::list(BufferList& out) const {
+    state.list(out);
     auto add = [&](const std::string& name, size_t bytes) {
         if (bytes) out.push_back({name, bytes});
     };
     add("room of the strands", room_.bytes());
     add("shown positions", positions_.bytes()), add("displayed positions", displayed_.bytes());
     if (cohesion_) add("cohesion lists", cohesion_->bytes());
-    for (const auto& l : level_sets_) add("level set", l.bytes());
-    return out;
+    add("given to the strands", given_force_.bytes() + given_stiffness_.bytes() + given_adhesion_.bytes() +
+                                    given_phi_.bytes() + given_normal_.bytes() +
+                                    given_surface_velocity_.bytes());
+    for (const auto& s : surfaces_)
+        add("level set that deforms", s.phi.bytes() + s.phi_before.bytes() + s.velocity.bytes());
 }
 
 }  // namespace
@@ -392,29 +575,12 @@ void require_cuda_device(int device) {
                     " device(s), counted from 0");
 }
 
-std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::string& precision,
-                                                 int device) {
+std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::string& precision, int device,
+                                                 bool by_reference) {
     require_cuda_device(device);
     check_cuda(cudaSetDevice(device), "choice of the device");
-    if (scene.baseline)
-        throw Error("--device cuda runs no compared method; --device cpu runs [baseline] method = \"" +
-                    name_of(*scene.baseline) + "\"");
-    if (scene.integrator.kind != "implicit")
-        throw Error("--device cuda runs [integrator] kind = \"implicit\" alone; --device cpu runs \"" +
-                    scene.integrator.kind + "\"");
-    if (scene.flow) throw Error("--device cuda keeps water where it is; --device cpu runs [wetness.flow]");
-    if (scene.has_deforming_solid())
-        throw Error("--device cuda does not rebuild the level sets of [[solid.mesh]]; --device cpu does");
-    if (scene.cohesion && scene.cohesion->strength > 0)
-        throw Error(
-            "--device cuda shows cohesion and steps without it; --device cpu runs [cohesion] strength");
-    if (scene.strand_contact)
-        throw Error("--device cuda steps strands apart from each other; --device cpu runs [strand_contact]");
-    if (scene.air) throw Error("--device cuda does not move the air of [air]; --device cpu does");
-    if (!scene.adhesion_model.empty())
-        throw Error("--device cuda does not run a network in the loop; --device cpu does");
-    if (precision == "double") return std::make_unique<CudaSimulation<double>>(scene);
-    return std::make_unique<CudaSimulation<float>>(scene);
+    if (precision == "double") return std::make_unique<SimulationOf<CudaHair<double>>>(scene, by_reference);
+    return std::make_unique<SimulationOf<CudaHair<float>>>(scene, by_reference);
 }
 
 }  // namespace wetcurl

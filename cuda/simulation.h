@@ -8,11 +8,13 @@
 
 namespace wetcurl {
 
-// `precision` as for make_simulation; `device` counts from 0. The scene must outlive the simulation. Throws
-// Error where there is no such device, and for what this backend does not cover: the explicit integrator, a
-// network in Eq 11's place, records of adhesion.
-std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::string& precision,
-                                                 int device);
+// `precision` as for make_simulation; `device` counts from 0. The scene must outlive the simulation. Strands,
+// cohesion on display and contact with solids are the device's; what else acts on all strands at once (air,
+// flow, strands on each other, compared methods, level sets that deform, networks) the host computes between
+// launches. `by_reference`: strands are stepped by the CPU's own pass, a thread each, as explicit steps and
+// builds for parity always are. Throws Error where there is no such device.
+std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::string& precision, int device,
+                                                 bool by_reference = false);
 
 // Throws Error where there is no such device, with what the driver said.
 void require_cuda_device(int device);

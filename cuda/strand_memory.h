@@ -14,9 +14,11 @@ struct StrandMemory {
     Quat<T>* frame;
     const Vec3<T>*root, *target, *push, *air;  // root: (strand, 2) in the head's frame
     const T *mass, *rest_length, *rest_core, *saturation, *rest_depth;
-    // What others give for the substeps that follow, as of GivenToChain.
+    // What others give for the substeps that follow, as of GivenToChain, and the surfaces nearest to where
+    // adhesion was asked for.
     const Vec3<T>* given_force;
-    const T *given_stiffness, *given_adhesion;
+    const T *given_stiffness, *given_adhesion, *given_phi;
+    const Vec3<T>*given_normal, *given_surface_velocity;
 };
 
 // What is the same for all strands and substeps.

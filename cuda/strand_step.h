@@ -155,8 +155,9 @@ class StrandStep {
 
     WETCURL_HD Hold<T> expected_hold(int k, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, const V& x,
                                      T& momentum) const {
-        return expected_contact(motion, rest_depth(k), hold_stiffness(k_.rules.spring_sum, scheme.h, mass_[k]), x,
-                                V(v_[k]), momentum);
+        return expected_contact(motion, rest_depth(k),
+                                hold_stiffness(k_.rules.spring_sum, scheme.h, mass_[k]), x, V(v_[k]),
+                                momentum);
     }
     // The contact of a particle that a solid has pushed or is to push: held while `pushed` is above 0;
     // below it the surface may hold it again.
@@ -297,13 +298,25 @@ class StrandStep {
         if (i + 2 < m_.n) {
             after = springs.stiffness(rest_length_[k + 1]);
             torque_after = after * Twist::HalfAngle<T>(frame, Q(frame_[k + 1])).sine_of_whole();
-            bend_by_turn(get<Bend>(k_.rules.terms), frame, of(m_.target, k + 1), edge_at(k + 1), slope, bound);
+            bend_by_turn(get<Bend>(k_.rules.terms), frame, of(m_.target, k + 1), edge_at(k + 1), slope,
+                         bound);
         }
         const T lag = springs.lag(scheme.h, mass_[k]);
         const T excess = bound + lag * (bound + stiffness + after);
         // Edge 0 is held by the root.
         return {i == 1 ? T(0) : stiffness, after, i == 1 ? excess + stiffness : excess,
                 torque_after - torque - slope};
+    }
+
+    // The surface that adhesion sees from x.
+    template <class Set>
+    WETCURL_HD void nearest(const Set& set, const SubstepMotion<T>& motion, int k, const V& x, T& phi,
+                            V& normal, V& velocity) const {
+        if (set.has(present::given) && m_.given_adhesion)
+            phi = of(m_.given_phi, k), normal = of(m_.given_normal, k),
+            velocity = of(m_.given_surface_velocity, k);
+        else
+            sample_nearest(motion, x, phi, normal, velocity);
     }
 
     // --- the system
@@ -344,10 +357,11 @@ class StrandStep {
         saturation[2] = wet ? of(m_.saturation, k) : T(0);
         normal[2] = {T(0), T(1), T(0)}, surface_velocity[2] = zero;
         T adhesion[3];
+        const bool is_given = set.has(present::given) && m_.given_adhesion;
         if (has<Adhesion>(set)) {
             touching[2] = of(m_.touching, k);
-            sample_nearest(motion, x[2], phi[2], normal[2], surface_velocity[2]);
-            if (m_.given_adhesion) adhesion[2] = of(m_.given_adhesion, k);
+            nearest(set, motion, k, x[2], phi[2], normal[2], surface_velocity[2]);
+            if (is_given) adhesion[2] = of(m_.given_adhesion, k);
         }
         ChainView<T> view{};
         view.n = 3;
@@ -356,7 +370,7 @@ class StrandStep {
         view.target = target, view.frame = frame, view.core_pull = core, view.push = push;
         view.saturation = saturation, view.touching = touching, view.phi = phi, view.normal = normal;
         view.surface_velocity = surface_velocity, view.air = air;
-        if (has<Adhesion>(set) && m_.given_adhesion) view.given_adhesion = adhesion;
+        if (is_given) view.given_adhesion = adhesion;
         view.turn = motion.turn, view.turn_center = motion.turn_center, view.drift = motion.drift;
         if (has<CurlPush>(set)) view.chord = at_[cell(g, m_.n - 1)] - at_[cell(g, 0)];
         assemble_present(set, view, {scheme.h, e.force, e.diagonal, e.upper1, e.upper2},
@@ -398,10 +412,19 @@ class StrandStep {
             const int k = cell(g, i);
             const T mass = mass_[k];
             const V v = rate_[k];
-            r = scheme.right_side(mass, v_[k], v_before_[k], v, r + mass * k_.gravity);
+            V force = r + mass * k_.gravity;
+            Sym3<T> diagonal = identity_times(mass);
+            if (set.has(present::given) && m_.given_force) {
+                force += of(m_.given_force, k);
+                if (m_.given_stiffness) {
+                    const T stiffness = of(m_.given_stiffness, k);
+                    force -= stiffness * (at_[k] - scheme.predicted(x_[k], x_before_[k], v_[k]));
+                    diagonal += identity_times(scheme.h * scheme.h * stiffness);
+                }
+            }
+            r = scheme.right_side(mass, v_[k], v_before_[k], v, force);
             if (i < 4)
                 r -= system_.known_part(g, i, known(motion, scheme, g, 0), known(motion, scheme, g, 1));
-            Sym3<T> diagonal = identity_times(mass);
             const T pushed = set.has(present::contact) ? pushed_[k] : T(0);
             if (pushed > 0) add_hold(hold_of(k, motion, scheme, pushed), scheme.h, v, diagonal, r);
             system_.add_diagonal(g, i, diagonal);
@@ -432,8 +455,8 @@ class StrandStep {
                 const bool contacts = is(touches, g);
                 unsigned seen = 0;
                 if (turned_far<T>(way, rest, far_turn(k_.turn, T(contacts))) > 0) seen |= turned;
-                if (limits &&
-                    get<StrainLimit>(k_.rules.terms).unsettled(edge_at(k - 1) + way, limit_edge_[k - 1], rest) > 0)
+                if (limits && get<StrainLimit>(k_.rules.terms)
+                                      .unsettled(edge_at(k - 1) + way, limit_edge_[k - 1], rest) > 0)
                     seen |= limit_moved;
                 if (holds && contacts && pushed_[k] != 0) {
                     Hold<T> hold = hold_of(k, motion, scheme, pushed_[k]);
@@ -476,7 +499,7 @@ class StrandStep {
             if (has<Adhesion>(set)) {
                 T phi;
                 V normal, surface_velocity;
-                sample_nearest(motion, expected, phi, normal, surface_velocity);
+                nearest(set, motion, k, expected, phi, normal, surface_velocity);
                 T& touching = m_.touching[first_ * size_t(m_.n) + size_t(k)];
                 touching = updated_touching(touching, phi, T(get<Adhesion>(k_.rules.terms).h_a));
             }

@@ -11,6 +11,7 @@ namespace wetcurl {
 Display::Display(const Scene& scene, const std::vector<float>& saturation, double reach)
     : scene_(scene),
       saturation_(saturation),
+      lends_(reach > 0),
       volume_(volumes_of(scene)),
       rest_depth_(rest_depths_of(scene)),
       cohesion_(*scene.cohesion, scene.groom.rest.count, scene.groom.rest.particles, volume_, saturation,
@@ -42,6 +43,7 @@ void Display::apply(Strands& p, const Pose& head, double time, const MovingGrid*
             project(surfaces++, solid);
         else
             project(&solid.shape, solid);
+    if (lends_) cohesion_.show_at(p);
     seconds_ = omp_get_wtime() - begin;
 }
 

@@ -23,7 +23,7 @@ class Display {
     // `surfaces`: of each deforming solid, in the scene's order; null: there is none.
     void apply(Strands& p, const Pose& head, double time, const MovingGrid* surfaces = nullptr);
 
-    // Of the positions that were given last.
+    // Of the positions that were given last, as they are seen where others read them.
     const NeighborGrid& grid() const { return cohesion_.grid(); }
     const NeighborList& list() const { return cohesion_.list(); }
     double neighbours_mean() const { return cohesion_.neighbours_mean(); }
@@ -34,6 +34,7 @@ class Display {
   private:
     const Scene& scene_;
     const std::vector<float>& saturation_;
+    const bool lends_;
     std::vector<float> volume_, rest_depth_;  // (strand, particle)
     CohesionPass cohesion_;
     double seconds_ = 0;

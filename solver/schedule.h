@@ -28,7 +28,8 @@ class SimulationOf final : public Simulation {
     using S = typename Hair::S;
 
   public:
-    explicit SimulationOf(const Scene& scene);
+    template <class... OfHair>
+    explicit SimulationOf(const Scene& scene, const OfHair&... of_hair);
     void advance() override;
     void snapshot(RunFrame& frame) const override;
     std::optional<Divergence> divergence() const override { return hair_.divergence(); }
@@ -97,8 +98,9 @@ class SimulationOf final : public Simulation {
 };
 
 template <class Hair>
-SimulationOf<Hair>::SimulationOf(const Scene& scene)
-    : scene_(scene), dt_(1 / (scene.fps * scene.integrator.substeps)), hair_(scene) {
+template <class... OfHair>
+SimulationOf<Hair>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
+    : scene_(scene), dt_(1 / (scene.fps * scene.integrator.substeps)), hair_(scene, of_hair...) {
     if (scene.flow) water_.emplace(scene);
     if (scene.cohesion && water_)
         hair_.begin_display(water_->flow().saturation(), scene.flow->reach);

@@ -70,6 +70,10 @@ class MovingLevelSet {
 
     // `share` of the span is over, 0 to 1. Valid until the next advance or hold.
     MovingGrid grid(double share) const;
+    // What `grid` views, (nz, ny, nx).
+    const std::vector<float>& phi_before() const { return phi_before_; }
+    const std::vector<float>& phi() const { return phi_; }
+    const std::vector<Vec3f>& velocity() const { return velocity_; }
     const Mesh& mesh() const { return mesh_; }     // at the end of the span
     size_t exact_nodes() const { return exact_; }  // of the last rebuilding
     size_t nodes() const { return phi_.size(); }

@@ -96,6 +96,11 @@ void CohesionPass::apply(Strands& p) {
     }
 }
 
+void CohesionPass::show_at(const Strands& p) {
+#pragma omp parallel for schedule(static)
+    for (size_t k = 0; k < grid_.size(); ++k) grid_.points().set(k, p.points[grid_.order()[k]]);
+}
+
 void CohesionPass::hold_roots() {
     for (size_t root = 0; root < rank_.size(); root += size_t(particles_))
         next_.set(rank_[root], grid_.sorted(rank_[root]));

@@ -22,6 +22,9 @@ class CohesionPass {
     // Positions p become displayed positions p^w. Roots stay.
     void apply(Strands& p);
 
+    // The grid's points become p, what is seen in the end: for those who read the lists.
+    void show_at(const Strands& p);
+
     const NeighborGrid& grid() const { return grid_; }
     const NeighborList& list() const { return list_; }
     double neighbours_mean() const { return list_.neighbours_mean(); }

@@ -24,9 +24,8 @@ class FlowPass {
     FlowPass(const Flow& flow, const Strands& rest, double density, double absorbed,
              const std::vector<float>& saturation);
 
-    // dt [s] from `time` on, strands at p, under `gravity` [m/s²]. `grid` and `list` hold every neighbour
-    // within `reach` where the strands are, whatever else moved p out of solids since; null: they are
-    // searched here.
+    // dt [s] from `time` on, strands at p, under `gravity` [m/s²]. `grid` and `list` hold p and every
+    // neighbour within `reach`; null: they are searched here.
     void step(const Strands& p, double time, double dt, const Vec3d& gravity, const NeighborGrid* grid,
               const NeighborList* list);
 

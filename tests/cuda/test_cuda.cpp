@@ -1,6 +1,8 @@
 // The CUDA backend against the CPU's. Without a device each test says SKIP and why.
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "cuda/rates.h"
 #include "cuda/simulation.h"
 #include "tests/solver/scenes.h"
@@ -16,8 +18,9 @@ class Cuda : public ::testing::Test {
         std::string reason;
         if (cuda_devices(&reason).empty()) GTEST_SKIP() << "SKIP: no CUDA device (" << reason << ")";
     }
-    static RunFrame on_device(const Scene& scene, int frames, const std::string& precision = "float") {
-        const auto simulation = make_cuda_simulation(scene, precision, 0);
+    static RunFrame on_device(const Scene& scene, int frames, const std::string& precision = "float",
+                              bool by_reference = false) {
+        const auto simulation = make_cuda_simulation(scene, precision, 0, by_reference);
         for (int f = 0; f < frames; ++f) simulation->advance();
         EXPECT_FALSE(simulation->divergence());
         RunFrame frame;
@@ -139,18 +142,156 @@ TEST_F(Cuda, cohesion_of_a_dense_groom_is_the_cpus) {
         }
 }
 
-TEST_F(Cuda, what_is_not_covered_is_refused) {
-    EXPECT_THROW(make_cuda_simulation(scene_of(dry_scene + "[air]\n"), "float", 0), Error);
-    EXPECT_THROW(make_cuda_simulation(scene_of(wet_scene + "[wetness.flow]\n"), "float", 0), Error);
-    expect_error([] { make_cuda_simulation(scene_of(dry_scene, {"baseline.method='iben'"}), "float", 0); },
-                 {"--device cpu", "iben"});
-    for (const char* kind : {"integrator.kind='explicit'", "integrator.kind='backward_euler'"})
-        EXPECT_THROW(make_cuda_simulation(scene_of(dry_scene, {kind}), "float", 0), Error) << kind;
+// What acts on all strands at once, or on other steps than the implicit one.
+std::vector<Case> coupled(const Scratch& scratch) {
+    const std::string grid = "groom.grid=[6, 6]";
+    std::string many;
+    for (int k = 0; k < 12; ++k)
+        many += "[[solid]]\nradius = 0.02\n[[solid.motion.keyframe]]\ntranslation = [" +
+                std::to_string(0.03 * k - 0.18) + ", -0.1, -0.05]\n";
+    const std::string wet_dry = dry_scene + "[wetness]\n",
+                      soft_explicit = dry_scene + "[stiffness]\nwet = 5\n";
+    const std::vector<std::string> soft{grid,
+                                        "stretch.stiffness=0.05",
+                                        "bend.stiffness=5e-4",
+                                        "core.stiffness=5e-4",
+                                        "integrator.substeps=100",
+                                        "groom.particles=12"};
+    auto explicit_ones = soft;
+    explicit_ones.push_back("integrator.kind='explicit'");
+    return {
+        {"air",
+         dry_scene + "[air]\nsize = 0.6\ngrid = [16, 16, 16]\nwind = [0, 0, 2]\ntwo_way = true\n",
+         {grid}},
+        {"flow", wet_scene + "[wetness.flow]\n[[wetness.source]]\nrate = 5\n", {grid}},
+        {"deforming",
+         dry_scene + breathing_sphere(scratch, {0.05, 0.06, 0.07, 0.06}, 0.05, "[0, -0.06, -0.05]", 0.01),
+         {grid}},
+        {"many solids", dry_scene + many, {grid}},
+        {"cohesion in the solve", wet_scene, {grid, "cohesion.strength=500"}},
+        {"strand contact", dry_scene + "[motion]\nangle = 40\nperiod = 0.2\n[strand_contact]\n", {grid}},
+        {"lin", wet_dry + "[baseline]\nmethod = 'lin'\nradius = 0.05\n", {grid}},
+        {"kim", wet_dry + "[baseline]\nmethod = 'kim'\nradius = 0.05\n", {grid}},
+        {"boundary particles",
+         wet_dry + "[baseline]\nmethod = 'boundary_particles'\n[[solid]]\nradius = 0.1\n",
+         {grid}},
+        {"iben", dry_scene + "[baseline]\nmethod = 'iben'\n", soft},
+        {"explicit", soft_explicit + "[[solid]]\nradius = 0.097\nattached = \"head\"\n", explicit_ones},
+        {"backward Euler", wet_scene, {grid, "integrator.kind='backward_euler'"}},
+    };
+}
+
+TEST_F(Cuda, what_acts_on_all_strands_at_once_does_what_it_does_on_the_cpu) {
+    const Scratch scratch;
+    for (const auto& c : coupled(scratch)) {
+        SCOPED_TRACE(c.name);
+        const Scene scene = scene_of(c.text, c.set);
+        const RunFrame wanted = after(scene, 4, "double"), got = on_device(scene, 4, "double");
+        ASSERT_GT(farthest(wanted.positions, scene.groom.rest), 1e-4);
+        EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
+        EXPECT_LT(farthest(got.seen(), wanted.seen()), 1e-5);
+        EXPECT_EQ(got.saturation.size(), wanted.saturation.size());
+        ASSERT_EQ(got.energy.size(), wanted.energy.size());
+        EXPECT_EQ(got.stage_seconds.size(), wanted.stage_seconds.size());
+        for (size_t k = 0; k < got.energy.size(); ++k)
+            EXPECT_NEAR(got.energy[k], wanted.energy[k], 1e-3 * std::abs(wanted.energy[k]) + 1e-9) << k;
+    }
+}
+
+// The strands of a block share its launches, and no strand another's numbers.
+TEST_F(Cuda, steps_by_the_cpus_own_pass_are_the_cpus) {
+    for (const auto& c : cases()) {
+        SCOPED_TRACE(c.name);
+        const Scene scene = scene_of(c.text, c.set);
+        const int frames = c.creases ? 1 : 8;
+        const RunFrame wanted = after(scene, frames, "double"),
+                       got = on_device(scene, frames, "double", true);
+        EXPECT_LT(farthest(got.positions, wanted.positions), 1e-7);
+        EXPECT_EQ(got.contact, wanted.contact);
+        EXPECT_LT(strands_astray(on_device(scene, 1, "float", true).positions, on_device(scene, 1).positions,
+                                 c.creases ? 1e-4 : 3e-6),
+                  9);
+    }
+}
+
+TEST_F(Cuda, a_build_for_parity_has_the_cpus_bits) {
+#ifndef WETCURL_PARITY
+    GTEST_SKIP() << "SKIP: not a build for parity";
+#endif
+    const Scratch scratch;
+    auto all = cases();
+    const auto more = coupled(scratch);
+    all.insert(all.end(), more.begin(), more.end());
+    for (const auto& c : all)
+        for (const char* precision : {"float", "double"}) {
+            const Scene scene = scene_of(c.text, c.set);
+            // The order of Eq 10's sums is each device's own: within what feels its display, bits part.
+            if (scene.flow) continue;
+            EXPECT_TRUE(
+                same_bits(on_device(scene, 48, precision).positions, after(scene, 48, precision).positions))
+                << c.name << ' ' << precision;
+        }
+}
+
+TEST_F(Cuda, a_network_in_the_loop_is_asked_as_on_the_cpu) {
+    struct HalfOfEq11 : AdhesionModel {
+        size_t asked = 0;
+        void evaluate(const float* inputs, size_t count, float* outputs) override {
+            for (size_t k = 0; k < count; ++k) {
+                float value, slope;
+                Adhesion::shape(inputs[12 * k + 6], value, slope);
+                outputs[k] = -0.5f * value;
+            }
+            asked += count;
+        }
+    };
+    const Scene scene = scene_of(wet_scene, {"groom.grid=[6, 6]"});
+    HalfOfEq11 here, there;
+    std::vector<AdhesionRecord> records, wanted_records;
+    const auto cpu = make_simulation(scene, "double"), gpu = make_cuda_simulation(scene, "double", 0);
+    cpu->use_adhesion_model(&here), gpu->use_adhesion_model(&there);
+    cpu->record_adhesion(&wanted_records), gpu->record_adhesion(&records);
+    RunFrame wanted, got;
+    for (int f = 0; f < 6; ++f) cpu->advance(), gpu->advance();
+    cpu->snapshot(wanted), gpu->snapshot(got);
+    EXPECT_GT(here.asked, 100u);
+    EXPECT_EQ(there.asked, here.asked);
+    EXPECT_EQ(records.size(), wanted_records.size());
+    EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
+    EXPECT_GT(farthest(got.positions, after(scene, 6, "double").positions), 1e-6);
+}
+
+TEST_F(Cuda, a_run_goes_on_from_a_state_of_either_device) {
+    const Scene scene = scene_of(wet_scene, {"groom.grid=[6, 6]"});
+    const auto cpu = make_simulation(scene, "double"), gpu = make_cuda_simulation(scene, "double", 0);
+    for (int f = 0; f < 3; ++f) cpu->advance();
+    gpu->restore(cpu->state());
+    const auto given = cpu->state(), taken = gpu->state();
+    ASSERT_EQ(taken.x.size(), given.x.size());
+    for (size_t k = 0; k < given.x.size(); ++k) EXPECT_EQ(norm(taken.x[k] - given.x[k]), 0);
+    RunFrame a, b;
+    for (int f = 0; f < 3; ++f) cpu->advance(), gpu->advance();
+    cpu->snapshot(a), gpu->snapshot(b);
+    EXPECT_LT(farthest(b.positions, a.positions), 1e-6);
+    EXPECT_LT(farthest(b.displayed, a.displayed), 1e-5);
+    expect_error([&] { gpu->count_work(); }, {"--device cpu"});
+}
+
+TEST_F(Cuda, several_runs_at_a_time_are_each_as_if_alone) {
+    const Scene scene = scene_of(wet_scene, {"groom.grid=[6, 6]"});
+    const RunFrame alone = on_device(scene, 12);
+    std::vector<RunFrame> together(4);
+    std::vector<std::thread> threads;
+    for (auto& frame : together) threads.emplace_back([&] { frame = on_device(scene, 12); });
+    for (auto& t : threads) t.join();
+    for (const auto& frame : together) {
+        EXPECT_TRUE(same_bits(frame.positions, alone.positions));
+        EXPECT_TRUE(same_bits(frame.displayed, alone.displayed));
+    }
+}
+
+TEST_F(Cuda, a_device_that_is_not_there_is_said) {
     EXPECT_THROW(make_cuda_simulation(scene_of(dry_scene), "float", 99), Error);
-    const Scene scene = scene_of(wet_scene);
-    const auto simulation = make_cuda_simulation(scene, "float", 0);
-    std::vector<AdhesionRecord> records;
-    EXPECT_THROW(simulation->record_adhesion(&records), Error);
 }
 
 TEST_F(Cuda, rates_are_those_of_a_gpu) {

@@ -12,30 +12,17 @@ using namespace testing;
 // A scene in the host's memory, stepped.
 template <class T, class Set>
 Strands stepped(const Scene& scene, const Set& set, int frames) {
-    ChainState<SingleLane<T>> state(scene);
-    auto vectors = [](auto& buffer) {
-        return buffer.empty() ? nullptr : reinterpret_cast<Vec3<T>*>(buffer.data());
-    };
-    auto numbers = [](auto& buffer) {
-        return buffer.empty() ? nullptr : reinterpret_cast<T*>(buffer.data());
-    };
-    const StrandMemory<T> memory{state.n,
-                                 state.strands,
-                                 vectors(state.x),
-                                 vectors(state.x_before),
-                                 vectors(state.v),
-                                 vectors(state.v_before),
-                                 numbers(state.touching),
-                                 numbers(state.pushed),
-                                 reinterpret_cast<Quat<T>*>(state.frame.data()),
-                                 vectors(state.root),
-                                 vectors(state.target),
-                                 vectors(state.push),
-                                 numbers(state.mass),
-                                 numbers(state.rest_length),
-                                 numbers(state.rest_core),
-                                 numbers(state.saturation),
-                                 numbers(state.rest_depth)};
+    ChainState<T> state(scene);
+    auto of = [](auto& buffer) { return buffer.empty() ? nullptr : buffer.data(); };
+    StrandMemory<T> memory{};
+    memory.n = state.n, memory.strands = state.strands;
+    memory.x = of(state.x), memory.x_before = of(state.x_before);
+    memory.v = of(state.v), memory.v_before = of(state.v_before);
+    memory.touching = of(state.touching), memory.pushed = of(state.pushed), memory.frame = of(state.frame);
+    memory.root = of(state.root), memory.target = of(state.target), memory.push = of(state.push);
+    memory.mass = of(state.mass), memory.rest_length = of(state.rest_length);
+    memory.rest_core = of(state.rest_core), memory.saturation = of(state.saturation);
+    memory.rest_depth = of(state.rest_depth);
     const int substeps = frames * scene.integrator.substeps;
     const double dt = 1 / (scene.fps * scene.integrator.substeps);
     const ChainConstants<T> constants = chain_constants<T>(scene, dt);
@@ -45,7 +32,7 @@ Strands stepped(const Scene& scene, const Set& set, int frames) {
     std::vector<DeviceSolid<T>> solids;
     for (int k = 0; k < substeps; ++k) {
         const auto p = placement_at<T>(scene, (k + 1) * dt, dt);
-        motion.push_back(substep_motion(p, shapes.data(), solids));
+        motion.push_back(substep_motion(p, shapes.data(), nullptr, solids));
     }
     for (int k = 0; k < substeps; ++k) motion[size_t(k)].solids = solids.data() + size_t(k) * shapes.size();
 

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "base/geometry/shapes.h"
 #include "solver/scene.h"
 #include "solver/simulation.h"
 #include "tests/base/scratch.h"
@@ -52,6 +54,30 @@ inline Scene scene_of(const std::string& text, const std::vector<std::string>& s
     options.set = set;
     options.stride = stride;
     return parse_scene(text, "scene.toml", ".", options);
+}
+
+inline std::string obj_of(const Mesh& mesh) {
+    std::stringstream out;
+    out.precision(9);
+    for (const auto& v : mesh.vertices) out << "v " << v.x << ' ' << v.y << ' ' << v.z << '\n';
+    for (const auto& t : mesh.triangles)
+        out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+    return out.str();
+}
+
+// [[solid]] with a sphere of these radii [m], one every `interval` [s], around `center`.
+inline std::string breathing_sphere(const Scratch& scratch, const std::vector<double>& radii, double interval,
+                                    const std::string& center, double spacing, int around = 64) {
+    std::stringstream out;
+    out << "[[solid]]\nshape = \"mesh\"\nspacing = " << spacing
+        << "\n[[solid.motion.keyframe]]\ntranslation = " << center << "\n";
+    for (size_t k = 0; k < radii.size(); ++k) {
+        const std::string name = "sphere" + std::to_string(k) + ".obj";
+        scratch.file(name, obj_of(triangulated(Sphere{radii[k]}, around)));
+        out << "[[solid.mesh]]\ntime = " << double(k) * interval << "\nfile = \"" << scratch.path(name)
+            << "\"\n";
+    }
+    return out.str();
 }
 
 inline RunFrame after(const Scene& scene, int frames, const std::string& precision = "float") {
