@@ -224,10 +224,7 @@ void read_air(Scene& scene, Table root) {
     const auto grid = t.numbers("grid", {64, 64, 64}, 8, 512);
     for (size_t axis = 0; axis < 3; ++axis) {
         air.grid[axis] = int(grid[axis]);
-        if (air.grid[axis] != grid[axis] || air.grid[axis] % 8)
-            t.fail("grid",
-                   "found a side of " + std::to_string(int(grid[axis])) +
-                       " cells, allowed are multiples of 8: the pressure is solved on ever coarser grids");
+        if (air.grid[axis] != grid[axis]) t.fail("grid", "found a part of a cell, allowed are whole ones");
     }
     air.center = vec3(t.numbers("center", {0, 0, 0}, -1000, 1000));
     air.wind = vec3(t.numbers("wind", {0, 0, 0}, -1000, 1000));

@@ -8,7 +8,8 @@
 
 #include "base/parameters.h"
 #include "base/vec3.h"
-#include "solver/air/multigrid.h"
+#include "solver/air/poisson.h"
+#include "solver/air/staggered.h"
 
 namespace wetcurl {
 
@@ -22,8 +23,9 @@ struct AirSource {
          "of the ball; it blows less towards its surface"},
         {"period", &AirSource::period, "s", 0, 0, 1e4, "of gusts from none to full and back; 0: steady"},
     };
+    double gust(double time) const;  // in [0, 1]
     // Share of the ball's velocity that the air at x takes on, in [0, 1].
-    double share(const Vec3d& x, double time) const;
+    double share(const Vec3d& x, double time) const { return gust(time) * share_of_ball(center, radius, x); }
 };
 
 // What a scene says of its air. Outside the box it moves as `wind`.
@@ -55,19 +57,20 @@ class AirField {
     // makes no memory. Hair is empty unless two_way.
     void step(double dt, double time, const std::vector<DragPoint>& hair = {});
 
-    Vec3d at(const Vec3d& x) const;                                  // [m/s]; the wind outside the box
+    Vec3d at(const Vec3d& x) const { return view().at(x); }          // [m/s]; the wind outside the box
     double divergence() const;                                       // max |div u| [1/s]
     double energy() const;                                           // [J] in the box
     double divergence_before() const { return divergence_before_; }  // of the last step's projection
-    int cycles() const { return cycles_; }                           // V-cycles that it took
     size_t bytes() const;
 
     double cell() const { return cell_; }
     // The component along `axis` at its face (i, j, k), and that face's centre: a face lies at the lower side
     // of its cell, and there is one more of them than cells along the axis.
-    double& face(int axis, int i, int j, int k) { return u_[size_t(axis)].at(i, j, k); }
-    std::array<int, 3> faces(int axis) const { return u_[size_t(axis)].n; }
-    Vec3d place(int axis, int i, int j, int k) const;
+    double& face(int axis, int i, int j, int k) { return u_[size_t(axis)][view().index(axis, i, j, k)]; }
+    std::array<int, 3> faces(int axis) const {
+        return {view().faces(axis, 0), view().faces(axis, 1), view().faces(axis, 2)};
+    }
+    Vec3d place(int axis, int i, int j, int k) const { return view().place(axis, i, j, k); }
 
     // The stages of a step.
     void advect(double dt);
@@ -77,37 +80,25 @@ class AirField {
     void project();
 
   private:
-    struct Component {
-        std::array<int, 3> n;
-        std::vector<double> v;  // x fastest
-        size_t index(int i, int j, int k) const {
-            return (size_t(k) * size_t(n[1]) + size_t(j)) * size_t(n[0]) + size_t(i);
-        }
-        double& at(int i, int j, int k) { return v[index(i, j, k)]; }
-        double at(int i, int j, int k) const { return v[index(i, j, k)]; }
-    };
-    // Eight faces around a place and their weights.
-    struct Stencil {
-        size_t corner, step[3];
-        double t[3];
-    };
-    Vec3d in_cells(const Vec3d& x) const { return (1 / cell_) * (x - corner_); }
-    bool inside(const Vec3d& cells) const;
-    Stencil stencil(int axis, const Vec3d& cells) const;
-    double sample(int axis, const Vec3d& cells) const;
-    Vec3d velocity(const Vec3d& cells) const;
-    double divergence(int i, int j, int k) const;
-    void diffuse_lines(Component& u, int axis, double a);
+    // Valid until the next stage.
+    StaggeredGrid view() const;
+    template <class F>
+    void for_each_face(int axis, F f) const;
+    void diffuse_along(int component, int axis, double a);
 
     const Air air_;
     const double cell_;
-    const Vec3d corner_;
-    Component u_[3], next_[3];
-    std::vector<double> braked_[3];  // momentum that hair brings to each face; empty unless two_way
-    std::vector<double> factor_;     // of the diffusion's rows along an axis
-    Multigrid pressure_;             // times dt over density; kept as the next step's first guess
+    std::array<std::vector<double>, 3> u_, next_;
+    std::array<std::vector<double>, 3>
+        braked_;                  // momentum that hair brings to each face; empty unless two_way
+    std::vector<double> factor_;  // of the diffusion's rows along an axis
+    PoissonBox poisson_;
+    std::vector<double> pressure_;  // times dt over density
     double divergence_before_ = 0;
-    int cycles_ = 0;
 };
+
+// Of a box: a cell's side [m], and its lower corner.
+double cell_of(const Air& air);
+Vec3d corner_of(const Air& air);
 
 }  // namespace wetcurl
