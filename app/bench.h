@@ -57,7 +57,7 @@ Times repeated(const std::function<std::function<void()>()>& prepare);
 
 // Level sets (the paper, VI.B) and neighbour searches (its Table 4), on the CPU.
 std::vector<Entry> part_entries();
-// Whole frames with their stages, and error against run time. `device` as of --device.
+// Steps of the air, whole frames with their stages, and error against run time. `device` as of --device.
 std::vector<Entry> frame_entries(const std::string& device);
 
 // The fixed workload at one size: the demo's curls on a head that turns, 24 frames a second, ten substeps,

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/device_buffer.h"
+#include "cuda/air_kernel.h"
 #include "cuda/chain_kernel.h"
 #include "cuda/chain_setup.h"
 #include "cuda/cohesion_kernel.h"
@@ -57,12 +58,53 @@ struct Graph {
     }
 };
 
+template <class T>
+class CudaHair;
+
+// Hair and the air around it on a device, each once a frame where the other is: as HairInAir.
+template <class T>
+class AirAround {
+  public:
+    AirAround(const Scene& scene, CudaHair<T>& hair)
+        : scene_(scene), field_(*scene.air, 1 / scene.fps, length_of(hair), scene.term<AirDrag>()->c) {
+        sample(hair);
+    }
+    void advance(CudaHair<T>& hair, double time) {
+        check_cuda(cudaEventRecord(events_[0].handle, hair.stream()), "event");
+        const BrakingHair<T> braking = hair.braking();
+        field_.launch_step(time + 1 / scene_.fps, scene_.air->two_way ? &braking : nullptr, hair.stream());
+        sample(hair);
+        check_cuda(cudaEventRecord(events_[1].handle, hair.stream()), "event");
+    }
+    void finish() {
+        float milliseconds = 0;
+        check_cuda(cudaEventElapsedTime(&milliseconds, events_[0].handle, events_[1].handle), "time");
+        seconds = 1e-3 * milliseconds;
+    }
+    void list(BufferList& buffers) const { buffers.push_back({"air", field_.bytes()}); }
+    double seconds = 0;  // in the frame at hand
+
+  private:
+    void sample(CudaHair<T>& hair) {
+        field_.launch_sample(hair.braking().x, hair.air(), hair.braking().count, hair.stream());
+    }
+    static double length_of(const CudaHair<T>& hair) {
+        double sum = 0;
+        for (T length : hair.state.rest_length) sum += double(length);
+        return sum;
+    }
+    const Scene& scene_;
+    AirDevice field_;
+    std::array<Event, 2> events_;
+};
+
 // The strands in a device's memory: a schedule's Hair, as CpuHair is one.
 template <class T>
 class CudaHair {
   public:
     using Number = T;
     using S = T;
+    using Air = AirAround<T>;
 
     CudaHair(const Scene& scene, bool by_reference);
 
@@ -83,7 +125,6 @@ class CudaHair {
     void give_state();
     void give_velocities();
     void give_water();
-    void give_air() { upload(state.air, air_); }
     void take_surfaces(const DeformingSolids& surfaces);
 
     void find_nearest(const Placement<T>& p);
@@ -107,6 +148,13 @@ class CudaHair {
     }
     void list(BufferList& buffers) const;
     HairSeconds seconds;
+
+    // What the air meets, and what it gives.
+    BrakingHair<T> braking() const {
+        return {x_.data(), v_.data(), rest_length_.data(), state.n, x_.size(), scene_.term<AirDrag>()->c};
+    }
+    Vec3<T>* air() const { return air_.data(); }
+    cudaStream_t stream() const { return stream_.handle; }
 
   private:
     struct DeviceSurface {
@@ -216,8 +264,9 @@ CudaHair<T>::CudaHair(const Scene& scene, bool by_reference)
       deforming_(size_t(slots_) * deforming_each_),
       host_report_(2),
       report_(1) {
-    give_state(), give_water(), give_air();
-    upload(state.root, root_), upload(state.rest_length, rest_length_), upload(state.rest_depth, rest_depth_);
+    give_state(), give_water();
+    upload(state.air, air_), upload(state.root, root_), upload(state.rest_length, rest_length_),
+        upload(state.rest_depth, rest_depth_);
     if (by_reference_) {
         const auto rules = substep_rules<T>(scene);
         room_ =

@@ -68,7 +68,6 @@ class SimulationOf final : public Simulation {
     void run(const std::vector<Placement<T>>& path, bool ends_frame);
     void move_water();
     void follow_water();
-    void move_air();
     void touch_strands();
     // Calls f(name, seconds in the frame at hand) for each stage, in the order of their columns.
     template <class Self, class F>
@@ -89,7 +88,7 @@ class SimulationOf final : public Simulation {
     Hair hair_;
     // What the scene names.
     std::optional<WaterInHair<S>> water_;
-    std::optional<HairInAir<S>> air_;
+    std::optional<typename Hair::Air> air_;
     std::optional<DeformingSolids> surfaces_;
     std::optional<ForcesOnStrands<S>> forces_;
     std::optional<TouchingStrands<S>> between_strands_;
@@ -106,7 +105,7 @@ SimulationOf<Hair>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
         hair_.begin_display(water_->flow().saturation(), scene.flow->reach);
     else if (scene.cohesion)
         hair_.begin_display(scene.saturation, 0);
-    if (scene.air) air_.emplace(scene, hair_.state), hair_.give_air();
+    if (scene.air) air_.emplace(scene, hair_);
     if (scene.has_deforming_solid()) surfaces_.emplace(scene), hair_.take_surfaces(*surfaces_);
     if (auto method = make_particle_forces(scene)) forces_.emplace(std::move(method), hair_.state);
     if (scene.strand_contact) between_strands_.emplace(scene, hair_.state);
@@ -128,7 +127,7 @@ void SimulationOf<Hair>::advance() {
     frame_seconds_ = 0;
     const StageTimer timer(frame_seconds_);
     if (water_) move_water();
-    if (air_) move_air();
+    if (air_) air_->advance(hair_, time_);
     const int substeps = scene_.integrator.substeps;
     if (surfaces_) {
         const StageTimer surface_timer(surface_seconds_);
@@ -147,6 +146,7 @@ void SimulationOf<Hair>::advance() {
         time_ = time;
     }
     hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+    if (air_) air_->finish();
 }
 
 // From the state as it is; what a network answers holds for the substep that follows.
@@ -200,13 +200,6 @@ void SimulationOf<Hair>::follow_water() {
     hair_.give_water();
     if (scene_.cohesion) hair_.take_up_water(water_->flow().dry_mass());
     if (between_strands_) between_strands_->weigh(hair_.state);
-}
-
-template <class Hair>
-void SimulationOf<Hair>::move_air() {
-    hair_.fetch();
-    air_->advance(hair_.state, time_);
-    hair_.give_air();
 }
 
 template <class Hair>

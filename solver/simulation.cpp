@@ -13,6 +13,7 @@ class CpuHair : public ChainStepper<T> {
   public:
     using Number = T;
     using typename ChainStepper<T>::S;
+    using Air = HairInAir<CpuHair>;
 
     explicit CpuHair(const Scene& scene) : ChainStepper<T>(scene), scene_(scene) {}
 
@@ -31,7 +32,6 @@ class CpuHair : public ChainStepper<T> {
     void give_state() {}
     void give_velocities() {}
     void give_water() {}
-    void give_air() {}
     // Level sets as they are for the substeps that follow.
     void take_surfaces(const DeformingSolids&) {}
 

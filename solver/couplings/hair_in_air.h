@@ -5,26 +5,29 @@
 
 #include "solver/air/air.h"
 #include "solver/chain_state.h"
+#include "solver/cost.h"
 
 namespace wetcurl {
 
-template <class S>
+// Hair as of a schedule, in the host's memory.
+template <class Hair>
 class HairInAir {
   public:
-    // For a scene with [air], which must outlive it; `state` feels the air where it is.
-    HairInAir(const Scene& scene, ChainState<S>& state) : scene_(scene), field_(*scene.air) {
+    // For a scene with [air], which must outlive it; the hair feels the air where it is.
+    HairInAir(const Scene& scene, Hair& hair) : scene_(scene), field_(*scene.air) {
         if (scene.air->two_way) hair_.resize(scene.groom.rest.points.size());
-        sample(state);
+        sample(hair.state);
     }
     // A frame from `time` [s] on. Once a frame: a step of the air costs more than a substep of the strands,
     // it is stable at any length, and a block of strands still goes through all substeps of a frame at once.
-    void advance(ChainState<S>& state, double time) {
+    void advance(Hair& hair, double time) {
         const StageTimer timer(seconds);
         const double dt = 1 / scene_.fps;
-        if (scene_.air->two_way) gather(state);
+        if (scene_.air->two_way) gather(hair.state);
         field_.step(dt, time + dt, hair_);
-        sample(state);
+        sample(hair.state);
     }
+    void finish() {}  // once the frame is shown
     void list(BufferList& buffers) const {
         buffers.push_back({"air", field_.bytes()}), add_buffer(buffers, "hair in the air", hair_);
     }
@@ -32,12 +35,12 @@ class HairInAir {
 
   private:
     // What the strands feel of the air, where they are now.
-    void sample(ChainState<S>& state) const {
+    void sample(auto& state) const {
         state.for_each_lane([&](size_t, size_t k, int lane) {
             state.put(state.air[k], lane, field_.at(state.template lane_of<double>(state.x[k], lane)));
         });
     }
-    void gather(const ChainState<S>& state) {
+    void gather(const auto& state) {
         const double c = scene_.term<AirDrag>()->c;
         const size_t n = size_t(state.n);
         state.for_each_particle([&](size_t id, size_t k, int lane) {
