@@ -26,15 +26,17 @@ struct BlowingBall {
     double radius, gust;
 };
 
-// Nothing is allocated and nothing read by the host from step to step.
+// Nothing is allocated and nothing read by the host from step to step, so that one can be captured.
 class AirDevice {
   public:
     // `hair_length` [m] of all hair that brakes it, `drag` as of AirDrag; 0: none does.
     AirDevice(const Air& air, double dt, double hair_length, double drag);
 
+    // What sources do at `time` [s], for the steps that follow.
+    void blow(double time);
     // As AirField::step. `hair`: null where the air is not braked.
     template <class T>
-    void launch_step(double time, const BrakingHair<T>* hair, cudaStream_t stream);
+    void launch_step(const BrakingHair<T>* hair, cudaStream_t stream);
     // What particles at x (count) feel: air (count) [m/s].
     template <class T>
     void launch_sample(const Vec3<T>* x, Vec3<T>* air, size_t count, cudaStream_t stream) const;
@@ -47,13 +49,13 @@ class AirDevice {
         int cells;
         DeviceBuffer<double> sines, eigenvalues, factors, more_factors;
     };
-    StaggeredGrid view() const;
+    StaggeredGrid view(const std::array<DeviceBuffer<double>, 3>& u) const;
     void launch_sines(int axis, bool back, const double* from, double* to, cudaStream_t stream) const;
 
     const Air air_;
     const double dt_;
     std::array<Axis, 3> axes_;
-    std::array<DeviceBuffer<double>, 3> u_, next_;
+    std::array<DeviceBuffer<double>, 3> u_, next_;  // within a step it is the latter
     DeviceBuffer<double> pressure_, spare_;
     PinnedBuffer<BlowingBall> host_balls_;
     DeviceBuffer<BlowingBall> balls_;

@@ -10,6 +10,7 @@
 #include "cuda/chain_kernel.h"
 #include "cuda/chain_setup.h"
 #include "cuda/cohesion_kernel.h"
+#include "cuda/driver.h"
 #include "solver/schedule.h"
 
 namespace wetcurl {
@@ -34,30 +35,6 @@ std::vector<std::string> cuda_devices(std::string* reason) {
 
 namespace {
 
-// Owners of what the driver makes.
-struct Stream {
-    cudaStream_t handle = nullptr;
-    Stream() { check_cuda(cudaStreamCreateWithFlags(&handle, cudaStreamNonBlocking), "stream"); }
-    Stream(const Stream&) = delete;
-    ~Stream() { cudaStreamDestroy(handle); }
-};
-struct Event {
-    cudaEvent_t handle = nullptr;
-    Event() { check_cuda(cudaEventCreate(&handle), "event"); }
-    Event(const Event&) = delete;
-    ~Event() { cudaEventDestroy(handle); }
-};
-struct Graph {
-    cudaGraphExec_t handle = nullptr;
-    Graph() = default;
-    Graph(const Graph&) = delete;
-    ~Graph() { reset(); }
-    void reset() {
-        if (handle) cudaGraphExecDestroy(handle);
-        handle = nullptr;
-    }
-};
-
 template <class T>
 class CudaHair;
 
@@ -70,17 +47,16 @@ class AirAround {
         sample(hair);
     }
     void advance(CudaHair<T>& hair, double time) {
-        check_cuda(cudaEventRecord(events_[0].handle, hair.stream()), "event");
-        const BrakingHair<T> braking = hair.braking();
-        field_.launch_step(time + 1 / scene_.fps, scene_.air->two_way ? &braking : nullptr, hair.stream());
-        sample(hair);
-        check_cuda(cudaEventRecord(events_[1].handle, hair.stream()), "event");
+        field_.blow(time + 1 / scene_.fps);
+        begin_.record(hair.stream());
+        graph_.replay(hair.stream(), [&] {
+            const BrakingHair<T> braking = hair.braking();
+            field_.launch_step(scene_.air->two_way ? &braking : nullptr, hair.stream());
+            sample(hair);
+        });
+        end_.record(hair.stream());
     }
-    void finish() {
-        float milliseconds = 0;
-        check_cuda(cudaEventElapsedTime(&milliseconds, events_[0].handle, events_[1].handle), "time");
-        seconds = 1e-3 * milliseconds;
-    }
+    void finish() { seconds = end_.since(begin_); }
     void list(BufferList& buffers) const { buffers.push_back({"air", field_.bytes()}); }
     double seconds = 0;  // in the frame at hand
 
@@ -95,7 +71,8 @@ class AirAround {
     }
     const Scene& scene_;
     AirDevice field_;
-    std::array<Event, 2> events_;
+    Graph graph_;
+    Event begin_, end_;
 };
 
 // The strands in a device's memory: a schedule's Hair, as CpuHair is one.
@@ -184,15 +161,12 @@ class CudaHair {
     void upload_motion();
     void launch_chain(int substeps);
     void launch_display();
-    void replay();
+    void launch_frame();
     void read_report();
-    void mark(size_t event);
-    double between(size_t event) const;
     std::vector<double> energies_of(int strand) const;
 
     const Scene& scene_;
     const double dt_;
-    bool capturing_ = false;
     bool shown_ = false;  // what was run last is seen already
     mutable bool fetched_ = true, history_fetched_ = true;
 
@@ -455,53 +429,28 @@ void CudaHair<T>::launch_chain(int substeps) {
         wetcurl::launch_chain(launch, stream_.handle);
 }
 
-template <class T>
-void CudaHair<T>::mark(size_t event) {
-    const unsigned flags = capturing_ ? cudaEventRecordExternal : cudaEventRecordDefault;
-    check_cuda(cudaEventRecordWithFlags(events_[event].handle, stream_.handle, flags), "event");
-}
-// Seconds from an event to the next.
-template <class T>
-double CudaHair<T>::between(size_t event) const {
-    float milliseconds = 0;
-    check_cuda(cudaEventElapsedTime(&milliseconds, events_[event].handle, events_[event + 1].handle), "time");
-    return 1e-3 * milliseconds;
-}
-
 // All of a frame after its substeps, up to the report for the host.
 template <class T>
 void CudaHair<T>::launch_display() {
     launch_unpack(memory(), positions_.data(), &report_.data()->diverged, stream_.handle);
-    mark(1);
+    events_[1].record(stream_.handle);
     if (cohesion_) cohesion_->launch_lists(positions_.data(), report_.data(), stream_.handle);
-    mark(2);
+    events_[2].record(stream_.handle);
     if (cohesion_)
         cohesion_->launch_passes(positions_.data(), motion_.data() + slots_ - 1, displayed_.data(),
                                  stream_.handle);
-    mark(3);
+    events_[3].record(stream_.handle);
     check_cuda(cudaMemcpyAsync(&host_report_[1], report_.data(), sizeof(FrameReport), cudaMemcpyDeviceToHost,
                                stream_.handle),
                "report");
 }
 
-// The frame as a graph, captured the first time that it is asked for.
 template <class T>
-void CudaHair<T>::replay() {
-    if (!graph_.handle) {
-        cudaGraph_t captured;
-        capturing_ = true;
-        check_cuda(cudaStreamBeginCapture(stream_.handle, cudaStreamCaptureModeThreadLocal), "capture");
-        upload_motion();
-        mark(0);
-        launch_chain(slots_);
-        launch_display();
-        check_cuda(cudaStreamEndCapture(stream_.handle, &captured), "capture");
-        capturing_ = false;
-        const cudaError_t status = cudaGraphInstantiate(&graph_.handle, captured, 0);
-        cudaGraphDestroy(captured);
-        check_cuda(status, "graph");
-    }
-    check_cuda(cudaGraphLaunch(graph_.handle, stream_.handle), "launch of the frame");
+void CudaHair<T>::launch_frame() {
+    upload_motion();
+    events_[0].record(stream_.handle);
+    launch_chain(slots_);
+    launch_display();
 }
 
 template <class T>
@@ -512,7 +461,7 @@ void CudaHair<T>::run(const std::vector<Placement<T>>& path, const GivenToChain<
     shown_ = ends_frame && path.size() == size_t(slots_) && first == always_first();
     if (shown_) {
         for (int k = 0; k < slots_; ++k) put_motion(k, path[size_t(k)]);
-        return replay();
+        return graph_.replay(stream_.handle, [&] { launch_frame(); });
     }
     const StageTimer timer(seconds.chain);
     for (size_t done = 0; done < path.size();) {
@@ -537,8 +486,9 @@ void CudaHair<T>::show(double time, const MovingGrid* surfaces) {
         launch_display();
     }
     read_report();
-    if (shown_) seconds.chain = between(0);
-    if (cohesion_) seconds.lists = between(1), seconds.cohesion = between(2);
+    if (shown_) seconds.chain = events_[1].since(events_[0]);
+    if (cohesion_)
+        seconds.lists = events_[2].since(events_[1]), seconds.cohesion = events_[3].since(events_[2]);
     shown_ = false;
 }
 
@@ -550,7 +500,7 @@ void CudaHair<T>::read_report() {
         // Longer lists than ever before: the display again, with room for them. The graph holds the old
         // addresses.
         cohesion_->grow();
-        graph_.reset();
+        graph_.forget();
         upload_motion();
         launch_display();
         check_cuda(cudaStreamSynchronize(stream_.handle), "frame");

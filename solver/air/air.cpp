@@ -19,7 +19,7 @@ double AirSource::gust(double time) const {
 
 AirField::AirField(const Air& air) : air_(air), cell_(cell_of(air)), poisson_(air.grid, cell_) {
     for (int axis = 0; axis < 3; ++axis) {
-        const size_t count = view().faces(axis);
+        const size_t count = size_t(view().faces(axis));
         u_[size_t(axis)].assign(count, along(air.wind, axis));
         next_[size_t(axis)].assign(count, 0.0);
         if (air.two_way) braked_[size_t(axis)].resize(count);
@@ -32,6 +32,7 @@ StaggeredGrid AirField::view() const {
     auto* self = const_cast<AirField*>(this);
     return {{air_.grid[0], air_.grid[1], air_.grid[2]},
             cell_,
+            1 / cell_,
             corner_of(air_),
             air_.wind,
             {self->u_[0].data(), self->u_[1].data(), self->u_[2].data()},
@@ -44,7 +45,7 @@ void AirField::for_each_face(int axis, F f) const {
     const auto n = faces(axis);
 #pragma omp parallel for schedule(static)
     for (int k = 0; k < n[2]; ++k) {
-        size_t face = view().index(axis, 0, 0, k);
+        size_t face = size_t(view().index(axis, 0, 0, k));
         for (int j = 0; j < n[1]; ++j)
             for (int i = 0; i < n[0]; ++i) f(face++, i, j, k);
     }
@@ -123,8 +124,9 @@ void AirField::brake(const std::vector<DragPoint>& hair, double dt) {
             const Vec3d place = grid.in_cells(cast<double>(h.x));
             if (!grid.inside(place)) continue;
             const double v = along(cast<double>(h.v), axis);
-            grid.stencil(axis, place).for_each([&](size_t face, double weight) {
+            grid.stencil(axis, place).for_each([&](int at, double weight) {
                 weight *= each * double(h.drag);
+                const size_t face = size_t(at);
                 k[face] += weight, kv[face] += weight * v;
             });
         }

@@ -66,7 +66,9 @@ class AirField {
     double cell() const { return cell_; }
     // The component along `axis` at its face (i, j, k), and that face's centre: a face lies at the lower side
     // of its cell, and there is one more of them than cells along the axis.
-    double& face(int axis, int i, int j, int k) { return u_[size_t(axis)][view().index(axis, i, j, k)]; }
+    double& face(int axis, int i, int j, int k) {
+        return u_[size_t(axis)][size_t(view().index(axis, i, j, k))];
+    }
     std::array<int, 3> faces(int axis) const {
         return {view().faces(axis, 0), view().faces(axis, 1), view().faces(axis, 2)};
     }

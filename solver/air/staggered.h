@@ -12,17 +12,16 @@ WETCURL_HD inline double along(const Vec3d& v, int axis) { return axis == 0 ? v.
 // are in cells from the box's corner, in which a velocity is u / cell.
 struct StaggeredGrid {
     int cells[3];
-    double cell;              // [m]
+    double cell, per_cell;    // [m], [1/m]
     Vec3d corner, wind;       // [m]; what blows outside [m/s]
     double *u[3], *pressure;  // [m/s], (z, y, x) at the faces of each axis; times dt over density, at cells
 
     // Faces of the component `axis` along an axis.
     WETCURL_HD int faces(int axis, int a) const { return cells[a] + (a == axis); }
-    WETCURL_HD size_t faces(int axis) const {
-        return size_t(faces(axis, 0)) * size_t(faces(axis, 1)) * size_t(faces(axis, 2));
-    }
-    WETCURL_HD size_t index(int axis, int i, int j, int k) const {
-        return (size_t(k) * size_t(faces(axis, 1)) + size_t(j)) * size_t(faces(axis, 0)) + size_t(i);
+    // Whole numbers of 32 bits hold them: a device is slow with longer ones.
+    WETCURL_HD int faces(int axis) const { return faces(axis, 0) * faces(axis, 1) * faces(axis, 2); }
+    WETCURL_HD int index(int axis, int i, int j, int k) const {
+        return (k * faces(axis, 1) + j) * faces(axis, 0) + i;
     }
     // The centre of a face, in cells.
     WETCURL_HD Vec3d center(int axis, int i, int j, int k) const {
@@ -31,7 +30,7 @@ struct StaggeredGrid {
     WETCURL_HD Vec3d place(int axis, int i, int j, int k) const {  // [m]
         return corner + cell * center(axis, i, j, k);
     }
-    WETCURL_HD Vec3d in_cells(const Vec3d& x) const { return (1 / cell) * (x - corner); }
+    WETCURL_HD Vec3d in_cells(const Vec3d& x) const { return per_cell * (x - corner); }
     // Written so that NaN is outside.
     WETCURL_HD bool inside(const Vec3d& c) const {
         return c.x >= 0 && c.x <= cells[0] && c.y >= 0 && c.y <= cells[1] && c.z >= 0 && c.z <= cells[2];
@@ -39,13 +38,13 @@ struct StaggeredGrid {
 
     // Eight faces around a place and their weights.
     struct Stencil {
-        size_t corner, step[3];
+        int corner, step[3];
         double t[3];
         // f(face, weight) for each.
         template <class F>
         WETCURL_HD void for_each(F f) const {
             for (int c = 0; c < 8; ++c) {
-                size_t at = corner;
+                int at = corner;
                 double weight = 1;
                 for (int a = 0; a < 3; ++a) {
                     const bool upper = (c >> a) & 1;
@@ -58,12 +57,12 @@ struct StaggeredGrid {
     };
     // Of a place inside the box; within half a cell of its surface the last face's value holds.
     WETCURL_HD Stencil stencil(int axis, const Vec3d& place) const {
-        Stencil s{0, {1, size_t(faces(axis, 0)), size_t(faces(axis, 0)) * size_t(faces(axis, 1))}, {}};
+        Stencil s{0, {1, faces(axis, 0), faces(axis, 0) * faces(axis, 1)}, {}};
         for (int a = 0; a < 3; ++a) {
             const int n = faces(axis, a);
             const double g = minimum(maximum(along(place, a) - (a == axis ? 0 : 0.5), 0.0), double(n - 1));
             const int i = int(g) < n - 2 ? int(g) : n - 2;
-            s.corner += size_t(i) * s.step[a];
+            s.corner += i * s.step[a];
             s.t[a] = g - i;
         }
         return s;
@@ -91,27 +90,24 @@ struct StaggeredGrid {
         return inside(from) ? sample(axis, from) : along(wind, axis);
     }
     WETCURL_HD double divergence(int i, int j, int k) const {  // [1/s]
-        return (u[0][index(0, i + 1, j, k)] - u[0][index(0, i, j, k)] + u[1][index(1, i, j + 1, k)] -
-                u[1][index(1, i, j, k)] + u[2][index(2, i, j, k + 1)] - u[2][index(2, i, j, k)]) /
-               cell;
+        return per_cell *
+               (u[0][index(0, i + 1, j, k)] - u[0][index(0, i, j, k)] + u[1][index(1, i, j + 1, k)] -
+                u[1][index(1, i, j, k)] + u[2][index(2, i, j, k + 1)] - u[2][index(2, i, j, k)]);
     }
     // What a face loses to the pressure, which is zero on the surface, half a cell from the last centre.
     WETCURL_HD double pressure_gradient(int axis, int i, int j, int k) const {
         const int at = axis == 0 ? i : axis == 1 ? j : k;
-        const size_t row = size_t(cells[0]), layer = row * size_t(cells[1]),
-                     back = axis == 0   ? 1
-                            : axis == 1 ? row
-                                        : layer;
-        const double* here = pressure + (size_t(k) * layer + size_t(j) * row + size_t(i));
+        const int row = cells[0], layer = row * cells[1], back = axis == 0 ? 1 : axis == 1 ? row : layer;
+        const double* here = pressure + (k * layer + j * row + i);
         const double before = at == 0 ? 0 : *(here - back), after = at == cells[axis] ? 0 : *here;
-        return (at == 0 || at == cells[axis] ? 2 : 1) / cell * (after - before);
+        return (at == 0 || at == cells[axis] ? 2 : 1) * per_cell * (after - before);
     }
 };
 
 // A ball that blows, at the moment: the share of its velocity that the air at x takes on, but for the gust.
 WETCURL_HD inline double share_of_ball(const Vec3d& center, double radius, const Vec3d& x) {
-    const Vec3d d = (1 / radius) * (x - center);
-    const double inside = maximum(0.0, 1 - dot(d, d));
+    const Vec3d d = x - center;
+    const double inside = maximum(0.0, 1 - dot(d, d) / (radius * radius));
     return inside * (2 - inside);
 }
 

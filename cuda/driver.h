@@ -1,0 +1,65 @@
+// Owners of what the driver makes. Ours.
+#pragma once
+
+#include "base/device_buffer.h"
+
+namespace wetcurl {
+
+struct Stream {
+    cudaStream_t handle = nullptr;
+    Stream() { check_cuda(cudaStreamCreateWithFlags(&handle, cudaStreamNonBlocking), "stream"); }
+    Stream(const Stream&) = delete;
+    ~Stream() { cudaStreamDestroy(handle); }
+};
+
+struct Event {
+    cudaEvent_t handle = nullptr;
+    Event() { check_cuda(cudaEventCreate(&handle), "event"); }
+    Event(const Event&) = delete;
+    ~Event() { cudaEventDestroy(handle); }
+    // Also while launches are captured.
+    void record(cudaStream_t stream) const {
+        cudaStreamCaptureStatus status;
+        check_cuda(cudaStreamIsCapturing(stream, &status), "event");
+        const bool captured = status == cudaStreamCaptureStatusActive;
+        check_cuda(cudaEventRecordWithFlags(handle, stream,
+                                            captured ? cudaEventRecordExternal : cudaEventRecordDefault),
+                   "event");
+    }
+    // [s] both have passed.
+    double since(const Event& before) const {
+        float milliseconds = 0;
+        check_cuda(cudaEventElapsedTime(&milliseconds, before.handle, handle), "time");
+        return 1e-3 * milliseconds;
+    }
+};
+
+// Launches that are captured the first time that they are asked for, and replayed.
+class Graph {
+  public:
+    Graph() = default;
+    Graph(const Graph&) = delete;
+    ~Graph() { forget(); }
+    void forget() {
+        if (handle_) cudaGraphExecDestroy(handle_);
+        handle_ = nullptr;
+    }
+    template <class Launch>
+    void replay(cudaStream_t stream, Launch launch) {
+        if (!handle_) {
+            cudaGraph_t captured;
+            check_cuda(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), "capture");
+            launch();
+            check_cuda(cudaStreamEndCapture(stream, &captured), "capture");
+            const cudaError_t status = cudaGraphInstantiate(&handle_, captured, 0);
+            cudaGraphDestroy(captured);
+            check_cuda(status, "graph");
+        }
+        check_cuda(cudaGraphLaunch(handle_, stream), "launch of a graph");
+    }
+
+  private:
+    cudaGraphExec_t handle_ = nullptr;
+};
+
+}  // namespace wetcurl
