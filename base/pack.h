@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
+#ifdef __AVX2__
 #include <immintrin.h>
 #endif
 
@@ -102,6 +102,15 @@ inline uint32_t bits_of(M m) {
         return _mm512_movepi32_mask(__m512i(m));
     else
         return _mm512_movepi64_mask(__m512i(m));
+#elif defined(__AVX2__)
+    __m256i half[2];
+    std::memcpy(half, &m, sizeof half);
+    if constexpr (sizeof(m[0]) == 4)
+        return uint32_t(_mm256_movemask_ps(__m256(half[0]))) | uint32_t(_mm256_movemask_ps(__m256(half[1])))
+                                                                   << 8;
+    else
+        return uint32_t(_mm256_movemask_pd(__m256d(half[0]))) | uint32_t(_mm256_movemask_pd(__m256d(half[1])))
+                                                                    << 4;
 #else
     uint32_t bits = 0;
     for (int l = 0; l < int(sizeof m / sizeof m[0]); ++l) bits |= uint32_t(m[l] & 1) << l;
