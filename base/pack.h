@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#ifdef __AVX2__
+#ifdef __SSE2__
 #include <immintrin.h>
 #endif
 
@@ -14,19 +14,26 @@
 
 namespace wetcurl {
 
-// Lanes of a 64-byte register.
+// Bytes of the processor's registers: compilers take wider vectors apart number by number.
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+inline constexpr int register_bytes = 64;
+#elif defined(__AVX2__)
+inline constexpr int register_bytes = 32;
+#else
+inline constexpr int register_bytes = 16;
+#endif
 template <class T>
-inline constexpr int lanes_of = 64 / int(sizeof(T));
+inline constexpr int lanes_of = register_bytes / int(sizeof(T));
 
 template <class T>
 struct RegisterOf;
 template <>
 struct RegisterOf<float> {
-    typedef float type __attribute__((vector_size(64)));
+    typedef float type __attribute__((vector_size(register_bytes)));
 };
 template <>
 struct RegisterOf<double> {
-    typedef double type __attribute__((vector_size(64)));
+    typedef double type __attribute__((vector_size(register_bytes)));
 };
 
 template <class T>
@@ -103,14 +110,15 @@ inline uint32_t bits_of(M m) {
     else
         return _mm512_movepi64_mask(__m512i(m));
 #elif defined(__AVX2__)
-    __m256i half[2];
-    std::memcpy(half, &m, sizeof half);
     if constexpr (sizeof(m[0]) == 4)
-        return uint32_t(_mm256_movemask_ps(__m256(half[0]))) | uint32_t(_mm256_movemask_ps(__m256(half[1])))
-                                                                   << 8;
+        return uint32_t(_mm256_movemask_ps(__m256(m)));
     else
-        return uint32_t(_mm256_movemask_pd(__m256d(half[0]))) | uint32_t(_mm256_movemask_pd(__m256d(half[1])))
-                                                                    << 4;
+        return uint32_t(_mm256_movemask_pd(__m256d(m)));
+#elif defined(__SSE2__)
+    if constexpr (sizeof(m[0]) == 4)
+        return uint32_t(_mm_movemask_ps(__m128(m)));
+    else
+        return uint32_t(_mm_movemask_pd(__m128d(m)));
 #else
     uint32_t bits = 0;
     for (int l = 0; l < int(sizeof m / sizeof m[0]); ++l) bits |= uint32_t(m[l] & 1) << l;
@@ -118,8 +126,8 @@ inline uint32_t bits_of(M m) {
 #endif
 }
 inline Pack<float>::Mask mask_of(uint32_t bits) {
-    constexpr Pack<float>::Mask lane{1 << 0, 1 << 1, 1 << 2,  1 << 3,  1 << 4,  1 << 5,  1 << 6,  1 << 7,
-                                     1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
+    Pack<float>::Mask lane{};
+    for (int l = 0; l < Pack<float>::lanes; ++l) lane[l] = 1 << l;
     return ((Pack<float>::Mask{} + int(bits)) & lane) != 0;
 }
 template <class T>
@@ -127,16 +135,27 @@ bool any_positive(Pack<T> a) {
     return bits_of(a > Pack<T>(0)) != 0;
 }
 // Over the lanes, in halves.
+typedef float FourFloats __attribute__((vector_size(16)));
+inline FourFloats sum_of_quarters(Pack<float> a) {
+    FourFloats q[Pack<float>::lanes / 4];
+    std::memcpy(q, &a.v, sizeof q);
+    if constexpr (Pack<float>::lanes == 16) q[0] += q[2], q[1] += q[3];
+    if constexpr (Pack<float>::lanes >= 8) q[0] += q[1];
+    return q[0];
+}
 inline float sum(Pack<float> a) {
-    typedef float Half __attribute__((vector_size(32)));
-    typedef float Quarter __attribute__((vector_size(16)));
-    Half h[2];
-    Quarter q[2];
-    std::memcpy(h, &a.v, sizeof h);
-    h[0] += h[1];
-    std::memcpy(q, h, sizeof q);
-    q[0] += q[1];
-    return (q[0][0] + q[0][2]) + (q[0][1] + q[0][3]);
+    const FourFloats q = sum_of_quarters(a);
+    return (q[0] + q[2]) + (q[1] + q[3]);
+}
+// Four such sums side by side, of the same bits.
+inline FourFloats sums(Pack<float> a, Pack<float> b, Pack<float> c, Pack<float> d) {
+    typedef int Order __attribute__((vector_size(16)));
+    const FourFloats qa = sum_of_quarters(a), qb = sum_of_quarters(b), qc = sum_of_quarters(c),
+                     qd = sum_of_quarters(d);
+    const Order low{0, 4, 1, 5}, high{2, 6, 3, 7}, first{0, 1, 4, 5}, second{2, 3, 6, 7};
+    const FourFloats ab = __builtin_shuffle(qa, qb, low) + __builtin_shuffle(qa, qb, high),
+                     cd = __builtin_shuffle(qc, qd, low) + __builtin_shuffle(qc, qd, high);
+    return __builtin_shuffle(ab, cd, first) + __builtin_shuffle(ab, cd, second);
 }
 template <class T>
 Pack<T> maximum(Pack<T> a, Pack<T> b) {

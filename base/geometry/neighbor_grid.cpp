@@ -1,12 +1,49 @@
-// Counting sort of points into the cells of a regular grid.
+// Counting sorts.
 #include "base/geometry/neighbor_grid.h"
 
 #include <omp.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
+#include <utility>
 
 namespace wetcurl {
+
+namespace {
+
+// put(i, k) for i = 0 .. count - 1, k its place among all by key(i) < bins; equal ones keep their order.
+// `start` (bins + 1): where a bin's places begin.
+template <class Key, class Put>
+void counting_sort(size_t count, size_t bins, std::vector<uint32_t>& start, Key key, Put put) {
+    // Threads count on their own: few, where there are many bins.
+    const int most = int(std::min<size_t>(size_t(omp_get_max_threads()), 1 + 2 * count / bins));
+    std::vector<uint32_t> next(size_t(most) * bins);
+    start.resize(bins + 1);
+#pragma omp parallel num_threads(most)
+    {
+        const size_t thread = size_t(omp_get_thread_num()), threads = size_t(omp_get_num_threads()),
+                     low = count * thread / threads, high = count * (thread + 1) / threads;
+        uint32_t* mine = &next[thread * bins];
+        for (size_t i = low; i < high; ++i) ++mine[key(i)];
+#pragma omp barrier
+#pragma omp single
+        {
+            uint32_t sum = 0;
+            for (size_t bin = 0; bin < bins; ++bin) {
+                start[bin] = sum;
+                for (size_t t = 0; t < threads; ++t) {
+                    uint32_t& place = next[t * bins + bin];
+                    sum += std::exchange(place, sum);
+                }
+            }
+            start[bins] = sum;
+        }
+        for (size_t i = low; i < high; ++i) put(i, mine[key(i)]++);
+    }
+}
+
+}  // namespace
 
 void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
     constexpr float all = std::numeric_limits<float>::infinity();
@@ -19,56 +56,39 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
     const Vec3f low = count ? Vec3f{lx, ly, lz} : Vec3f{0, 0, 0},
                 high = count ? Vec3f{hx, hy, hz} : Vec3f{0, 0, 0};
     origin_ = low;
-    // Scattered points must not cost more cells than memory: cells grow until they are a few a point.
+    // Scattered points must not cost more rows than there are points: rows widen until they are fewer.
     float side = radius;
-    const double most = std::max<double>(4096, 1.5 * double(count));
+    const double most = std::max<double>(4096, double(count));
     auto cells_along = [&](float extent) { return double(std::floor(extent / side)) + 1; };
-    while (cells_along(high.x - low.x) * cells_along(high.y - low.y) * cells_along(high.z - low.z) > most)
-        side *= 1.25f;
+    while (cells_along(high.y - low.y) * cells_along(high.z - low.z) > most) side *= 1.25f;
     inverse_ = 1 / side;
-    nx_ = column(high.x) + 1;
     ny_ = cell(high.y, low.y) + 1;
     nz_ = cell(high.z, low.z) + 1;
-    start_.assign(size_t(nx_) * size_t(ny_) * size_t(nz_) + 1, 0);
-    order_.resize(count);
+    const float width = std::max(radius / 8, 1.001f * (high.x - low.x) / most_columns);
+    per_column_ = 1 / width;
+    reach_ = int(std::ceil(radius / width)) + 1;
+
     points_.resize(count);
-    // Each thread looks at all points and takes those of its cells, so that they keep their order.
-    const size_t cells = start_.size() - 1;
-    std::vector<size_t> first_cell;  // (thread and one), each with about as many points
-#pragma omp parallel
-    {
-        const size_t thread = size_t(omp_get_thread_num()), threads = size_t(omp_get_num_threads());
-        const auto for_each_in = [&](size_t begin, size_t end, auto take) {
-            for (size_t i = 0; i < count; ++i) {
-                const size_t cell = cell_of(p[i]);
-                if (cell - begin < end - begin) take(i, cell);
-            }
-        };
-        for_each_in(cells * thread / threads, cells * (thread + 1) / threads,
-                    [&](size_t, size_t cell) { ++start_[cell + 1]; });
-#pragma omp barrier
-#pragma omp single
-        {
-            for (size_t c = 1; c <= cells; ++c) start_[c] += start_[c - 1];
-            for (size_t t = 0; t < threads; ++t)
-                first_cell.push_back(
-                    size_t(std::lower_bound(start_.begin(), start_.end() - 1, count * t / threads) -
-                           start_.begin()));
-            first_cell[0] = 0, first_cell.push_back(cells);
-        }
-        // Filling moves each start to its end, which is the next one's start: shift back afterwards.
-        for_each_in(first_cell[thread], first_cell[thread + 1], [&](size_t i, size_t cell) {
-            const uint32_t k = start_[cell]++;
-            order_[k] = uint32_t(i);
-            points_.set(k, p[i]);
-        });
+    // The first sort's order waits in the place of x.
+    std::vector<float>& by_column = points_.x;
+    counting_sort(
+        count, size_t(column(high.x)) + 1, start_, [&](size_t i) { return size_t(column(p[i].x)); },
+        [&](size_t i, uint32_t k) { by_column[k] = std::bit_cast<float>(uint32_t(i)); });
+    order_.resize(count), column_.resize(count);
+    counting_sort(
+        count, size_t(ny_) * size_t(nz_), start_,
+        [&](size_t i) { return row_of(p[std::bit_cast<uint32_t>(by_column[i])]); },
+        [&](size_t i, uint32_t k) { order_[k] = std::bit_cast<uint32_t>(by_column[i]); });
+#pragma omp parallel for schedule(static)
+    for (size_t k = 0; k < count; ++k) {
+        points_.set(k, p[order_[k]]);
+        column_[k] = uint16_t(column(points_.x[k]));
     }
-    for (size_t c = start_.size() - 1; c > 0; --c) start_[c] = start_[c - 1];
-    start_[0] = 0;
 }
 
 size_t NeighborGrid::bytes() const {
-    return (start_.capacity() + order_.capacity()) * sizeof(uint32_t) + points_.bytes();
+    return (start_.capacity() + order_.capacity()) * sizeof(uint32_t) +
+           column_.capacity() * sizeof(uint16_t) + points_.bytes();
 }
 
 }  // namespace wetcurl

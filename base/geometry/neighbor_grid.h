@@ -1,6 +1,8 @@
-// Neighbours within a radius: points sorted by the cell of a regular grid (counting sort). Ours.
+// Neighbours within a radius: points sorted by the row of a regular grid, then along it (counting sorts).
+// Ours. Cells along a row too would be many times the points: hair fills little of its box.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -23,32 +25,31 @@ struct PointArrays {
     size_t bytes() const { return (x.capacity() + y.capacity() + z.capacity()) * sizeof(float); }
 };
 
-// Points in the order of their cells; `order[k]` is the index of sorted point k in the input.
-// Buffers keep their memory from one build to the next.
+// Points in the order of their rows; `order[k]` is the index of sorted point k in the input. A row is a
+// square of the grid across y and z; within it points go by x, but for less than a column's width. Buffers
+// keep their memory from one build to the next.
 class NeighborGrid {
   public:
-    // `positions` (count) [m]; three cells along x, one along y and z, are `radius` [m] at least.
+    // `positions` (count) [m]; a row is `radius` [m] wide at least.
     void build(const Vec3f* positions, size_t count, float radius);
     size_t size() const { return order_.size(); }
     const std::vector<uint32_t>& order() const { return order_; }
     Vec3f sorted(size_t k) const { return points_.at(k); }
-    // The sorted points. Who has searched may move them.
+    // The sorted points. Who has searched may move them, and searches no more.
     PointArrays& points() { return points_; }
     const PointArrays& points() const { return points_; }
     size_t bytes() const;
 
-    // Calls visit(begin, end) for each row of cells around x: at most nine ranges of sorted points that hold
-    // all within the radius (the caller tests the distance). x may lie anywhere.
+    // Calls visit(begin, end) for each row around x: at most nine ranges of sorted points that hold all
+    // within the radius (the caller tests the distance). x may lie anywhere.
     template <class Visit>
     void rows(const Vec3f& x, Visit visit) const {
-        const int cx = column(x.x), cy = cell(x.y, origin_.y), cz = cell(x.z, origin_.z);
-        const int x0 = cx > split ? cx - split : 0, x1 = cx + split < nx_ ? cx + split : nx_ - 1;
-        if (x0 > x1) return;
-        for (int z = cz > 0 ? cz - 1 : 0; z <= cz + 1 && z < nz_; ++z)
-            for (int y = cy > 0 ? cy - 1 : 0; y <= cy + 1 && y < ny_; ++y) {
-                const size_t row = (size_t(z) * size_t(ny_) + size_t(y)) * size_t(nx_);
-                visit(start_[row + size_t(x0)], start_[row + size_t(x1) + 1]);
-            }
+        const int c = column(x.x);
+        for_each_row(x, [&](uint32_t begin, uint32_t end) {
+            begin = first_at(begin, end, c - reach_);
+            end = first_at(begin, end, c + reach_ + 1);
+            if (begin < end) visit(begin, end);
+        });
     }
     // Calls visit(k) for each sorted point k of those rows.
     template <class Visit>
@@ -58,22 +59,83 @@ class NeighborGrid {
         });
     }
 
+    // `rows` of sorted points one after the other, whose ranges move on with them.
+    class Sweep {
+      public:
+        explicit Sweep(const NeighborGrid& grid) : grid_(grid) {}
+        // k: larger than in the call before.
+        template <class Visit>
+        void rows(size_t k, Visit visit) {
+            if (k >= row_end_) start(grid_.sorted(k));
+            if (grid_.column_[k] > last_) move_on(grid_.column_[k]);
+            for (int r = 0; r < count_; ++r)
+                if (range_[r].begin < range_[r].end) visit(range_[r].begin, range_[r].end);
+        }
+
+      private:
+        struct Range {
+            uint32_t begin, end, stop;
+        };
+        void start(const Vec3f& x) {
+            count_ = 0;
+            const int first = grid_.column(x.x) - grid_.reach_;
+            grid_.for_each_row(x, [&](uint32_t begin, uint32_t end) {
+                const uint32_t from = grid_.first_at(begin, end, first);
+                range_[count_++] = {from, from, end};
+            });
+            row_end_ = grid_.start_[grid_.row_of(x) + 1];
+            last_ = -1;
+        }
+        // To the ranges of `column` and of some after it.
+        void move_on(int column) {
+            last_ = column + columns_at_once - 1;
+            for (int r = 0; r < count_; ++r) {
+                Range& row = range_[r];
+                while (row.begin < row.stop && grid_.column_[row.begin] < column - grid_.reach_) ++row.begin;
+                while (row.end < row.stop && grid_.column_[row.end] <= last_ + grid_.reach_) ++row.end;
+            }
+        }
+        static constexpr int columns_at_once = 3;
+        const NeighborGrid& grid_;
+        Range range_[9];
+        int count_ = 0, last_ = -1;
+        size_t row_end_ = 0;
+    };
+
   private:
-    // Cells are `split` times shorter along a row: its points then lie nearly in the order of x.
-    static constexpr int split = 3;
-    static int clamped(float cell) {
-        return cell < -2 * split ? -2 * split : cell > 1e6f ? 1000000 : int(cell);
+    static int whole(float cell, int most) { return cell < -2 ? -2 : cell > float(most) ? most : int(cell); }
+    int cell(float x, float origin) const { return whole(std::floor((x - origin) * inverse_), 1 << 20); }
+    int column(float x) const { return whole(std::floor((x - origin_.x) * per_column_), most_columns); }
+    size_t row_of(const Vec3f& p) const {
+        return size_t(cell(p.z, origin_.z)) * size_t(ny_) + size_t(cell(p.y, origin_.y));
     }
-    int cell(float x, float origin) const { return clamped(std::floor((x - origin) * inverse_)); }
-    int column(float x) const { return clamped(std::floor((x - origin_.x) * (split * inverse_))); }
-    size_t cell_of(const Vec3f& p) const {
-        return (size_t(cell(p.z, origin_.z)) * size_t(ny_) + size_t(cell(p.y, origin_.y))) * size_t(nx_) +
-               size_t(column(p.x));
+    // The first of sorted points begin .. end - 1, of one row, that lies in `column` or beyond.
+    uint32_t first_at(uint32_t begin, uint32_t end, int column) const {
+        while (begin < end) {
+            const uint32_t middle = begin + (end - begin) / 2;
+            if (column_[middle] < column)
+                begin = middle + 1;
+            else
+                end = middle;
+        }
+        return begin;
     }
+    template <class Visit>
+    void for_each_row(const Vec3f& x, Visit visit) const {
+        const int cy = cell(x.y, origin_.y), cz = cell(x.z, origin_.z);
+        for (int z = cz > 0 ? cz - 1 : 0; z <= cz + 1 && z < nz_; ++z)
+            for (int y = cy > 0 ? cy - 1 : 0; y <= cy + 1 && y < ny_; ++y) {
+                const size_t row = size_t(z) * size_t(ny_) + size_t(y);
+                if (start_[row] < start_[row + 1]) visit(start_[row], start_[row + 1]);
+            }
+    }
+
+    static constexpr int most_columns = 1 << 16;
     Vec3f origin_{0, 0, 0};
-    float inverse_ = 1;
-    int nx_ = 0, ny_ = 0, nz_ = 0;
-    std::vector<uint32_t> start_, order_;
+    float inverse_ = 1, per_column_ = 1;
+    int reach_ = 0, ny_ = 0, nz_ = 0;      // reach: columns that hold the radius
+    std::vector<uint32_t> start_, order_;  // start: (row and one)
+    std::vector<uint16_t> column_;         // of sorted points
     PointArrays points_;
 };
 

@@ -22,8 +22,8 @@ struct Found {
     }
 };
 
-// Runs of one point. Returns its neighbours.
-uint32_t search(const NeighborGrid& grid, const std::vector<uint32_t>& group,
+// Runs of one point, the sweep's next. Returns its neighbours.
+uint32_t search(const NeighborGrid& grid, NeighborGrid::Sweep& sweep, const std::vector<uint32_t>& group,
                 const std::vector<float>& source, float radius, size_t k, Found& found) {
     using S = Pack<float>;
     const PointArrays& points = grid.points();
@@ -33,14 +33,22 @@ uint32_t search(const NeighborGrid& grid, const std::vector<uint32_t>& group,
     const S::Mask mine = S::Mask{} + int(group[k]);
     const size_t before = found.count;
     uint32_t neighbours = 0, with_source = 0;
-    grid.rows(x, [&](uint32_t begin, uint32_t end) {
-        found.make_room((end - begin) / NeighborList::lanes + 1);
-        for (uint32_t at = begin; at < end; at += NeighborList::lanes) {
+    sweep.rows(k, [&](uint32_t begin, uint32_t end) {
+        const auto neighbours_from = [&](uint32_t at) {
             const Vec3<S> d = points.load(at) - own;
             S::Mask groups;
             std::memcpy(&groups, &group[at], sizeof groups);
-            uint32_t bits = bits_of((dot(d, d) < reach) & (groups != mine));
-            if (end - at < NeighborList::lanes) bits &= (1u << (end - at)) - 1;
+            const uint32_t bits = bits_of((dot(d, d) < reach) & (groups != mine));
+            return end - at < NeighborList::lanes ? bits & ((1u << (end - at)) - 1) : bits;
+        };
+        found.make_room((end - begin) / NeighborList::lanes + 1);
+        for (uint32_t at = begin; at < end; at += NeighborList::lanes) {
+            uint32_t bits = neighbours_from(at);
+            // A run that is not the last begins with a neighbour: fewer hold them all.
+            if (bits && end - at > NeighborList::lanes) {
+                at += uint32_t(std::countr_zero(bits));
+                bits = neighbours_from(at);
+            }
             // Written in any case, kept where there is one: half of the branches would be mispredicted.
             found.first[found.count] = at;
             found.bits[found.count] = uint16_t(bits);
@@ -73,9 +81,10 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
                 uint32_t* begin = &begin_[low + c];
                 uint64_t sum = 0;
                 found.count = 0;
+                NeighborGrid::Sweep sweep(grid);
                 for (size_t k = low; k < high; ++k) {
                     begin[k - low] = uint32_t(found.count);
-                    sum += search(grid, group, source, radius, k, found);
+                    sum += search(grid, sweep, group, source, radius, k, found);
                 }
                 begin[high - low] = uint32_t(found.count);
                 neighbours += sum;

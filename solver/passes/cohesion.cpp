@@ -20,7 +20,7 @@ CohesionPass::CohesionPass(const Cohesion& term, int strands, int particles, con
       volume_(volume),
       saturation_(saturation) {
     const size_t count = size_t(strands) * size_t(particles), padded = count + size_t(S::lanes);
-    next_.resize(count);
+    moved_.resize(count);
     sorted_volume_.resize(padded), sorted_wet_volume_.resize(padded), strand_.resize(padded);
     rank_.resize(count);
     if (reach > 0) any_.assign(padded, 1.f);
@@ -52,7 +52,7 @@ void CohesionPass::build_lists(const Strands& p) {
     list_seconds_ = omp_get_wtime() - begin;
 }
 
-Vec3f CohesionPass::displacement(size_t k) const {
+[[gnu::always_inline]] inline Vec3f CohesionPass::displacement(size_t k) const {
     const Vec3<S> own = cast<S>(grid_.sorted(k));
     const S h(float(term_.h_c)), zero(0);
     Cohesion::Sums<S> sums{{zero, zero, zero}, zero};
@@ -62,26 +62,22 @@ Vec3f CohesionPass::displacement(size_t k) const {
                  select(neighbour, S::load(&sorted_volume_[first]), zero),
                  select(neighbour, S::load(&sorted_wet_volume_[first]), zero));
     });
-    const Cohesion::Sums<float> total{{sum(sums.pull.x), sum(sums.pull.y), sum(sums.pull.z)},
-                                      sum(sums.weight)};
+    const auto of = wetcurl::sums(sums.pull.x, sums.pull.y, sums.pull.z, sums.weight);
+    const Cohesion::Sums<float> total{{of[0], of[1], of[2]}, of[3]};
     return term_.displacement(total, sorted_volume_[k] * own_weight_[strand_[k]]);
 }
 
 void CohesionPass::apply(Strands& p) {
     build_lists(p);
-    PointArrays& now = grid_.points();
+    const PointArrays& now = grid_.points();
     const long count = long(grid_.size());
     for (int pass = 0; pass < term_.passes; ++pass) {
 #pragma omp parallel for schedule(dynamic, 1024)
         for (long k = 0; k < count; ++k) {
             const size_t at = size_t(k);
-            next_.set(at, list_.empty(at) ? now.at(at) : now.at(at) + displacement(at));
+            moved_[grid_.order()[at]] = list_.empty(at) ? Vec3f{0, 0, 0} : displacement(at);
         }
-        if (term_.coherence > 0)
-            smooth_displacements();
-        else
-            hold_roots();
-        std::swap(now, next_);
+        move_strands();
     }
 #pragma omp parallel for schedule(static)
     for (int s = 0; s < strands_; ++s) {
@@ -101,39 +97,33 @@ void CohesionPass::show_at(const Strands& p) {
     for (size_t k = 0; k < grid_.size(); ++k) grid_.points().set(k, p.points[grid_.order()[k]]);
 }
 
-void CohesionPass::hold_roots() {
-    for (size_t root = 0; root < rank_.size(); root += size_t(particles_))
-        next_.set(rank_[root], grid_.sorted(rank_[root]));
-}
-
-// Of the pass at hand: exponential smoothing along each strand, tip and back, twice; a root does not move.
-void CohesionPass::smooth_displacements() {
+// By the pass at hand, smoothed: exponentially along each strand, tip and back, twice. A root does not move.
+void CohesionPass::move_strands() {
     const size_t n = size_t(particles_);
-    const PointArrays& now = grid_.points();
+    PointArrays& now = grid_.points();
 #pragma omp parallel
     {
         std::vector<Vec3<S>> u(n);  // a lane is a strand
 #pragma omp for schedule(static)
         for (int block = 0; block < strands_; block += S::lanes) {
             const int lanes = std::min(S::lanes, strands_ - block);
-            S beta(0);
+            S beta(1);
             for (int lane = 0; lane < lanes; ++lane) {
-                beta.set(lane, float(filter_beta(segment_[size_t(block + lane)], term_.coherence)));
-                const uint32_t* rank = &rank_[size_t(block + lane) * n];
-                for (size_t i = 0; i < n; ++i) {
-                    const Vec3f d = next_.at(rank[i]) - now.at(rank[i]);
-                    u[i].x.set(lane, d.x), u[i].y.set(lane, d.y), u[i].z.set(lane, d.z);
-                }
+                if (term_.coherence > 0)
+                    beta.set(lane, float(filter_beta(segment_[size_t(block + lane)], term_.coherence)));
+                const Vec3f* moved = &moved_[size_t(block + lane) * n];
+                for (size_t i = 0; i < n; ++i)
+                    u[i].x.set(lane, moved[i].x), u[i].y.set(lane, moved[i].y), u[i].z.set(lane, moved[i].z);
             }
             u[0] = cast<S>(Vec3f{0, 0, 0});
-            for (int round = 0; round < 2; ++round) {
+            for (int round = 0; round < 2 && term_.coherence > 0; ++round) {
                 for (size_t i = 1; i < n; ++i) u[i] = u[i - 1] + beta * (u[i] - u[i - 1]);
                 for (size_t i = n - 2; i > 0; --i) u[i] = u[i + 1] + beta * (u[i] - u[i + 1]);
             }
             for (int lane = 0; lane < lanes; ++lane) {
                 const uint32_t* rank = &rank_[size_t(block + lane) * n];
-                for (size_t i = 0; i < n; ++i)
-                    next_.set(rank[i], now.at(rank[i]) + Vec3f{u[i].x[lane], u[i].y[lane], u[i].z[lane]});
+                for (size_t i = 1; i < n; ++i)
+                    now.set(rank[i], now.at(rank[i]) + Vec3f{u[i].x[lane], u[i].y[lane], u[i].z[lane]});
             }
         }
     }
@@ -143,7 +133,7 @@ size_t CohesionPass::bytes() const {
     const size_t floats = sorted_volume_.capacity() + sorted_wet_volume_.capacity() + segment_.capacity() +
                           own_weight_.capacity() + any_.capacity();
     return floats * sizeof(float) + (strand_.capacity() + rank_.capacity()) * sizeof(uint32_t) +
-           next_.bytes() + grid_.bytes() + list_.bytes();
+           moved_.capacity() * sizeof(Vec3f) + grid_.bytes() + list_.bytes();
 }
 
 }  // namespace wetcurl

@@ -34,16 +34,15 @@ class CohesionPass {
   private:
     void build_lists(const Strands& p);
     Vec3f displacement(size_t k) const;
-    void hold_roots();
-    void smooth_displacements();
+    void move_strands();
     Cohesion term_;
     int strands_, particles_;
     const float reach_;
     const std::vector<float>&volume_, &saturation_;
     NeighborGrid grid_;  // its points are the positions of the pass at hand
     NeighborList list_;
+    std::vector<Vec3f> moved_;  // (strand, particle) by the pass at hand
     // In the grid's order, a vector longer than there are points.
-    PointArrays next_;
     std::vector<float> sorted_volume_, sorted_wet_volume_;  // V_j, sigma_j V_j
     std::vector<float> any_;                                // ones; empty where the lists are Eq 10's alone
     std::vector<uint32_t> strand_;
