@@ -36,7 +36,7 @@ class AdhesionNetwork {
     // From the state as it is, `near` taken there; the answers hold for the substep that follows.
     void evaluate(const Adhesion& term, const ChainState<S>& state, const NearestSurface<S>& near);
     // F.n / (sigma m a_max) (block, particle); null: Eq 11.
-    const S* given() const { return given_.empty() ? nullptr : given_.data(); }
+    const S* given() const { return model && !given_.empty() ? given_.data() : nullptr; }
     void list(BufferList& buffers) const {
         add_buffer(buffers, "adhesion given", given_), add_buffer(buffers, "adhesion answers", answers_);
     }
