@@ -1,0 +1,373 @@
+// Strands between host and device, and the launches of a frame.
+#include "cuda/cuda_hair.h"
+
+#include <algorithm>
+
+#include "cuda/chain_setup.h"
+
+namespace wetcurl {
+
+namespace {
+
+size_t deforming_in(const Scene& scene) {
+    return size_t(std::count_if(scene.solids.begin(), scene.solids.end(),
+                                [](const Solid& s) { return s.deformation != nullptr; }));
+}
+
+// The tuned kernel takes implicit steps; a build for parity has none.
+bool needs_reference(const Scene& scene) {
+#ifdef WETCURL_PARITY
+    return true;
+#endif
+    return !scene.integrator.is_implicit();
+}
+
+}  // namespace
+
+template <class T>
+CudaHair<T>::CudaHair(const Scene& scene, bool by_reference)
+    : state(scene),
+      head(scene.motion.at(0)),
+      scene_(scene),
+      dt_(1 / (scene.fps * scene.integrator.substeps)),
+      by_reference_(by_reference || needs_reference(scene)),
+      slots_(scene.integrator.substeps),
+      solids_each_(scene.solids.size()),
+      deforming_each_(deforming_in(scene)),
+      host_motion_(size_t(slots_)),
+      motion_(size_t(slots_)),
+      host_solids_(size_t(slots_) * solids_each_),
+      solids_(size_t(slots_) * solids_each_),
+      host_deforming_(size_t(slots_) * deforming_each_),
+      deforming_(size_t(slots_) * deforming_each_),
+      host_report_(2),
+      report_(1) {
+    give_state(), give_water();
+    upload(state.air, air_), upload(state.root, root_), upload(state.rest_length, rest_length_),
+        upload(state.rest_depth, rest_depth_);
+    if (by_reference_) {
+        const auto rules = substep_rules<T>(scene);
+        room_ =
+            DeviceBuffer<T>(size_t(state.strands) * reference_room(state.n, rules, !scene.solids.empty()));
+    } else {
+        group_ = strand_group<T>(state.n, state.strands, scene.chain);
+        const size_t blocks = size_t((state.strands + group_.strands - 1) / group_.strands);
+        if (!group_.near) room_ = DeviceBuffer<T>(blocks * group_.bytes / sizeof(T));
+    }
+    positions_ = DeviceBuffer<Vec3f>(scene.groom.rest.points.size());
+    host_report_[0] = host_report_[1] = {};
+
+    std::vector<ShapeView> shapes;
+    for (const auto& solid : scene.solids) {
+        if (solid.deformation) continue;
+        ShapeView view = view_of(solid.shape);
+        if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape)) {
+            level_sets_.emplace_back((*level_set)->phi());
+            view.grid.phi = level_sets_.back().data();
+        }
+        shapes.push_back(view);
+    }
+    shapes_ = DeviceBuffer<ShapeView>(shapes);
+}
+
+template <class T>
+void CudaHair<T>::begin_display(const std::vector<float>& saturation, double) {
+    display_saturation_ = &saturation;
+    displayed_ = DeviceBuffer<Vec3f>(positions_.size());
+    cohesion_.emplace(*scene_.cohesion, state.strands, state.n, cast<float>(head.translation),
+                      rest_depths_of(scene_));
+    cohesion_->take_volumes(volumes_of(scene_), saturation);
+}
+
+template <class T>
+void CudaHair<T>::take_up_water(const std::vector<double>& dry_mass) {
+    std::vector<float> volume;
+    for (size_t k = 0; k < dry_mass.size(); ++k)
+        volume.push_back(
+            float(scene_.wetness->wet_mass(dry_mass[k], (*display_saturation_)[k]) / scene_.volume_density));
+    cohesion_->take_volumes(volume, *display_saturation_);
+}
+
+template <class T>
+void CudaHair<T>::fetch() const {
+    if (fetched_) return;
+    download(x_, state.x), download(v_, state.v);
+    download(frame_, state.frame), download(touching_, state.touching);
+    fetched_ = true;
+}
+template <class T>
+void CudaHair<T>::fetch_history() const {
+    if (history_fetched_) return;
+    download(x_before_, state.x_before), download(v_before_, state.v_before);
+    download(pushed_, state.pushed);
+    history_fetched_ = true;
+}
+template <class T>
+void CudaHair<T>::give_state() {
+    upload(state.x, x_), upload(state.x_before, x_before_), upload(state.frame, frame_);
+    upload(state.touching, touching_), upload(state.pushed, pushed_);
+    give_velocities();
+}
+template <class T>
+void CudaHair<T>::give_velocities() {
+    upload(state.v, v_), upload(state.v_before, v_before_);
+}
+template <class T>
+void CudaHair<T>::give_water() {
+    upload(state.mass, mass_), upload(state.saturation, saturation_);
+    upload(state.rest_core, rest_core_), upload(state.target, target_), upload(state.push, push_);
+}
+
+template <class T>
+void CudaHair<T>::take_surfaces(const DeformingSolids& surfaces) {
+    surfaces_.resize(surfaces.level_sets().size());
+    for (size_t k = 0; k < surfaces_.size(); ++k) {
+        const MovingLevelSet& from = surfaces.level_sets()[k];
+        upload(from.phi_before(), surfaces_[k].phi_before), upload(from.phi(), surfaces_[k].phi);
+        upload(from.velocity(), surfaces_[k].velocity);
+    }
+}
+
+template <class T>
+void CudaHair<T>::find_nearest(const Placement<T>& p) {
+    const size_t cells = state.x.size();
+    nearest_.phi.resize(cells, T(1e9)), nearest_.normal.resize(cells, {T(0), T(1), T(0)});
+    nearest_.velocity.resize(cells, {T(0), T(0), T(0)});
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < state.strands; ++s) {
+        const size_t k = state.at(s, 0);
+        sample_nearest(p, state.n, &state.x[k], &nearest_.phi[k], &nearest_.normal[k], &nearest_.velocity[k]);
+    }
+}
+
+template <class T>
+StrandMemory<T> CudaHair<T>::memory() const {
+    return {state.n,
+            state.strands,
+            x_.data(),
+            x_before_.data(),
+            v_.data(),
+            v_before_.data(),
+            touching_.data(),
+            pushed_.data(),
+            frame_.data(),
+            root_.data(),
+            target_.data(),
+            push_.data(),
+            air_.data(),
+            mass_.data(),
+            rest_length_.data(),
+            rest_core_.data(),
+            saturation_.data(),
+            rest_depth_.data(),
+            given_force_.data(),
+            given_stiffness_.data(),
+            given_adhesion_.data(),
+            given_phi_.data(),
+            given_normal_.data(),
+            given_surface_velocity_.data()};
+}
+
+template <class T>
+void CudaHair<T>::take_given(const GivenToChain<T>& given) {
+    auto take = [&](const auto* from, auto& to) {
+        if (from && !to.size()) to = std::decay_t<decltype(to)>(x_.size());
+        if (from) to.upload(from, x_.size());
+    };
+    take(given.force, given_force_), take(given.stiffness, given_stiffness_);
+    take(given.adhesion, given_adhesion_);
+    if (!given.adhesion) return void(given_adhesion_ = {});
+    upload(nearest_.phi, given_phi_), upload(nearest_.normal, given_normal_);
+    upload(nearest_.velocity, given_surface_velocity_);
+}
+
+template <class T>
+void CudaHair<T>::put_motion(int slot, const Placement<T>& p) {
+    const size_t begin = size_t(slot) * solids_each_, begin_deforming = size_t(slot) * deforming_each_;
+    for (size_t k = 0; k < deforming_each_; ++k) {
+        ShapeView& view = host_deforming_[begin_deforming + k];
+        view = {};
+        view.kind = ShapeView::Kind::moving_grid, view.grid = *p.deforming[k].shape;
+        view.grid.phi = surfaces_[k].phi.data(), view.grid.phi_before = surfaces_[k].phi_before.data();
+        view.grid.velocity = surfaces_[k].velocity.data();
+    }
+    std::vector<DeviceSolid<T>> solids;
+    SubstepMotion<T> motion = substep_motion(p, shapes_.data(), deforming_.data() + begin_deforming, solids);
+    motion.solids = solids_.data() + begin;
+    host_motion_[size_t(slot)] = motion;
+    std::copy(solids.begin(), solids.end(), host_solids_.data() + begin);
+}
+
+// From page-locked memory, which a graph reads anew each time it is replayed.
+template <class T>
+void CudaHair<T>::upload_motion() {
+    auto copy = [&](auto& to, const auto& from) {
+        if (to.size())
+            check_cuda(
+                cudaMemcpyAsync(to.data(), from.data(), to.bytes(), cudaMemcpyHostToDevice, stream_.handle),
+                "motion");
+    };
+    copy(motion_, host_motion_), copy(solids_, host_solids_), copy(deforming_, host_deforming_);
+    check_cuda(cudaMemcpyAsync(report_.data(), host_report_.data(), sizeof(FrameReport),
+                               cudaMemcpyHostToDevice, stream_.handle),
+               "report");
+}
+
+// The last `substeps` of the motion.
+template <class T>
+void CudaHair<T>::launch_chain(int substeps) {
+    const bool given = given_force_.size() || given_adhesion_.size();
+    const ChainLaunch<T> launch{memory(),
+                                chain_constants<T>(scene_, dt_),
+                                motion_.data() + slots_ - substeps,
+                                substeps,
+                                first,
+                                always_first(),
+                                set_of(scene_, given),
+                                &report_.data()->limited,
+                                room_.data(),
+                                group_};
+    if (by_reference_)
+        launch_reference(launch, stream_.handle);
+    else
+        wetcurl::launch_chain(launch, stream_.handle);
+}
+
+// All of a frame after its substeps, up to the report for the host.
+template <class T>
+void CudaHair<T>::launch_display() {
+    launch_unpack(memory(), positions_.data(), &report_.data()->diverged, stream_.handle);
+    events_[1].record(stream_.handle);
+    if (cohesion_) cohesion_->launch_lists(positions_.data(), report_.data(), stream_.handle);
+    events_[2].record(stream_.handle);
+    if (cohesion_)
+        cohesion_->launch_passes(positions_.data(), motion_.data() + slots_ - 1, displayed_.data(),
+                                 stream_.handle);
+    events_[3].record(stream_.handle);
+    check_cuda(cudaMemcpyAsync(&host_report_[1], report_.data(), sizeof(FrameReport), cudaMemcpyDeviceToHost,
+                               stream_.handle),
+               "report");
+}
+
+template <class T>
+void CudaHair<T>::launch_frame() {
+    upload_motion();
+    events_[0].record(stream_.handle);
+    launch_chain(slots_);
+    launch_display();
+}
+
+template <class T>
+void CudaHair<T>::run(const std::vector<Placement<T>>& path, const GivenToChain<T>& given, bool ends_frame) {
+    head = path.back().head;
+    fetched_ = history_fetched_ = false;
+    take_given(given);
+    shown_ = ends_frame && path.size() == size_t(slots_) && first == always_first();
+    if (shown_) {
+        for (int k = 0; k < slots_; ++k) put_motion(k, path[size_t(k)]);
+        return graph_.replay(stream_.handle, [&] { launch_frame(); });
+    }
+    const StageTimer timer(seconds.chain);
+    for (size_t done = 0; done < path.size();) {
+        const int substeps = int(std::min(path.size() - done, size_t(slots_)));
+        for (int k = slots_ - substeps; k < slots_; ++k) put_motion(k, path[done++]);
+        upload_motion();
+        launch_chain(substeps);
+        first = always_first();
+        check_cuda(cudaMemcpyAsync(&host_report_[1], report_.data(), sizeof(FrameReport),
+                                   cudaMemcpyDeviceToHost, stream_.handle),
+                   "report");
+        check_cuda(cudaStreamSynchronize(stream_.handle), "substeps");
+        limited_ += long(host_report_[1].limited);
+    }
+}
+
+template <class T>
+void CudaHair<T>::show(double time, const MovingGrid* surfaces) {
+    if (!shown_) {
+        put_motion(slots_ - 1, placement_at<T>(scene_, time, dt_, false, surfaces));
+        upload_motion();
+        launch_display();
+    }
+    read_report();
+    if (shown_) seconds.chain = events_[1].since(events_[0]);
+    if (cohesion_)
+        seconds.lists = events_[2].since(events_[1]), seconds.cohesion = events_[3].since(events_[2]);
+    shown_ = false;
+}
+
+template <class T>
+void CudaHair<T>::read_report() {
+    check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
+    limited_ += long(host_report_[1].limited);
+    while (host_report_[1].overflow) {
+        // Longer lists than ever before: the display again, with room for them. The graph holds the old
+        // addresses.
+        cohesion_->grow();
+        graph_.forget();
+        upload_motion();
+        launch_display();
+        check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
+    }
+    neighbours_mean_ = double(host_report_[1].pairs) / double(positions_.size());
+}
+
+template <class T>
+const Strands& CudaHair<T>::seen() const {
+    download(cohesion_ ? displayed_ : positions_, seen_);
+    return seen_;
+}
+
+// From the host's view.
+template <class T>
+std::vector<double> CudaHair<T>::energies_of(int strand) const {
+    // A strand's numbers lie one after the other.
+    auto of = [&](const auto& numbers) { return numbers.empty() ? nullptr : &numbers[state.at(strand, 0)]; };
+    ChainView<T> view{};
+    view.n = state.n;
+    view.x = of(state.x), view.v = of(state.v), view.target = of(state.target);
+    view.mass = of(state.mass), view.rest_length = of(state.rest_length);
+    view.rest_core = of(state.rest_core), view.frame = of(state.frame);
+    const auto e = energies(scene_.chain, view, scene_.integrator.gravity);
+    return {e.begin(), e.end()};
+}
+
+template <class T>
+std::vector<double> CudaHair<T>::energy() const {
+    std::vector<std::vector<double>> each(size_t(state.strands));
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < state.strands; ++s) each[size_t(s)] = energies_of(s);
+    std::vector<double> sum(kinds_of_energy(scene_.chain).size(), 0);
+    for (const auto& e : each)
+        for (size_t kind = 0; kind < e.size(); ++kind) sum[kind] += e[kind];
+    return sum;
+}
+
+template <class T>
+std::optional<Divergence> CudaHair<T>::divergence() const {
+    const int strand = host_report_[1].diverged;
+    if (strand >= state.strands) return std::nullopt;
+    fetch();
+    return Divergence{strand, kinds_of_energy(scene_.chain)[largest_energy(energies_of(strand))]};
+}
+
+template <class T>
+void CudaHair<T>::list(BufferList& out) const {
+    state.list(out);
+    auto add = [&](const std::string& name, size_t bytes) {
+        if (bytes) out.push_back({name, bytes});
+    };
+    add("room of the strands", room_.bytes());
+    add("shown positions", positions_.bytes()), add("displayed positions", displayed_.bytes());
+    if (cohesion_) add("cohesion lists", cohesion_->bytes());
+    add("given to the strands", given_force_.bytes() + given_stiffness_.bytes() + given_adhesion_.bytes() +
+                                    given_phi_.bytes() + given_normal_.bytes() +
+                                    given_surface_velocity_.bytes());
+    for (const auto& s : surfaces_)
+        add("level set that deforms", s.phi.bytes() + s.phi_before.bytes() + s.velocity.bytes());
+}
+
+template class CudaHair<float>;
+template class CudaHair<double>;
+
+}  // namespace wetcurl

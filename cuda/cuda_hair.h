@@ -1,0 +1,192 @@
+// The strands of a scene in a CUDA device's memory, and the air around them. Ours.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "cuda/air_kernel.h"
+#include "cuda/chain_kernel.h"
+#include "cuda/cohesion_kernel.h"
+#include "cuda/driver.h"
+#include "solver/plan.h"
+#include "solver/schedule.h"
+
+namespace wetcurl {
+
+template <class T>
+class CudaHair;
+
+// Hair and the air around it on a device, each once a frame where the other is: as HairInAir.
+template <class T>
+class AirAround {
+  public:
+    AirAround(const Scene& scene, CudaHair<T>& hair)
+        : scene_(scene), field_(*scene.air, 1 / scene.fps, length_of(hair), scene.term<AirDrag>()->c) {
+        sample(hair);
+    }
+    void advance(CudaHair<T>& hair, double time) {
+        field_.blow(time + 1 / scene_.fps);
+        begin_.record(hair.stream());
+        graph_.replay(hair.stream(), [&] {
+            const BrakingHair<T> braking = hair.braking();
+            field_.launch_step(scene_.air->two_way ? &braking : nullptr, hair.stream());
+            sample(hair);
+        });
+        end_.record(hair.stream());
+    }
+    void finish() { seconds = end_.since(begin_); }
+    void list(BufferList& buffers) const { buffers.push_back({"air", field_.bytes()}); }
+    double seconds = 0;  // in the frame at hand
+
+  private:
+    void sample(CudaHair<T>& hair) {
+        field_.launch_sample(hair.braking().x, hair.air(), hair.braking().count, hair.stream());
+    }
+    static double length_of(const CudaHair<T>& hair) {
+        double sum = 0;
+        for (T length : hair.state.rest_length) sum += double(length);
+        return sum;
+    }
+    const Scene& scene_;
+    AirDevice field_;
+    Graph graph_;
+    Event begin_, end_;
+};
+
+// The strands in a device's memory: a schedule's Hair, as CpuHair is one.
+template <class T>
+class CudaHair {
+  public:
+    using Number = T;
+    using S = T;
+    using Air = AirAround<T>;
+
+    CudaHair(const Scene& scene, bool by_reference);
+
+    // The host's view: as uploaded, and as fetched last.
+    mutable ChainState<T> state;
+    Pose head;
+    bool first = true;  // no history: the next substep is backward Euler
+    bool always_first() const { return scene_.integrator.kind != "implicit"; }
+    Bdf2<T> scheme() const { return {T(dt_), first, T(predictor_share(scene_))}; }
+
+    void begin_display(const std::vector<float>& saturation, double reach);
+    void take_up_water(const std::vector<double>& dry_mass);
+    const Display* lent_neighbours() const { return nullptr; }  // they stay on the device
+    double neighbours_mean() const { return neighbours_mean_; }
+
+    void fetch() const;
+    void fetch_history() const;
+    void give_state();
+    void give_velocities();
+    void give_water();
+    void take_surfaces(const DeformingSolids& surfaces);
+
+    void find_nearest(const Placement<T>& p);
+    const NearestSurface<T>& nearest() const { return nearest_; }
+
+    // A whole frame without history to wait for is one graph, which shows it too.
+    void run(const std::vector<Placement<T>>& path, const GivenToChain<T>& given, bool ends_frame);
+    void show(double time, const MovingGrid* surfaces);
+    void positions(Strands& out) const { download(positions_, out); }
+    const Strands& seen() const;
+
+    std::vector<double> energy() const;
+    std::optional<Divergence> divergence() const;
+    long limited_edges() const { return limited_; }
+    void count_work() { throw_uncounted(); }
+    Work work() const { return throw_uncounted(), Work(); }
+    bool counts_work() const { return false; }
+    template <class Act>
+    void count_change(double&, Act act) {
+        act();
+    }
+    void list(BufferList& buffers) const;
+    HairSeconds seconds;
+
+    // What the air meets, and what it gives.
+    BrakingHair<T> braking() const {
+        return {x_.data(), v_.data(), rest_length_.data(), state.n, x_.size(), scene_.term<AirDrag>()->c};
+    }
+    Vec3<T>* air() const { return air_.data(); }
+    cudaStream_t stream() const { return stream_.handle; }
+
+  private:
+    struct DeviceSurface {
+        DeviceBuffer<float> phi_before, phi;
+        DeviceBuffer<Vec3f> velocity;
+    };
+    [[noreturn]] static void throw_uncounted() {
+        throw Error("the work done on hair is counted by --device cpu alone");
+    }
+    template <class V>
+    static void upload(const std::vector<V>& host, DeviceBuffer<V>& to) {
+        if (to.size() != host.size()) to = DeviceBuffer<V>(host.size());
+        to.upload(host.data(), host.size());
+    }
+    template <class V>
+    static void download(const DeviceBuffer<V>& from, std::vector<V>& host) {
+        host.resize(from.size());
+        from.download(host.data());
+    }
+    void download(const DeviceBuffer<Vec3f>& from, Strands& to) const {
+        to.count = state.strands, to.particles = state.n;
+        download(from, to.points);
+    }
+    StrandMemory<T> memory() const;
+    void take_given(const GivenToChain<T>& given);
+    void put_motion(int slot, const Placement<T>& p);
+    void upload_motion();
+    void launch_chain(int substeps);
+    void launch_display();
+    void launch_frame();
+    void read_report();
+    std::vector<double> energies_of(int strand) const;
+
+    const Scene& scene_;
+    const double dt_;
+    bool shown_ = false;  // what was run last is seen already
+    mutable bool fetched_ = true, history_fetched_ = true;
+
+    DeviceBuffer<Vec3<T>> x_, x_before_, v_, v_before_, root_, target_, push_, air_;
+    DeviceBuffer<Quat<T>> frame_;
+    DeviceBuffer<T> touching_, pushed_, mass_, rest_length_, rest_core_, saturation_, rest_depth_;
+    const bool by_reference_;  // stepped by the CPU's own pass
+    StrandGroup group_{};
+    DeviceBuffer<T> room_;  // of strands that do not fit a processor
+    DeviceBuffer<Vec3f> positions_, displayed_;
+    mutable Strands seen_;
+    // What others give, and where adhesion was asked for; empty where nobody does.
+    NearestSurface<T> nearest_;
+    DeviceBuffer<Vec3<T>> given_force_, given_normal_, given_surface_velocity_;
+    DeviceBuffer<T> given_stiffness_, given_adhesion_, given_phi_;
+    // Solids.
+    std::vector<DeviceBuffer<float>> level_sets_;
+    DeviceBuffer<ShapeView> shapes_;  // of rigid ones
+    std::vector<DeviceSurface> surfaces_;
+    // A frame's motion, substep by substep.
+    const int slots_;
+    const size_t solids_each_, deforming_each_;
+    PinnedBuffer<SubstepMotion<T>> host_motion_;
+    DeviceBuffer<SubstepMotion<T>> motion_;
+    PinnedBuffer<DeviceSolid<T>> host_solids_;
+    DeviceBuffer<DeviceSolid<T>> solids_;
+    PinnedBuffer<ShapeView> host_deforming_;
+    DeviceBuffer<ShapeView> deforming_;
+    PinnedBuffer<FrameReport> host_report_;  // a blank one, and the last frame's
+    DeviceBuffer<FrameReport> report_;
+    const std::vector<float>* display_saturation_ = nullptr;
+    std::optional<CohesionDevice> cohesion_;
+
+    Stream stream_;
+    std::array<Event, 4> events_;
+    Graph graph_;  // of a frame
+    double neighbours_mean_ = 0;
+    long limited_ = 0;
+};
+
+extern template class CudaHair<float>;
+extern template class CudaHair<double>;
+
+}  // namespace wetcurl
