@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 #include <omp.h>
 
-#include <array>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -52,8 +51,9 @@ int simulate_command(const SimulateOptions& o) {
     RunWriter writer(o.output, header, o.overwrite);
     Progress progress("simulate", scene.frames, "frame");
     std::vector<double> seconds, errors;
-    // A device computes the next frame while one is written; a processor has no core to spare for that.
-    std::array<RunFrame, 2> frames;
+    // A device computes the next frame while one is fetched and written; a processor has no core to spare for
+    // that.
+    RunFrame frame;
     std::future<double> writing;
     double output_seconds = 0;
     auto written = [&] {
@@ -65,16 +65,16 @@ int simulate_command(const SimulateOptions& o) {
         // Frame 0 is the state at time 0.
         if (done > 0) simulation->advance();
         if ((diverged = simulation->divergence())) break;
-        RunFrame& frame = frames[size_t(done % 2)];
-        simulation->snapshot(frame);
-        if (done > 0) seconds.push_back(frame.seconds);
-        if (reference) errors.push_back(distance_mm(frame.seen(), reference->next().seen()));
         written();
-        writing = std::async(std::launch::async, [&writer, &frame] {
+        simulation->begin_snapshot(frame);
+        if (done > 0) seconds.push_back(frame.seconds);
+        writing = std::async(std::launch::async, [&] {
             const double begin = omp_get_wtime();
+            simulation->finish_snapshot(frame);
             writer.append(frame);
             return omp_get_wtime() - begin;
         });
+        if (reference) written(), errors.push_back(distance_mm(frame.seen(), reference->next().seen()));
         if (o.device == "cpu") written();
         progress.update(done + 1);
     }

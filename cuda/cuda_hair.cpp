@@ -318,37 +318,36 @@ const Strands& CudaHair<T>::seen() const {
     return seen_;
 }
 
-// From the host's view.
 template <class T>
-std::vector<double> CudaHair<T>::energies_of(int strand) const {
-    // A strand's numbers lie one after the other.
-    auto of = [&](const auto& numbers) { return numbers.empty() ? nullptr : &numbers[state.at(strand, 0)]; };
-    ChainView<T> view{};
-    view.n = state.n;
-    view.x = of(state.x), view.v = of(state.v), view.target = of(state.target);
-    view.mass = of(state.mass), view.rest_length = of(state.rest_length);
-    view.rest_core = of(state.rest_core), view.frame = of(state.frame);
-    const auto e = energies(scene_.chain, view, scene_.integrator.gravity);
-    return {e.begin(), e.end()};
+void CudaHair<T>::begin_record(RunFrame&) {
+    if (!record_)
+        record_.emplace(state.strands, state.n, kinds_of_energy(scene_.chain).size(), cohesion_.has_value(),
+                        touching_.size() > 0);
+    record_->begin(memory(), chain_constants<T>(scene_, dt_), positions_.data(), displayed_.data(),
+                   stream_.handle);
+}
+
+template <class T>
+std::vector<T> CudaHair<T>::energies() const {
+    DeviceBuffer<T> energy(size_t(state.strands) * kinds_of_energy(scene_.chain).size());
+    launch_record<T>(memory(), chain_constants<T>(scene_, dt_), energy.data(), nullptr, stream_.handle);
+    check_cuda(cudaStreamSynchronize(stream_.handle), "energies");
+    return energy.host();
 }
 
 template <class T>
 std::vector<double> CudaHair<T>::energy() const {
-    std::vector<std::vector<double>> each(size_t(state.strands));
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < state.strands; ++s) each[size_t(s)] = energies_of(s);
-    std::vector<double> sum(kinds_of_energy(scene_.chain).size(), 0);
-    for (const auto& e : each)
-        for (size_t kind = 0; kind < e.size(); ++kind) sum[kind] += e[kind];
-    return sum;
+    return sum_over_strands(energies().data(), state.strands, kinds_of_energy(scene_.chain).size());
 }
 
 template <class T>
 std::optional<Divergence> CudaHair<T>::divergence() const {
     const int strand = host_report_[1].diverged;
     if (strand >= state.strands) return std::nullopt;
-    fetch();
-    return Divergence{strand, kinds_of_energy(scene_.chain)[largest_energy(energies_of(strand))]};
+    const auto kinds = kinds_of_energy(scene_.chain);
+    const std::vector<T> all = energies();
+    const auto first = all.begin() + long(size_t(strand) * kinds.size());
+    return Divergence{strand, kinds[largest_energy({first, first + long(kinds.size())})]};
 }
 
 template <class T>
@@ -360,6 +359,7 @@ void CudaHair<T>::list(BufferList& out) const {
     add("room of the strands", room_.bytes());
     add("shown positions", positions_.bytes()), add("displayed positions", displayed_.bytes());
     if (cohesion_) add("cohesion lists", cohesion_->bytes());
+    if (record_) add("frame on its way out", record_->bytes());
     add("given to the strands", given_force_.bytes() + given_stiffness_.bytes() + given_adhesion_.bytes() +
                                     given_phi_.bytes() + given_normal_.bytes() +
                                     given_surface_velocity_.bytes());

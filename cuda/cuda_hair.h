@@ -8,7 +8,7 @@
 #include "cuda/air_kernel.h"
 #include "cuda/chain_kernel.h"
 #include "cuda/cohesion_kernel.h"
-#include "cuda/driver.h"
+#include "cuda/frame_record.h"
 #include "solver/plan.h"
 #include "solver/schedule.h"
 
@@ -89,8 +89,9 @@ class CudaHair {
     // A whole frame without history to wait for is one graph, which shows it too.
     void run(const std::vector<Placement<T>>& path, const GivenToChain<T>& given, bool ends_frame);
     void show(double time, const MovingGrid* surfaces);
-    void positions(Strands& out) const { download(positions_, out); }
     const Strands& seen() const;
+    void begin_record(RunFrame& frame);
+    void finish_record(RunFrame& frame) const { record_->finish(frame); }
 
     std::vector<double> energy() const;
     std::optional<Divergence> divergence() const;
@@ -142,7 +143,7 @@ class CudaHair {
     void launch_display();
     void launch_frame();
     void read_report();
-    std::vector<double> energies_of(int strand) const;
+    std::vector<T> energies() const;  // (strand, kind) [J]
 
     const Scene& scene_;
     const double dt_;
@@ -178,6 +179,7 @@ class CudaHair {
     DeviceBuffer<FrameReport> report_;
     const std::vector<float>* display_saturation_ = nullptr;
     std::optional<CohesionDevice> cohesion_;
+    std::optional<FrameRecord<T>> record_;  // once one is asked for
 
     Stream stream_;
     std::array<Event, 4> events_;

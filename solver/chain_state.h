@@ -197,37 +197,10 @@ double sum_of_lanes(const S& a, int lanes) {
     return sum;
 }
 
-// Energy of each kind [J] in each lane of a strand: kinetic, gravity, then the present terms'.
-template <class S>
-std::vector<S> energies(const ChainTerms& terms, const ChainView<S>& view, const Vec3d& gravity) {
-    std::vector<S> e(2, S(0));
-    const Vec3<S> g = cast<S>(cast<Plain<S>>(gravity));
-    for (int i = 0; i < view.n; ++i) {
-        e[0] += S(0.5) * view.mass[i] * dot(view.v[i], view.v[i]);
-        e[1] -= view.mass[i] * dot(g, view.x[i]);
-    }
-    for_each_present(terms, [&](const auto& term) { e.push_back(term.energy(view)); });
-    return e;
-}
-// Their names.
-inline std::vector<std::string> kinds_of_energy(const ChainTerms& terms) {
-    std::vector<std::string> kinds{"kinetic", "gravity"};
-    for_each_present(terms, [&](const auto& t) { kinds.push_back(t.name); });
-    return kinds;
-}
 // Why a run cannot go on.
 struct Divergence {
     int strand;
     std::string largest_term;  // the kind of energy that grew most
 };
-// The one that is not finite, else the largest.
-inline size_t largest_energy(const std::vector<double>& e) {
-    size_t largest = 0;
-    for (size_t kind = 0; kind < e.size(); ++kind) {
-        if (!std::isfinite(e[kind])) return kind;
-        if (std::abs(e[kind]) > std::abs(e[largest])) largest = kind;
-    }
-    return largest;
-}
 
 }  // namespace wetcurl

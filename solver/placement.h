@@ -97,19 +97,21 @@ struct NearestSurface {
 Vec3d angular_velocity(const Quatd& before, const Quatd& after, double dt);
 
 // At `time`, coming from where all was dt earlier. `moving` = false: all is held as it is. `surfaces`: of
-// each deforming solid in the scene's order, at that time; null: the scene has none.
+// each deforming solid in the scene's order, at that time; null: the scene has none. `room`: an earlier
+// placement, whose memory is used again.
 template <class T>
 Placement<T> placement_at(const Scene& scene, double time, double dt, bool moving = true,
-                          const MovingGrid* surfaces = nullptr) {
+                          const MovingGrid* surfaces = nullptr, Placement<T> room = {}) {
     const Pose head = scene.motion.at(time), head_before = moving ? scene.motion.at(time - dt) : head;
     Placement<T> p{head,
                    cast<T>(head.rotation * conjugate(head_before.rotation)),
                    cast<T>(angular_velocity(head_before.rotation, head.rotation, dt)),
                    cast<T>(head.translation),
                    cast<T>((1 / dt) * (head.translation - head_before.translation)),
-                   {},
-                   {},
+                   std::move(room.solids),
+                   std::move(room.deforming),
                    {}};
+    p.solids.clear(), p.deforming.clear();
     for (const auto& solid : scene.solids) {
         const Pose now = solid.at(time, head), before = moving ? solid.at(time - dt, head_before) : now;
         auto posed = [&]<class Body>(const Body* body) {

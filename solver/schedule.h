@@ -31,7 +31,8 @@ class SimulationOf final : public Simulation {
     template <class... OfHair>
     explicit SimulationOf(const Scene& scene, const OfHair&... of_hair);
     void advance() override;
-    void snapshot(RunFrame& frame) const override;
+    void begin_snapshot(RunFrame& frame) override;
+    void finish_snapshot(RunFrame& frame) const override;
     std::optional<Divergence> divergence() const override { return hair_.divergence(); }
     BufferList buffers() const override;
     double neighbours_mean() const override {
@@ -57,10 +58,12 @@ class SimulationOf final : public Simulation {
     std::vector<double> energy() const override;
 
   private:
+    double potential() const;  // [J] of `forces_` where the strands are
     AdhesionNetwork<S>& network() { return network_ ? *network_ : network_.emplace(); }
     // Where all is at a time [s] when `done` substeps of a frame are.
-    Placement<T> placement(double time, int done, bool moving = true) const {
-        return placement_at<T>(scene_, time, dt_, moving, surfaces_ ? surfaces_->after(done) : nullptr);
+    Placement<T> placement(double time, int done, bool moving = true, Placement<T> room = {}) const {
+        return placement_at<T>(scene_, time, dt_, moving, surfaces_ ? surfaces_->after(done) : nullptr,
+                               std::move(room));
     }
     // Who answers for all strands at once needs them at the same substep.
     bool alone() const { return !forces_ && !between_strands_ && !(network_ && network_->asked()); }
@@ -93,7 +96,9 @@ class SimulationOf final : public Simulation {
     std::optional<ForcesOnStrands<S>> forces_;
     std::optional<TouchingStrands<S>> between_strands_;
     std::optional<AdhesionNetwork<S>> network_;  // once it is asked for
+    std::vector<Placement<T>> path_;             // of the substeps at hand
     double surface_seconds_ = 0, frame_seconds_ = 0;
+    double potential_ = 0;  // [J] of `forces_` in the snapshot at hand
 };
 
 template <class Hair>
@@ -136,13 +141,13 @@ void SimulationOf<Hair>::advance() {
     }
     for (int done = 0; done < substeps;) {
         ask_network(done);
-        std::vector<Placement<T>> path;
+        path_.resize(alone() ? size_t(substeps) : 1);
         double time = time_;
-        do {
+        for (auto& p : path_) {
             time += dt_;
-            path.push_back(placement(time, ++done));
-        } while (alone() && done < substeps);
-        run(path, done == substeps);
+            p = placement(time, ++done, true, std::move(p));
+        }
+        run(path_, done == substeps);
         time_ = time;
     }
     hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
@@ -203,10 +208,16 @@ void SimulationOf<Hair>::follow_water() {
 }
 
 template <class Hair>
-std::vector<double> SimulationOf<Hair>::energy() const {
+double SimulationOf<Hair>::potential() const {
+    if (!forces_) return 0;
     hair_.fetch();
+    return forces_->potential(hair_.state, time_);
+}
+
+template <class Hair>
+std::vector<double> SimulationOf<Hair>::energy() const {
     auto sum = hair_.energy();
-    if (forces_) sum.push_back(forces_->potential(hair_.state, time_));
+    if (forces_) sum.push_back(potential());
     return sum;
 }
 
@@ -261,20 +272,23 @@ void SimulationOf<Hair>::restore(const SimulationState& from) {
 }
 
 template <class Hair>
-void SimulationOf<Hair>::snapshot(RunFrame& frame) const {
+void SimulationOf<Hair>::begin_snapshot(RunFrame& frame) {
     frame.head = hair_.head;
-    hair_.positions(frame.positions);
-    frame.displayed = scene_.cohesion ? hair_.seen() : Strands();
+    hair_.begin_record(frame);
+    potential_ = potential();
     frame.seconds = frame_seconds_;
     frame.stage_seconds.clear();
     for_each_stage(*this,
                    [&](const char*, double seconds) { frame.stage_seconds.push_back(float(seconds)); });
-    const auto sum = energy();
-    frame.energy.assign(sum.begin(), sum.end());
     frame.saturation = water_ ? water_->flow().saturation() : std::vector<float>{};
     frame.water.clear();
     if (const auto w = water()) frame.water = {w->held, w->taken, w->dripped, w->dried};
-    frame.contact = hair_.state.contacts();
+}
+
+template <class Hair>
+void SimulationOf<Hair>::finish_snapshot(RunFrame& frame) const {
+    hair_.finish_record(frame);
+    if (forces_) frame.energy.push_back(float(potential_));
 }
 
 template <class Hair>

@@ -57,6 +57,15 @@ class CpuHair : public ChainStepper<T> {
         if (!display_) positions(seen_);
         return seen_;
     }
+    // Positions, what is displayed, energy and contact: here all of it is at hand at once.
+    void begin_record(RunFrame& frame) {
+        positions(frame.positions);
+        frame.displayed = display_ ? seen_ : Strands();
+        const auto sum = this->energy();
+        frame.energy.assign(sum.begin(), sum.end());
+        frame.contact = this->state.contacts();
+    }
+    void finish_record(RunFrame&) const {}
     void list(BufferList& buffers) const {
         ChainStepper<T>::list(buffers);
         if (display_) buffers.push_back({"cohesion lists", display_->bytes()});

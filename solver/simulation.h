@@ -31,7 +31,11 @@ class Simulation {
     // One frame: the substeps, then the displayed positions.
     virtual void advance() = 0;
     // The state as it is; `frame` is filled whole.
-    virtual void snapshot(RunFrame& frame) const = 0;
+    void snapshot(RunFrame& frame) { begin_snapshot(frame), finish_snapshot(frame); }
+    // The same in two halves: the second may wait for what comes from a device, on another thread, while the
+    // next frame is computed. One frame at a time.
+    virtual void begin_snapshot(RunFrame& frame) = 0;
+    virtual void finish_snapshot(RunFrame& frame) const = 0;
     // The first strand that is not finite or has left the scene (ten strand lengths from its root).
     virtual std::optional<Divergence> divergence() const = 0;
     virtual BufferList buffers() const = 0;

@@ -13,12 +13,13 @@ namespace wetcurl {
 namespace {
 
 // put(i, k) for i = 0 .. count - 1, k its place among all by key(i) < bins; equal ones keep their order.
-// `start` (bins + 1): where a bin's places begin.
+// `start` (bins + 1): where a bin's places begin. `next`: scratch.
 template <class Key, class Put>
-void counting_sort(size_t count, size_t bins, std::vector<uint32_t>& start, Key key, Put put) {
+void counting_sort(size_t count, size_t bins, std::vector<uint32_t>& start, std::vector<uint32_t>& next,
+                   Key key, Put put) {
     // Threads count on their own: few, where there are many bins.
     const int most = int(std::min<size_t>(size_t(omp_get_max_threads()), 1 + 2 * count / bins));
-    std::vector<uint32_t> next(size_t(most) * bins);
+    next.assign(size_t(most) * bins, 0);
     start.resize(bins + 1);
 #pragma omp parallel num_threads(most)
     {
@@ -72,11 +73,11 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
     // The first sort's order waits in the place of x.
     std::vector<float>& by_column = points_.x;
     counting_sort(
-        count, size_t(column(high.x)) + 1, start_, [&](size_t i) { return size_t(column(p[i].x)); },
+        count, size_t(column(high.x)) + 1, start_, next_, [&](size_t i) { return size_t(column(p[i].x)); },
         [&](size_t i, uint32_t k) { by_column[k] = std::bit_cast<float>(uint32_t(i)); });
     order_.resize(count), column_.resize(count);
     counting_sort(
-        count, size_t(ny_) * size_t(nz_), start_,
+        count, size_t(ny_) * size_t(nz_), start_, next_,
         [&](size_t i) { return row_of(p[std::bit_cast<uint32_t>(by_column[i])]); },
         [&](size_t i, uint32_t k) { order_[k] = std::bit_cast<uint32_t>(by_column[i]); });
 #pragma omp parallel for schedule(static)
@@ -87,7 +88,7 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
 }
 
 size_t NeighborGrid::bytes() const {
-    return (start_.capacity() + order_.capacity()) * sizeof(uint32_t) +
+    return (start_.capacity() + order_.capacity() + next_.capacity()) * sizeof(uint32_t) +
            column_.capacity() * sizeof(uint16_t) + points_.bytes();
 }
 

@@ -135,6 +135,7 @@ class NeighborGrid {
     float inverse_ = 1, per_column_ = 1;
     int reach_ = 0, ny_ = 0, nz_ = 0;      // reach: columns that hold the radius
     std::vector<uint32_t> start_, order_;  // start: (row and one)
+    std::vector<uint32_t> next_;           // of a sort: (thread, bin)
     std::vector<uint16_t> column_;         // of sorted points
     PointArrays points_;
 };

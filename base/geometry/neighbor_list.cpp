@@ -1,6 +1,8 @@
 // The search, a vector of candidates at a time.
 #include "base/geometry/neighbor_list.h"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -9,22 +11,10 @@
 
 namespace wetcurl {
 
-namespace {
-
-// What one thread has found of one chunk.
-struct Found {
-    std::vector<uint32_t> first;
-    std::vector<uint16_t> bits;
-    size_t count = 0;
-    void make_room(size_t more) {
-        if (count + more <= first.size()) return;
-        first.resize(2 * (count + more)), bits.resize(2 * (count + more));
-    }
-};
-
 // Runs of one point, the sweep's next. Returns its neighbours.
-uint32_t search(const NeighborGrid& grid, NeighborGrid::Sweep& sweep, const std::vector<uint32_t>& group,
-                const std::vector<float>& source, float radius, size_t k, Found& found) {
+uint32_t NeighborList::search(const NeighborGrid& grid, NeighborGrid::Sweep& sweep,
+                              const std::vector<uint32_t>& group, const std::vector<float>& source,
+                              float radius, size_t k, Found& found) {
     using S = Pack<float>;
     const PointArrays& points = grid.points();
     const Vec3f x = points.at(k);
@@ -62,19 +52,18 @@ uint32_t search(const NeighborGrid& grid, NeighborGrid::Sweep& sweep, const std:
     return 0;
 }
 
-}  // namespace
-
 void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& group,
                          const std::vector<float>& source, float radius) {
     const size_t count = grid.size(), chunks = (count + chunk - 1) / chunk;
     begin_.resize(count + chunks);
+    found_.resize(size_t(omp_get_max_threads()));
     std::atomic<size_t> used;
     std::atomic<uint64_t> neighbours;
     for (;;) {
         used = 0, neighbours = 0;
 #pragma omp parallel
         {
-            Found found;
+            Found& found = found_[size_t(omp_get_thread_num())];
 #pragma omp for schedule(dynamic)
             for (size_t c = 0; c < chunks; ++c) {
                 const size_t low = c * chunk, high = std::min(low + chunk, count);
@@ -103,6 +92,12 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
         first_.resize(room), bits_.resize(room);
     }
     mean_ = count ? double(neighbours) / double(count) : 0;
+}
+
+size_t NeighborList::bytes() const {
+    size_t runs = bits_.capacity(), firsts = first_.capacity();
+    for (const auto& f : found_) runs += f.bits.capacity(), firsts += f.first.capacity();
+    return (firsts + begin_.capacity()) * sizeof(uint32_t) + runs * sizeof(uint16_t);
 }
 
 }  // namespace wetcurl

@@ -27,16 +27,28 @@ class NeighborList {
     }
     bool empty(size_t k) const { return begin_[k + k / chunk] == begin_[k + k / chunk + 1]; }
     double neighbours_mean() const { return mean_; }
-    size_t bytes() const {
-        return (first_.capacity() + begin_.capacity()) * sizeof(uint32_t) +
-               bits_.capacity() * sizeof(uint16_t);
-    }
+    size_t bytes() const;
 
   private:
+    // What a thread has found of a chunk.
+    struct Found {
+        std::vector<uint32_t> first;
+        std::vector<uint16_t> bits;
+        size_t count = 0;
+        void make_room(size_t more) {
+            if (count + more <= first.size()) return;
+            first.resize(2 * (count + more)), bits.resize(2 * (count + more));
+        }
+    };
+    static uint32_t search(const NeighborGrid& grid, NeighborGrid::Sweep& sweep,
+                           const std::vector<uint32_t>& group, const std::vector<float>& source, float radius,
+                           size_t k, Found& found);
+
     // Chunks of points lie wherever a thread found room; a chunk has one more begin than points.
     static constexpr size_t chunk = 512;
     std::vector<uint32_t> first_, begin_;
     std::vector<uint16_t> bits_;
+    std::vector<Found> found_;  // (thread)
     double mean_ = 0;
 };
 

@@ -101,9 +101,11 @@ void CohesionPass::show_at(const Strands& p) {
 void CohesionPass::move_strands() {
     const size_t n = size_t(particles_);
     PointArrays& now = grid_.points();
+    smoothed_.resize(size_t(omp_get_max_threads()));
 #pragma omp parallel
     {
-        std::vector<Vec3<S>> u(n);  // a lane is a strand
+        std::vector<Vec3<S>>& u = smoothed_[size_t(omp_get_thread_num())];
+        u.resize(n);
 #pragma omp for schedule(static)
         for (int block = 0; block < strands_; block += S::lanes) {
             const int lanes = std::min(S::lanes, strands_ - block);
@@ -133,7 +135,8 @@ size_t CohesionPass::bytes() const {
     const size_t floats = sorted_volume_.capacity() + sorted_wet_volume_.capacity() + segment_.capacity() +
                           own_weight_.capacity() + any_.capacity();
     return floats * sizeof(float) + (strand_.capacity() + rank_.capacity()) * sizeof(uint32_t) +
-           moved_.capacity() * sizeof(Vec3f) + grid_.bytes() + list_.bytes();
+           moved_.capacity() * sizeof(Vec3f) + smoothed_.size() * size_t(particles_) * sizeof(Vec3<S>) +
+           grid_.bytes() + list_.bytes();
 }
 
 }  // namespace wetcurl

@@ -48,6 +48,7 @@ class CohesionPass {
     std::vector<uint32_t> strand_;
     std::vector<uint32_t> rank_;               // of each particle (strand, particle) in the grid's order
     std::vector<float> segment_, own_weight_;  // (strand) mean segment length [m], own_weight of it
+    std::vector<std::vector<Vec3<Pack<float>>>> smoothed_;  // (thread, particle) a lane a strand
     double list_seconds_ = 0;
 };
 

@@ -4,6 +4,7 @@
 
 #include "solver/chain_state.h"
 #include "solver/passes/chain_step.h"
+#include "solver/passes/energies.h"
 
 namespace wetcurl {
 

@@ -1,0 +1,62 @@
+// No memory is asked for within a frame, once the frames before have found what they need.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "tests/solver/scenes.h"
+
+namespace {
+std::atomic<long> asked{0};
+void* counted(size_t bytes, size_t alignment) {
+    ++asked;
+    const size_t whole = (bytes + alignment - 1) / alignment * alignment;
+    if (void* p = std::aligned_alloc(alignment, whole ? whole : alignment)) return p;
+    throw std::bad_alloc();
+}
+}  // namespace
+
+void* operator new(size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
+void* operator new[](size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
+void* operator new(size_t bytes, std::align_val_t a) { return counted(bytes, size_t(a)); }
+void* operator new[](size_t bytes, std::align_val_t a) { return counted(bytes, size_t(a)); }
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete[](void* p) noexcept { std::free(p); }
+void operator delete(void* p, size_t) noexcept { std::free(p); }
+void operator delete[](void* p, size_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, size_t, std::align_val_t) noexcept { std::free(p); }
+void operator delete[](void* p, size_t, std::align_val_t) noexcept { std::free(p); }
+
+namespace wetcurl {
+namespace {
+
+using namespace testing;
+
+long asked_in_frames(const std::string& text, int before, int frames) {
+    const Scene scene = scene_of(text);
+    const auto simulation = make_simulation(scene, "float");
+    for (int f = 0; f < before; ++f) simulation->advance();
+    const long at_first = asked;
+    for (int f = 0; f < frames; ++f) simulation->advance();
+    return asked - at_first;
+}
+
+TEST(Allocations, are_counted) {
+    const long before = asked;
+    const std::vector<int> some(100);
+    EXPECT_EQ(asked - before, 1) << some.size();
+}
+
+// The head's motion repeats every 12 frames, so that what a frame needs was needed before.
+TEST(Allocations, a_frame_asks_for_none) {
+    for (const auto& [name, text] :
+         {std::pair{"dry", dry_scene}, std::pair{"wet", wet_scene},
+          std::pair{"air", dry_scene + "[air]\ngrid = [8, 8, 8]\n[[air.source]]\n"}})
+        EXPECT_EQ(asked_in_frames(text, 24, 12), 0) << name;
+}
+
+}  // namespace
+}  // namespace wetcurl
