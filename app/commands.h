@@ -31,15 +31,19 @@ struct EncodeOptions : CommonOptions {
     std::vector<std::string> inputs;  // DRY.h5 WET.h5 pairs, or wet runs for adhesion samples
     std::string output, codec = "strand";
 };
+struct DatasetOptions : CommonOptions {
+    std::string recipe, output, part;  // part: "K/N"
+};
 struct TrainOptions : CommonOptions {
     std::string kind;  // sr | adhesion
-    std::vector<std::string> pairs;
+    std::vector<std::string> pairs, validation;
     std::string output, recipe, architecture;
     std::optional<double> width;
 };
 struct InferOptions : CommonOptions {
     std::string input, model, interpolate, reconstruct, wetness, output;
-    int roots = 4;  // around a new strand: the grid's four, or the three nearest
+    int roots = 4;                             // around a new strand: the grid's four, or the three nearest
+    bool wet_shape = false, cohesion = false;  // of an interpolation: Eq 9 before it, Eq 10 after it
 };
 struct CompareOptions : CommonOptions {
     std::string reference;
@@ -79,6 +83,7 @@ struct StabilityCommandOptions : CommonOptions {
 
 int simulate_command(const SimulateOptions&);
 int encode_command(const EncodeOptions&);
+int dataset_command(const DatasetOptions&);
 int train_command(const TrainOptions&);
 int infer_command(const InferOptions&);
 int compare_command(const CompareOptions&);

@@ -13,24 +13,12 @@
 #include "base/log.h"
 #include "base/progress.h"
 #include "learn/encode_runs.h"
+#include "solver/rest_state.h"
 #include "solver/simulation.h"
 
 namespace wetcurl {
 
 namespace {
-
-// FNV-1a of a whole file, 16 hexadecimal digits.
-std::string hash_of_file(const std::string& path) {
-    std::FILE* file = std::fopen(path.c_str(), "rb");
-    if (!file) throw Error(path + ": cannot be read");
-    std::vector<char> block(size_t(1) << 20);
-    std::string hash = hash_bytes(nullptr, 0);
-    while (const size_t n = std::fread(block.data(), 1, block.size(), file))
-        hash =
-            hash_bytes(block.data(), n, std::stoull(hash, nullptr, 16));  // the state so far is the next seed
-    std::fclose(file);
-    return hash;
-}
 
 void record_input(PairsWriter& out, size_t run, const std::string& role, const std::string& path) {
     out.attribute(fmt::format("input {:03d} {}", run, role), path + " " + hash_of_file(path));
@@ -64,6 +52,16 @@ float support_radius_of(const RunHeader& header) {
     return float(cohesion.h_c);
 }
 
+// The strands of a run at rest with their water.
+Strands shape_of(const RunHeader& header) {
+    const bool curls =
+        Config::parse(header.scene, "the run's scene", header.scene_folder).root().table("curl").present();
+    if (!curls) return header.groom.rest;
+    SceneOptions options;
+    options.stride = header.stride;
+    return shape_at_rest(parse_scene(header.scene, "the run's scene", header.scene_folder, options));
+}
+
 Json encode_pairs(const EncodeOptions& o, Codec codec) {
     refuse_scene_options(o, "encode of runs");
     const auto pairs = open_pairs(o.inputs);
@@ -71,7 +69,10 @@ Json encode_pairs(const EncodeOptions& o, Codec codec) {
     Json json{{"codec", o.codec}, {"runs", pairs.size()}};
     if (codec == Codec::strand) {
         double floor_mm = 0;
-        for (const auto& pair : pairs) floor_mm += encode_strands(pair, out) / double(pairs.size());
+        for (const auto& pair : pairs) {
+            const Strands shape = shape_of(pair.wet->header());
+            floor_mm += encode_strands(pair, out, &shape) / double(pairs.size());
+        }
         out.attribute("floor_mm", floor_mm);
         json["floor_mm"] = floor_mm;
         log_info(fmt::format("{}: encoding alone costs {:.2f} mm on average", o.output, floor_mm));

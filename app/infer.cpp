@@ -16,6 +16,7 @@
 #include "learn/strand_codec.h"
 #include "solver/deforming_solids.h"
 #include "solver/display.h"
+#include "solver/rest_state.h"
 
 namespace wetcurl {
 
@@ -40,28 +41,33 @@ std::string suffix_of(int roots) { return roots == 3 ? ", 3 roots" : ""; }
 
 class InterpolationMethod final : public Method {
   public:
-    InterpolationMethod(const std::string& name, int roots, const Groom& high, const Groom& low)
-        : name_(name + " interpolation" + suffix_of(roots)),
-          interpolator_(interpolation_named(name), stencil_of(roots, high, low), high, low) {}
+    // `shape`: how the high strands lie at rest, null: as drawn; `cohesion`: Eq 10 follows.
+    InterpolationMethod(const std::string& name, int roots, const Groom& high, const Groom& low,
+                        const Strands* shape, bool cohesion)
+        : name_(name + " interpolation" + suffix_of(roots) + (shape ? ", Eq 9" : "") +
+                (cohesion ? ", Eq 10" : "")),
+          interpolator_(interpolation_named(name), stencil_of(roots, high, low), high, low, shape),
+          cohesion_(cohesion) {}
     std::string name() const override { return name_; }
+    bool before_cohesion() const override { return cohesion_; }
     void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
-        interpolator_.apply(low.seen(), low.head, p);
+        interpolator_.apply(cohesion_ ? low.positions : low.seen(), low.head, p);
     }
 
   private:
     std::string name_;
     Interpolator interpolator_;
+    bool cohesion_;
 };
 
 class StrandMethod final : public Method {
   public:
     StrandMethod(std::unique_ptr<Network> network, const Groom& high, const Groom& low,
-                 const std::vector<float>& saturation)
+                 const std::vector<float>& saturation, const Strands& shape)
         : network_(std::move(network)),
-          codec_(high, low, saturation),
+          codec_(high, low, saturation, &shape),
           input_(size_t(static_channels + dynamic_channels) * codec_.pixels()),
-          answer_(size_t(strand_coefficients) * codec_.pixels()),
-          base_(answer_.size()) {
+          answer_(size_t(strand_coefficients) * codec_.pixels()) {
         std::copy(codec_.fixed().begin(), codec_.fixed().end(), input_.begin());
     }
     std::string name() const override { return network_->card().architecture; }
@@ -71,22 +77,14 @@ class StrandMethod final : public Method {
         codec_.dynamic(low.positions, heads, dynamic);
         network_->run(input_.data(), {1, static_channels + dynamic_channels, codec_.height(), codec_.width()},
                       answer_.data());
-        for (size_t k = 0; k < answer_.size(); ++k) answer_[k] += dynamic[k];
         codec_.decode(answer_.data(), heads.now, p);
-        head_ = heads.now;
     }
-    const Strands* without_network() override {
-        std::copy_n(input_.begin() + long(codec_.fixed().size()), base_.size(), base_.begin());
-        codec_.decode(base_.data(), head_, plain_);
-        return &plain_;
-    }
+    const Strands* without_network() override { return &codec_.base(); }
 
   private:
     std::unique_ptr<Network> network_;
     StrandCodec codec_;
-    std::vector<float> input_, answer_, base_;
-    Pose head_;
-    Strands plain_;
+    std::vector<float> input_, answer_;
 };
 
 class RootMethod final : public Method {
@@ -170,8 +168,11 @@ Scene target_scene(const InferOptions& o, const RunHeader& low) {
 }
 
 std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const RunHeader& low) {
-    if (!o.interpolate.empty())
-        return std::make_unique<InterpolationMethod>(o.interpolate, o.roots, scene.groom, low.groom);
+    if (!o.interpolate.empty()) {
+        const Strands shape = o.wet_shape ? shape_at_rest(scene) : Strands();
+        return std::make_unique<InterpolationMethod>(o.interpolate, o.roots, scene.groom, low.groom,
+                                                     o.wet_shape ? &shape : nullptr, o.cohesion);
+    }
     auto network = network_module().load(o.model, o.device, o.threads);
     const ModelCard& card = network->card();
     if (card.codec == "adhesion")
@@ -187,7 +188,8 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
             throw Error(fmt::format("{}: made for {} particles a strand, the run has {}", o.model,
                                     card.particles, scene.groom.rest.particles));
         if (scene.saturation.empty()) scene.saturation = profile_of(card, scene.groom);
-        return std::make_unique<StrandMethod>(std::move(network), scene.groom, low.groom, scene.saturation);
+        return std::make_unique<StrandMethod>(std::move(network), scene.groom, low.groom, scene.saturation,
+                                              shape_at_rest(scene));
     }
     if (low.saturation.empty())
         throw Error(o.input + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
@@ -202,7 +204,7 @@ void take_learned(InferOptions& o, const Scene& scene) {
     if (!o.model.empty() || !o.interpolate.empty()) return;
     if (!scene.learned)
         throw Misuse(
-            "infer needs --model MODEL.h5, --interpolate nearest|quad|core, or a scene with [learned] "
+            "infer needs --model MODEL.h5, --interpolate nearest|quad|core|rest, or a scene with [learned] "
             "model");
     o.model = scene.learned->model;
     if (o.reconstruct.empty()) o.reconstruct = scene.learned->reconstruct;
@@ -249,10 +251,14 @@ int simulate_with(const InferOptions& o, const Scene& scene) {
 int infer_command(const InferOptions& given) {
     InferOptions o = given;
     if (!o.model.empty() && !o.interpolate.empty())
-        throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core");
+        throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core|rest");
     if (!o.interpolate.empty() && !o.reconstruct.empty())
         throw Misuse("--reconstruct is for models; --interpolate says itself how strands are made");
     if (!o.interpolate.empty()) refuse_device(o, "interpolation");
+    if (o.wet_shape && o.interpolate != "rest")
+        throw Misuse("--wet-shape is for --interpolate rest, which alone starts from a shape at rest");
+    if (o.cohesion && o.interpolate.empty())
+        throw Misuse("--cohesion is for --interpolate; a model says itself whether Eq 10 follows");
     if (o.interpolate == "nearest" && o.roots == 3)
         throw Misuse("--roots 3 is for quad and core; nearest copies the strand of one root");
     check_files(o, o.output, {o.input, o.model, o.wetness});
@@ -277,6 +283,8 @@ int infer_command(const InferOptions& given) {
                     "--wetness names a scene of it");
     const auto method = method_of(o, scene, low);
     require_nested(scene.groom, low.groom);
+    if (o.cohesion && !scene.cohesion)
+        throw Misuse("--cohesion: the scene to predict for has no [cohesion]; --wetness names one that has");
     std::optional<Display> display;
     std::optional<DeformingSolids> surfaces;
     if (method->before_cohesion() && scene.cohesion) {

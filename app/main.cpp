@@ -109,11 +109,22 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"root", "strand", "adhesion"}))
         ->capture_default_str();
 
+    DatasetOptions dataset;
+    c = command("dataset", "simulate many scenes, dry and wet, into training pairs", dataset,
+                dataset_command);
+    c->add_option("recipe", dataset.recipe, "recipe (TOML): the scenes, picked and drawn")->required();
+    c->add_option("-o,--output", dataset.output, "folder")->required();
+    c->add_option("--part", dataset.part,
+                  "K/N: every N-th scene alone, to share the work; mpirun and srun say it themselves");
+    c->add_flag("--resume", dataset.resume, "make what is not there yet");
+
     TrainOptions train;
     c = command("train", "train a network on pairs", train, train_command);
     c->add_option("kind", train.kind, "sr | adhesion")->required()->check(CLI::IsMember({"sr", "adhesion"}));
     c->add_option("pairs", train.pairs, "pairs files")->required();
     c->add_option("-o,--output", train.output, "model (HDF5)")->required();
+    c->add_option("--validation", train.validation,
+                  "pairs files to hold out, in place of the last frames of each run");
     c->add_option("--recipe", train.recipe, "recipe file (TOML)");
     c->add_option("--arch", train.architecture,
                   "strand_mlp | unet_vgg19 | recursive_residual | adhesion_mlp");
@@ -126,8 +137,8 @@ int main(int argc, char** argv) {
     c->add_option("input", infer.input, "DRY.h5, or a scene whose dry low-resolution run is made first")
         ->required();
     c->add_option("--model", infer.model, "trained model (HDF5), in place of the scene's [learned] model");
-    c->add_option("--interpolate", infer.interpolate, "without a network: nearest | quad | core")
-        ->check(CLI::IsMember({"nearest", "quad", "core"}));
+    c->add_option("--interpolate", infer.interpolate, "without a network: nearest | quad | core | rest")
+        ->check(CLI::IsMember({"nearest", "quad", "core", "rest"}));
     c->add_option("--reconstruct", infer.reconstruct, "for a model of the root codec: paper | core")
         ->check(CLI::IsMember({"paper", "core"}));
     c->add_option(
@@ -136,6 +147,9 @@ int main(int argc, char** argv) {
          "the nearest 3")
         ->check(CLI::IsMember({3, 4}))
         ->capture_default_str();
+    c->add_flag("--wet-shape", infer.wet_shape,
+                "for --interpolate rest: the strand at rest as its water curls it (Eq 9), not as drawn");
+    c->add_flag("--cohesion", infer.cohesion, "for --interpolate: then draw wet strands together (Eq 10)");
     c->add_option("--wetness", infer.wetness, "scene whose wetness and cohesion to predict for");
     c->add_option("-o,--output", infer.output, "run cache (HDF5)")->required();
 
@@ -215,8 +229,8 @@ int main(int argc, char** argv) {
                          did_you_mean(name, known));
         app.parse(argc, argv);
         for (CommonOptions* o :
-             std::initializer_list<CommonOptions*>{&simulate, &encode, &train, &infer, &compare, &render,
-                                                   &plot, &import, &inspect, &stability, &bench})
+             std::initializer_list<CommonOptions*>{&simulate, &encode, &dataset, &train, &infer, &compare,
+                                                   &render, &plot, &import, &inspect, &stability, &bench})
             apply(shared, *o);
         return flushed(run());
     } catch (const CLI::ParseError& e) {

@@ -15,11 +15,12 @@ namespace wetcurl {
 
 int train_command(const TrainOptions& o) {
     std::vector<std::string> inputs = o.pairs;
+    inputs.insert(inputs.end(), o.validation.begin(), o.validation.end());
     inputs.push_back(o.recipe);
     check_files(o, o.output, inputs);
     TrainRequest request;
     request.kind = o.kind;
-    request.pairs = o.pairs;
+    request.pairs = o.pairs, request.validation = o.validation;
     request.output = o.output;
     request.recipe = o.recipe;
     request.set = o.set;

@@ -312,10 +312,37 @@ std::vector<double> Table::numbers(const std::string& key, const std::vector<dou
     return out;
 }
 
+Table::Ranges Table::ranges(const std::string& key) const {
+    WETCURL_TAKE(key);
+    Ranges out;
+    auto add = [&](const toml::array* a) {
+        const auto low = a && a->size() == 2 ? a->get(0)->value<double>() : std::nullopt,
+                   high = low ? a->get(1)->value<double>() : std::nullopt;
+        if (!high || !std::isfinite(*low) || !std::isfinite(*high) || *low > *high)
+            fail(key, fmt::format("found {}, [low, high] is needed, or one such pair a component",
+                                  n ? shown(*n) : "nothing"));
+        out.each.push_back({*low, *high});
+    };
+    const auto* a = n ? n->as_array() : nullptr;
+    out.vector = a && !a->empty() && a->get(0)->is_array();
+    if (!out.vector)
+        add(a);
+    else
+        for (const auto& pair : *a) add(pair.as_array());
+    return out;
+}
+
 std::string Table::path(const std::string& key) const {
     const std::string p = text(key, "");
     if (p.empty()) return p;
     return *body_->files.insert((fs::path(body_->folder) / p).lexically_normal().string()).first;
+}
+
+std::vector<std::string> Table::keys() const {
+    std::vector<std::string> out;
+    if (node_)
+        for (const auto& [key, value] : *as_table(node_)) out.emplace_back(key.str());
+    return out;
 }
 
 Table Table::table(const std::string& key) const {

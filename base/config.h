@@ -3,6 +3,7 @@
 // unit.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -59,10 +60,17 @@ class Table {
     // Exactly `fallback.size()` numbers.
     std::vector<double> numbers(const std::string& key, const std::vector<double>& fallback, double minimum,
                                 double maximum) const;
+    // [low, high] as one range, [[low, high], ...] as one for each component of a vector; low ≤ high.
+    struct Ranges {
+        bool vector = false;
+        std::vector<std::array<double, 2>> each;
+    };
+    Ranges ranges(const std::string& key) const;
     std::optional<double> optional_number(const std::string& key, double minimum, double maximum) const;
     // A path, made absolute from the file's folder; "" where absent.
     std::string path(const std::string& key) const;
     Table table(const std::string& key) const;
+    std::vector<std::string> keys() const;                    // that are written, sorted
     std::vector<Table> tables(const std::string& key) const;  // [[key]]
     // "scene.toml:12: groom.grid": where a message should point.
     std::string where(const std::string& key = "") const;

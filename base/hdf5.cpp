@@ -53,6 +53,13 @@ hid_t intermediate_groups() {
     return list;
 }
 
+// Without the time of day, so that the same content makes the same bytes.
+hid_t untimed_dataset() {
+    const hid_t list = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_obj_track_times(list, false);
+    return list;
+}
+
 std::string shape_text(const std::vector<size_t>& shape) {
     std::string s = "(";
     for (size_t i = 0; i < shape.size(); ++i)
@@ -89,8 +96,9 @@ template <class T>
 void H5Writer::write(const std::string& name, const T* data, const std::vector<size_t>& shape) {
     auto dims = dims_of(shape);
     Handle space(H5Screate_simple(int(dims.size()), dims.data(), nullptr), H5Sclose);
+    Handle untimed(untimed_dataset(), H5Pclose);
     Handle set(
-        H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), H5P_DEFAULT, H5P_DEFAULT),
+        H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), untimed, H5P_DEFAULT),
         H5Dclose);
     check(set >= 0, path_, "dataset '" + name + "' cannot be made");
     check(H5Dwrite(set, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path_,
@@ -107,7 +115,7 @@ void H5Writer::append(const std::string& name, const T* data, const std::vector<
         none[0] = 0;
         limit[0] = H5S_UNLIMITED;
         Handle space(H5Screate_simple(rank, none.data(), limit.data()), H5Sclose);
-        Handle plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+        Handle plist(untimed_dataset(), H5Pclose);
         H5Pset_chunk(plist, rank, row.data());
         Handle made(
             H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), plist, H5P_DEFAULT),
@@ -136,7 +144,8 @@ void H5Writer::attribute(const std::string& name, const std::string& value) {
     H5Tset_cset(type, H5T_CSET_UTF8);
     Handle space(H5Screate(H5S_SCALAR), H5Sclose);
     // Long texts (a whole scene) do not fit in an object header: a dataset holds them.
-    Handle set(H5Dcreate2(file_, ("about/" + name).c_str(), type, space, intermediate_groups(), H5P_DEFAULT,
+    Handle untimed(untimed_dataset(), H5Pclose);
+    Handle set(H5Dcreate2(file_, ("about/" + name).c_str(), type, space, intermediate_groups(), untimed,
                           H5P_DEFAULT),
                H5Dclose);
     check(set >= 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.c_str()) >= 0, path_,
@@ -144,6 +153,12 @@ void H5Writer::attribute(const std::string& name, const std::string& value) {
 }
 
 void H5Writer::attribute(const std::string& name, double value) { write("about/" + name, &value, {1}); }
+
+void H5Writer::link(const std::string& name, const std::string& file, const std::string& target) {
+    check(H5Lcreate_external(file.c_str(), target.c_str(), file_, name.c_str(), intermediate_groups(),
+                             H5P_DEFAULT) >= 0,
+          path_, "'" + name + "': the link to " + file + " cannot be written");
+}
 
 void H5Writer::flush() { H5Fflush(file_, H5F_SCOPE_GLOBAL); }
 
@@ -181,6 +196,26 @@ H5Reader::H5Reader(const std::string& path, const std::string& format, int versi
 
 H5Reader::~H5Reader() { H5Fclose(file_); }
 
+// Where what is named lies in another file: that file, in brackets; "" where it lies here.
+static std::string other_file(hid_t file, const std::string& name) {
+    for (size_t at = name.find('/', 1);; at = name.find('/', at + 1)) {
+        const std::string part = name.substr(0, at);
+        H5L_info_t info;
+        if (H5Lexists(file, part.c_str(), H5P_DEFAULT) <= 0 ||
+            H5Lget_info(file, part.c_str(), &info, H5P_DEFAULT) < 0)
+            return "";
+        if (info.type == H5L_TYPE_EXTERNAL) {
+            std::vector<char> value(info.u.val_size);
+            const char *to = nullptr, *object = nullptr;
+            if (H5Lget_val(file, part.c_str(), value.data(), value.size(), H5P_DEFAULT) < 0 ||
+                H5Lunpack_elink_val(value.data(), value.size(), nullptr, &to, &object) < 0)
+                return "";
+            return std::string(" (it lies in ") + to + ", which is not there, or damaged)";
+        }
+        if (at == std::string::npos) return "";
+    }
+}
+
 bool H5Reader::has(const std::string& name) const {
     // Every link on the way must exist, or HDF5 calls it an error.
     for (size_t at = name.find('/'); at != std::string::npos; at = name.find('/', at + 1))
@@ -189,7 +224,7 @@ bool H5Reader::has(const std::string& name) const {
 }
 
 std::vector<size_t> H5Reader::shape(const std::string& name) const {
-    check(has(name), path_, "dataset '" + name + "' is missing");
+    check(has(name), path_, "dataset '" + name + "' is missing" + other_file(file_, name));
     Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
     check(set >= 0, path_, "dataset '" + name + "' cannot be opened (damaged)");
     Handle space(H5Dget_space(set), H5Sclose);

@@ -32,6 +32,8 @@ class H5Writer {
     void append(const std::string& name, const T* data, const std::vector<size_t>& shape);
     void attribute(const std::string& name, const std::string& value);
     void attribute(const std::string& name, double value);
+    // `name` here is what lies at `target` in another file, whose path starts at this one's folder.
+    void link(const std::string& name, const std::string& file, const std::string& target);
     void flush();   // what is written so far survives a crash
     void commit();  // closes and renames to the final name
     const std::string& path() const { return path_; }

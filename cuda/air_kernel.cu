@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cuda/air_kernel.h"
+#include "cuda/driver.h"
 
 namespace wetcurl {
 
@@ -278,10 +279,7 @@ AirDevice::AirDevice(const Air& air, double dt, double hair_length, double drag)
     }
     const size_t cells = size_t(air.grid[0]) * size_t(air.grid[1]) * size_t(air.grid[2]);
     pressure_ = DeviceBuffer<double>(std::vector<double>(cells, 0.0)), spare_ = DeviceBuffer<double>(cells);
-    const int most = *std::max_element(air.grid.begin(), air.grid.end()) + 1;
-    check_cuda(cudaFuncSetAttribute(diffuse, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                    int(sizeof(double)) * most * (lines + 2)),
-               "memory of a processor");
+    allow_shared_memory(diffuse);
     if (!air.two_way) return;
     braked_ = DeviceBuffer<long long>(2 * faces);
     // All of the hair at one face, as fast as any, is a number of 62 bits.

@@ -1,8 +1,8 @@
 // Steps as a kernel: some strands a block of threads, which keeps them in its processor's own memory.
 #include <algorithm>
 
-#include "base/device_buffer.h"
 #include "cuda/chain_kernel.h"
+#include "cuda/driver.h"
 
 namespace wetcurl {
 
@@ -62,8 +62,7 @@ template <class T, class Set, bool near>
 void run(const ChainLaunch<T>& launch, const Set& set, cudaStream_t stream) {
     const auto kernel = run_substeps<T, Set, near>;
     const size_t own = near ? launch.group.bytes : 0;
-    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(own)),
-               "memory of a processor");
+    if (near) allow_shared_memory(kernel);
     const int blocks = (launch.memory.strands + launch.group.strands - 1) / launch.group.strands;
     kernel<<<unsigned(blocks), threads, own, stream>>>(launch, set);
     check_cuda(cudaGetLastError(), "launch of the substeps");

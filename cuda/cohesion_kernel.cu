@@ -3,6 +3,7 @@
 #include <cub/device/device_radix_sort.cuh>
 
 #include "cuda/cohesion_kernel.h"
+#include "cuda/driver.h"
 
 namespace wetcurl {
 
@@ -141,8 +142,7 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
         throw Error("cohesion on a CUDA device: found strands of " + std::to_string(particles) +
                     " particles, allowed at most " +
                     std::to_string((size_t(most_shared) / sizeof(float) - 1024) / 3));
-    check_cuda(cudaFuncSetAttribute(jacobi, cudaFuncAttributeMaxDynamicSharedMemorySize, int(shared_bytes_)),
-               "shared memory");
+    allow_shared_memory(jacobi);
 
     beta_ = DeviceBuffer<float>(size_t(strands)), own_weight_ = DeviceBuffer<float>(size_t(strands));
     const std::vector<HairPoint> points(count + 1, HairPoint{0, 0, 0, 0, 0});

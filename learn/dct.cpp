@@ -15,15 +15,16 @@ StrandDct::StrandDct(int particles) : particles_(particles), projection_(dct_kep
     if (particles < 2)
         throw Error("strand codec: found " + std::to_string(particles) +
                     " particles a strand, allowed 2 or more");
+    const int edges = particles - 1;
     basis_.assign(size_t(dct_kept) * particles, 0);
     double length2 = 0;
     for (int k = 0; k < std::min(dct_kept, particles); ++k) {
-        const double s = std::sqrt((k ? 2.0 : 1.0) / particles);
+        // The last of all changes sign from particle to particle: its mean square is twice that of the
+        // others.
+        const double s = k == 0 || k == edges ? 1 : std::numbers::sqrt2;
         for (int i = 0; i < particles; ++i)
-            basis_[size_t(k) * particles + i] =
-                float(s * std::cos(std::numbers::pi * k * (i + 0.5) / particles));
-        const double b0 = basis_[size_t(k) * particles];
-        length2 += b0 * b0;
+            basis_[size_t(k) * particles + i] = float(s * std::cos(std::numbers::pi * k * i / edges));
+        length2 += s * s;
     }
     for (int k = 0; k < dct_kept; ++k)
         projection_[size_t(k)] = float(basis_[size_t(k) * particles] / std::sqrt(length2));
@@ -31,12 +32,13 @@ StrandDct::StrandDct(int particles) : particles_(particles), projection_(dct_kep
 
 void StrandDct::encode(const Vec3f* offsets, float* coefficients) const {
     Vec3f c[dct_kept], at_root{0, 0, 0};
+    const int tip = particles_ - 1;
     for (int k = 0; k < dct_kept; ++k) {
         const float* b = basis_.data() + size_t(k) * particles_;
-        Vec3f sum{0, 0, 0};
-        for (int i = 0; i < particles_; ++i) sum += b[i] * offsets[i];
-        c[k] = sum;
-        at_root += projection_[size_t(k)] * sum;
+        Vec3f sum = 0.5f * (b[0] * offsets[0] + b[tip] * offsets[tip]);
+        for (int i = 1; i < tip; ++i) sum += b[i] * offsets[i];
+        c[k] = (1.0f / float(tip)) * sum;
+        at_root += projection_[size_t(k)] * c[k];
     }
     for (int k = 0; k < dct_kept; ++k) {
         const Vec3f a = c[k] - projection_[size_t(k)] * at_root;

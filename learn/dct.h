@@ -1,6 +1,7 @@
-// A strand as 3 x 16 amplitudes: orthonormal DCT-II of its offsets from the root.
-// Ours. The kept amplitudes are the least-squares fit among the curves that vanish at particle 0,
-// so that roots are exact: c = B x - b_0 (b_0 . B x) / (b_0 . b_0), b_0 the basis at particle 0.
+// A strand as 3 x 24 amplitudes: cosines (DCT-I) of its offsets from the root along its length, of mean
+// square 1 each, so that a strand has the same amplitudes [m] however many particles it is sampled at. Ours.
+// The kept amplitudes are the least-squares fit among the curves that vanish at particle 0, so that roots are
+// exact: c = B x - b_0 (b_0 . B x) / (b_0 . b_0), b_0 the basis at particle 0.
 #pragma once
 
 #include <vector>
@@ -9,8 +10,8 @@
 
 namespace wetcurl {
 
-inline constexpr int dct_kept = 16;                       // amplitudes an axis
-inline constexpr int strand_coefficients = 3 * dct_kept;  // channel = 16 * axis + k
+inline constexpr int dct_kept = 24;                       // amplitudes an axis
+inline constexpr int strand_coefficients = 3 * dct_kept;  // channel = dct_kept * axis + k
 
 class StrandDct {
   public:
@@ -18,18 +19,18 @@ class StrandDct {
     explicit StrandDct(int particles);
 
     int particles() const { return particles_; }
-    // B[k * particles + i] = s_k cos(pi k (i + 1/2) / particles), s_0 = sqrt(1/particles), else
-    // sqrt(2/particles).
+    // B[k * particles + i] = s_k cos(pi k i / (particles - 1)), s_k = 1 for k = 0 and particles - 1, else
+    // sqrt(2).
     const std::vector<float>& basis() const { return basis_; }
-    // Offsets from the root (particles) [m] to amplitudes (48) [m].
+    // Offsets from the root (particles) [m] to amplitudes (72) [m].
     void encode(const Vec3f* offsets, float* coefficients) const;
-    // Amplitudes (48) to offsets (particles), less the offset at particle 0.
+    // Amplitudes (72) to offsets (particles), less the offset at particle 0.
     void decode(const float* coefficients, Vec3f* offsets) const;
 
   private:
     int particles_;
-    std::vector<float> basis_;       // (16, particles)
-    std::vector<float> projection_;  // (16): b_0 / |b_0|
+    std::vector<float> basis_;       // (24, particles)
+    std::vector<float> projection_;  // (24): b_0 / |b_0|
 };
 
 }  // namespace wetcurl

@@ -6,8 +6,6 @@
 
 #include "base/interrupt.h"
 #include "base/progress.h"
-#include "learn/root_codec.h"
-#include "learn/strand_codec.h"
 
 namespace wetcurl {
 
@@ -59,39 +57,53 @@ static void for_each_frame(const RunPair& pair, const std::string& what, Visit v
     }
 }
 
-double encode_strands(const RunPair& pair, PairsWriter& out) {
+StrandEncoder::StrandEncoder(const Groom& high, const Groom& low, const std::vector<float>& saturation,
+                             const Strands* shape)
+    : codec_(high, low, saturation, shape) {}
+
+StrandPairs StrandEncoder::begin(int frames) const {
+    return {frames,         static_channels, dynamic_channels, codec_.height(),
+            codec_.width(), codec_.fixed(),  codec_.mask(),    codec_.length()};
+}
+
+void StrandEncoder::encode(const Strands& low, const HeadWindow& heads, const Strands& wet,
+                           std::vector<float>& dynamic, std::vector<float>& target) {
+    dynamic.resize(size_t(dynamic_channels) * codec_.pixels());
+    target.resize(size_t(strand_coefficients) * codec_.pixels());
+    codec_.dynamic(low, heads, dynamic.data());
+    codec_.encode(wet, heads.now, target.data());
+    for (size_t k = 0; k < target.size(); ++k) target[k] -= dynamic[k];  // the base comes first
+    codec_.decode(target.data(), heads.now, decoded_);
+    double sum = 0;
+    for (size_t k = 0; k < wet.points.size(); ++k) sum += norm(decoded_.points[k] - wet.points[k]);
+    distance_ += sum / double(wet.points.size());
+    ++frames_;
+}
+
+double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape) {
     const RunHeader& wet_header = pair.wet->header();
     if (!pair.wet->frame(0).saturation.empty())
         throw Error(pair.wet->path() +
                     ": its water moves ([wetness.flow]), allowed for the strand codec is "
                     "wetness that stays; --codec root takes each frame's");
-    StrandCodec codec(wet_header.groom, pair.dry->header().groom, wet_header.saturation);
-    StrandPairs run;
-    run.frames = pair.dry->frames();
-    run.static_channels = static_channels;
-    run.dynamic_channels = dynamic_channels;
-    run.height = codec.height();
-    run.width = codec.width();
-    run.fixed = codec.fixed();
-    run.mask = codec.mask();
-    run.length = codec.length();
-    out.begin(run);
-    std::vector<float> dynamic(size_t(dynamic_channels) * codec.pixels());
-    std::vector<float> target(size_t(strand_coefficients) * codec.pixels());
-    Strands decoded;
-    double distance = 0;
+    StrandEncoder encoder(wet_header.groom, pair.dry->header().groom, wet_header.saturation, shape);
+    out.begin(encoder.begin(pair.dry->frames()));
+    std::vector<float> dynamic, target;
     for_each_frame(pair, "encode", [&](const FrameWindow& window, const RunFrame& wet) {
-        codec.dynamic(window.now().positions, window.heads(), dynamic.data());
-        codec.encode(wet.positions, wet.head, target.data());
-        codec.decode(target.data(), wet.head, decoded);
-        double sum = 0;
-        for (size_t k = 0; k < decoded.points.size(); ++k)
-            sum += norm(decoded.points[k] - wet.positions.points[k]);
-        distance += sum / double(decoded.points.size());
-        for (size_t k = 0; k < target.size(); ++k) target[k] -= dynamic[k];  // the base comes first
+        encoder.encode(window.now().positions, window.heads(), wet.positions, dynamic, target);
         out.append(dynamic.data(), target.data());
     });
-    return 1e3 * distance / run.frames;
+    return encoder.floor_mm();
+}
+
+std::vector<float> root_colours(const RootImage& image, const Strands& strands,
+                                const std::vector<float>& saturation, float support_radius,
+                                const ColourBox& box) {
+    std::vector<Vec3f> roots = shifted_roots(strands, saturation, support_radius);
+    for (Vec3f& p : roots) p = colour_of(p, box);
+    std::vector<float> out(3 * image.pixels());
+    image.draw(roots, out.data());
+    return out;
 }
 
 namespace {

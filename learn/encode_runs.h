@@ -6,6 +6,8 @@
 
 #include "base/run_cache.h"
 #include "learn/pairs.h"
+#include "learn/root_codec.h"
+#include "learn/strand_codec.h"
 
 namespace wetcurl {
 
@@ -17,10 +19,36 @@ struct RunPair {
     RunPair(const std::string& dry_path, const std::string& wet_path);
 };
 
+// Frames of dry low-resolution and wet high-resolution strands as codec strand pairs them.
+class StrandEncoder {
+  public:
+    // As of a StrandCodec.
+    StrandEncoder(const Groom& high, const Groom& low, const std::vector<float>& saturation,
+                  const Strands* shape);
+    StrandPairs begin(int frames) const;
+    // low, wet: world positions; dynamic (81, H, W), target (72, H, W).
+    void encode(const Strands& low, const HeadWindow& heads, const Strands& wet, std::vector<float>& dynamic,
+                std::vector<float>& target);
+    // Mean distance that encoding costs the wet strands [mm], over the frames so far.
+    double floor_mm() const { return 1e3 * distance_ / frames_; }
+
+  private:
+    StrandCodec codec_;
+    Strands decoded_;
+    double distance_ = 0;
+    int frames_ = 0;
+};
+
+// Of codec root: colours (3, height, width) of `strands` whose roots are shifted by Eq 16.
+std::vector<float> root_colours(const RootImage& image, const Strands& strands,
+                                const std::vector<float>& saturation, float support_radius,
+                                const ColourBox& box);
+
 // Both throw Interrupted; what was added is in `out`.
 
-// Adds the pair to `out` (codec strand). Returns the mean distance that encoding costs the wet strands [mm].
-double encode_strands(const RunPair& pair, PairsWriter& out);
+// Adds the pair to `out` (codec strand); `shape` as of a StrandCodec. Returns the mean distance that encoding
+// costs the wet strands [mm].
+double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape = nullptr);
 
 // Adds the pairs to `out` (codec root) with one box for all; `support_radius` h of Eq 16 [m].
 void encode_roots(const std::vector<RunPair>& pairs, float support_radius, PairsWriter& out);

@@ -124,16 +124,36 @@ Stencil triangle_stencil(const Groom& high, const Groom& low) {
 }
 
 Interpolation interpolation_named(const std::string& name) {
-    static const std::vector<std::string> names{"nearest", "quad", "core"};
+    static const std::vector<std::string> names{"nearest", "quad", "core", "rest"};
     for (size_t k = 0; k < names.size(); ++k)
         if (names[k] == name) return Interpolation(k);
-    throw Misuse("interpolation: found '" + name + "', allowed nearest, quad, core" +
+    throw Misuse("interpolation: found '" + name + "', allowed nearest, quad, core, rest" +
                  did_you_mean(name, names));
 }
 
-Interpolator::Interpolator(Interpolation kind, Stencil stencil, const Groom& high, const Groom& low)
+static void take_cores(const Strands& strands, Strands& cores) {
+    const float beta = core_beta(strands.particles);
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < strands.count; ++s)
+        core_of(strands.strand(s), strands.particles, beta, cores.strand(s));
+}
+static Strands cores_of(const Strands& strands) {
+    Strands cores(strands.count, strands.particles);
+    take_cores(strands, cores);
+    return cores;
+}
+
+Interpolator::Interpolator(Interpolation kind, Stencil stencil, const Groom& high, const Groom& low,
+                           const Strands* shape)
     : kind_(kind), stencil_(std::move(stencil)), roots_(root_frames(high)) {
-    if (kind_ == Interpolation::core) cores_ = Strands(low.rest.count, low.rest.particles);
+    if (kind_ == Interpolation::core || kind_ == Interpolation::rest)
+        cores_ = Strands(low.rest.count, low.rest.particles);
+    if (kind_ != Interpolation::rest) return;
+    rest_ = shape ? *shape : high.rest;
+    if (rest_.points.size() != high.rest.points.size())
+        throw Error("interpolation: found a shape at rest of " + std::to_string(rest_.count) +
+                    " strands, allowed that of all " + std::to_string(high.rest.count));
+    rest_cores_ = cores_of(rest_), low_rest_cores_ = cores_of(low.rest);
 }
 
 // root + sum_k weight_k (strand_k - its root), for `n` particles.
@@ -163,35 +183,61 @@ static void add_detail(const Vec3f* p, const Vec3f* core, int n, Vec3f* out) {
     }
 }
 
+// To the ways `out` of a core: that core, and the detail, of strand p at rest.
+static void add_rest(const Vec3f* p, const Vec3f* core, int n, const Quatf& head, std::vector<Vec3f>& turned,
+                     Vec3f* out) {
+    turned.resize(2 * size_t(n));
+    for (int i = 0; i < n; ++i) {
+        turned[size_t(i)] = rotate(head, p[i]), turned[size_t(n + i)] = rotate(head, core[i]);
+        out[i] += turned[size_t(n + i)] - turned[size_t(n)];
+    }
+    add_detail(turned.data(), turned.data() + n, n, out);
+}
+
 void Interpolator::apply(const Strands& low, const Pose& head, Strands& out) {
     const int n = low.particles, width = stencil_.width;
     if (low.count != int(stencil_.twin.size()))
         throw Error("interpolation: found " + std::to_string(low.count) +
                     " low-resolution strands, allowed " + std::to_string(stencil_.twin.size()));
     if (out.count != stencil_.count() || out.particles != n) out = Strands(stencil_.count(), n);
-    if (kind_ == Interpolation::core) {
-        const float beta = core_beta(n);
+    if (cores_.count) take_cores(low, cores_);
+    if (kind_ == Interpolation::rest) {
+        // What is left of the cores is how they have moved.
+        const Quatf turn = cast<float>(head.rotation);
 #pragma omp parallel for schedule(static)
-        for (int s = 0; s < low.count; ++s) core_of(low.strand(s), n, beta, cores_.strand(s));
+        for (int s = 0; s < low.count; ++s)
+            for (int i = n - 1; i >= 0; --i)
+                cores_.at(s, i) = cores_.at(s, i) - cores_.at(s, 0) -
+                                  rotate(turn, low_rest_cores_.at(s, i) - low_rest_cores_.at(s, 0));
     }
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < out.count; ++s) {
-        const int nearest = stencil_.nearest[size_t(s)];
-        const int* from = stencil_.from.data() + size_t(s) * width;
-        const float* weight = stencil_.weight.data() + size_t(s) * width;
-        const Vec3f root = roots_.root_at(s, head);
-        const float one = 1;
-        switch (kind_) {
-            case Interpolation::nearest:
-                weighted_mean(low, &nearest, &one, 1, root, out.strand(s));
-                break;
-            case Interpolation::quad:
-                weighted_mean(low, from, weight, width, root, out.strand(s));
-                break;
-            case Interpolation::core:
-                weighted_mean(cores_, from, weight, width, root, out.strand(s));
-                add_detail(low.strand(nearest), cores_.strand(nearest), n, out.strand(s));
-                break;
+#pragma omp parallel
+    {
+        std::vector<Vec3f> turned;
+#pragma omp for schedule(static)
+        for (int s = 0; s < out.count; ++s) {
+            const int nearest = stencil_.nearest[size_t(s)];
+            const int* from = stencil_.from.data() + size_t(s) * width;
+            const float* weight = stencil_.weight.data() + size_t(s) * width;
+            const Vec3f root = roots_.root_at(s, head);
+            const float one = 1;
+            switch (kind_) {
+                case Interpolation::nearest:
+                    weighted_mean(low, &nearest, &one, 1, root, out.strand(s));
+                    break;
+                case Interpolation::quad:
+                    weighted_mean(low, from, weight, width, root, out.strand(s));
+                    break;
+                case Interpolation::core:
+                    weighted_mean(cores_, from, weight, width, root, out.strand(s));
+                    add_detail(low.strand(nearest), cores_.strand(nearest), n, out.strand(s));
+                    break;
+                case Interpolation::rest: {
+                    weighted_mean(cores_, from, weight, width, root, out.strand(s));
+                    add_rest(rest_.strand(s), rest_cores_.strand(s), n, cast<float>(head.rotation), turned,
+                             out.strand(s));
+                    break;
+                }
+            }
         }
     }
 }

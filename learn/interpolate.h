@@ -34,14 +34,18 @@ Stencil quad_stencil(const Groom& high, const Groom& low);
 Stencil triangle_stencil(const Groom& high, const Groom& low);
 
 // nearest: a copy of the nearest strand; quad: the weighted mean; core: the weighted mean of the cores (Form
-// V+), with the nearest strand's detail in the core's frames.
-enum class Interpolation { nearest, quad, core };
+// V+), with the nearest strand's detail in the core's frames; rest: the strand's own rest shape, whose core
+// is moved as those around it have moved from theirs, with its own detail in the core's frames.
+enum class Interpolation { nearest, quad, core, rest };
 // Throws Misuse for another name.
 Interpolation interpolation_named(const std::string& name);
 
 class Interpolator {
   public:
-    Interpolator(Interpolation kind, Stencil stencil, const Groom& high, const Groom& low);
+    // `shape` (high strands), for `rest` alone: how they lie at rest in the head's frame, where that is not
+    // as drawn.
+    Interpolator(Interpolation kind, Stencil stencil, const Groom& high, const Groom& low,
+                 const Strands* shape = nullptr);
     const Stencil& stencil() const { return stencil_; }
     const RootFrames& roots() const { return roots_; }
     // low (low strands) world positions [m], `head` the pose of the frame; out: (high strands), world.
@@ -51,7 +55,9 @@ class Interpolator {
     Interpolation kind_;
     Stencil stencil_;
     RootFrames roots_;
-    Strands cores_;  // of the low strands; used by `core` alone
+    Strands cores_;  // of the low strands; used by `core` and `rest` alone
+    // Used by `rest` alone, all at rest in the head's frame.
+    Strands rest_, rest_cores_, low_rest_cores_;
 };
 
 }  // namespace wetcurl

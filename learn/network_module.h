@@ -13,8 +13,9 @@
 namespace wetcurl {
 
 struct TrainRequest {
-    std::string kind;                // sr | adhesion
-    std::vector<std::string> pairs;  // pairs files of one codec
+    std::string kind;                     // sr | adhesion
+    std::vector<std::string> pairs;       // pairs files of one codec
+    std::vector<std::string> validation;  // held out in place of the last frames of each run
     std::string output;            // the model; OUTPUT.checkpoint and OUTPUT.jsonl stand beside it meanwhile
     std::string recipe;            // TOML file, "" for the defaults
     std::vector<std::string> set;  // key.path=value over the recipe

@@ -34,6 +34,11 @@ PairsWriter::PairsWriter(const std::string& path, Codec codec, int particles, bo
 
 void PairsWriter::next_group() { group_ = group_name(runs_++); }
 
+void PairsWriter::link(const std::string& file) {
+    next_group();
+    file_.link(group_, file, group_name(0));
+}
+
 void PairsWriter::begin(const StrandPairs& run) {
     next_group();
     const size_t h = size_t(run.height), w = size_t(run.width);
@@ -120,7 +125,7 @@ StrandPairs PairsReader::strand(int run) const {
     out.width = int(d[3]);
     if (out.dynamic_channels < strand_coefficients)
         throw Error(path() + ": " + group + "/dynamic: found " + std::to_string(d[1]) +
-                    " channels, allowed 48 or more");
+                    " channels, allowed " + std::to_string(strand_coefficients) + " or more");
     out.fixed = file_.read<float>(group + "/static", {0, d[2], d[3]});
     out.static_channels = int(out.fixed.size() / out.pixels());
     out.mask = file_.read<uint8_t>(group + "/mask", {d[2], d[3]});

@@ -7,8 +7,8 @@
 // ("input 000 dry", "input 000 wet": "FILE HASH").
 //
 // codec strand, F frames, (H, W) the high-resolution root grid:
-//   static (58, H, W) f32, dynamic (F, 57, H, W) f32: channels in learn/strand_codec.h; the first 48 of
-//   `dynamic` are the base; target (F, 48, H, W) f32: wet amplitudes less the base; mask (H, W) u8: 1 where a
+//   static (82, H, W) f32, dynamic (F, 81, H, W) f32: channels in learn/strand_codec.h; the first 72 of
+//   `dynamic` are the base; target (F, 72, H, W) f32: wet amplitudes less the base; mask (H, W) u8: 1 where a
 //   strand is; length (H, W) f32 [m]. Amplitudes: learn/dct.h.
 // codec root: b_min, b_max (3) f64 [m] at the top, shared by all runs; input (F, 3, h, w) f32 colours of the
 //   dry low-resolution roots, target (F, 3, 2h, 2w) f32 of the wet ones; h, w multiples of 32; mask_low (h,
@@ -58,6 +58,8 @@ class PairsWriter {
     void begin(const StrandPairs& run);
     void begin(const RootPairs& run);
     void append(const float* inputs, const float* target);
+    // The next group is the first of another file, whose path starts at this one's folder.
+    void link(const std::string& file);
     // A group of its own.
     void add(const std::vector<AdhesionSample>& samples);
     // b_min, b_max of codec root [m].
@@ -91,7 +93,7 @@ class PairsReader {
     StrandPairs strand(int run) const;
     RootPairs root(int run) const;
     std::vector<AdhesionSample> adhesion(int run) const;
-    // Codec strand: (Cd, H, W) and (48, H, W); codec root: (3, h, w) and (3, 2h, 2w).
+    // Codec strand: (Cd, H, W) and (72, H, W); codec root: (3, h, w) and (3, 2h, 2w).
     void frame(int run, int frame, float* inputs, float* target) const;
     void box(double lower[3], double upper[3]) const;
     bool has_attribute(const std::string& name) const { return file_.has_attribute(name); }

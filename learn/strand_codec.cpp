@@ -21,12 +21,13 @@ static void profile(const float* sigma, int n, float* out, size_t stride) {
     }
 }
 
-StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation)
+StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
+                         const Strands* shape)
     : grid_(high.grid),
       pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
       dct_(high.rest.particles),
-      base_(Interpolation::quad, quad_stencil(high, low), high, low),
-      scratch_(high.rest.count, high.rest.particles) {
+      interpolator_(Interpolation::rest, quad_stencil(high, low), high, low, shape),
+      base_(high.rest.count, high.rest.particles) {
     const int n = particles(), strands = high.rest.count;
     if (!saturation.empty() && saturation.size() != high.rest.points.size())
         throw Error("strand codec: found " + std::to_string(saturation.size()) +
@@ -36,8 +37,9 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
     for (int pixel : pixel_of_) mask_[size_t(pixel)] = 1;
     fixed_.assign(size_t(static_channels) * pixels(), 0);
     length_.assign(pixels(), 0);
-    encode(high.rest, Pose{}, fixed_.data());
-    const auto radius = curl_radii(high.rest);
+    const Strands& rest = shape ? *shape : high.rest;
+    encode(rest, Pose{}, fixed_.data());
+    const auto radius = curl_radii(rest);
     for (int s = 0; s < strands; ++s) {
         const size_t pixel = size_t(pixel_of_[size_t(s)]);
         float* at = fixed_.data() + pixel;
@@ -51,9 +53,9 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
 }
 
 void StrandCodec::dynamic(const Strands& low, const HeadWindow& heads, float* out) {
-    base_.apply(low, heads.now, scratch_);
-    encode(scratch_, heads.now, out);
-    const RootFrames& frames = base_.roots();
+    interpolator_.apply(low, heads.now, base_);
+    encode(base_, heads.now, out);
+    const RootFrames& frames = interpolator_.roots();
     float* motion = out + size_t(strand_coefficients) * pixels();
     std::fill_n(motion, size_t(dynamic_channels - strand_coefficients) * pixels(), 0.0f);
     const Vec3f gravity = cast<float>(heads.gravity), turning = cast<float>(heads.angular_velocity());
@@ -72,7 +74,7 @@ void StrandCodec::dynamic(const Strands& low, const HeadWindow& heads, float* ou
 
 void StrandCodec::encode(const Strands& strands, const Pose& head, float* out) const {
     const int n = particles();
-    const RootFrames& frames = base_.roots();
+    const RootFrames& frames = interpolator_.roots();
     if (strands.count != frames.count() || strands.particles != n)
         throw Error("strand codec: found " + std::to_string(strands.count) + " strands of " +
                     std::to_string(strands.particles) + " particles, allowed " +
@@ -96,7 +98,7 @@ void StrandCodec::encode(const Strands& strands, const Pose& head, float* out) c
 
 void StrandCodec::decode(const float* coefficients, const Pose& head, Strands& out) const {
     const int n = particles();
-    const RootFrames& frames = base_.roots();
+    const RootFrames& frames = interpolator_.roots();
     if (out.count != frames.count() || out.particles != n) out = Strands(frames.count(), n);
 #pragma omp parallel for schedule(static)
     for (int s = 0; s < out.count; ++s) {
@@ -106,8 +108,7 @@ void StrandCodec::decode(const float* coefficients, const Pose& head, Strands& o
         Vec3f* p = out.strand(s);
         dct_.decode(c, p);
         const Quatf to_world = frames.rotation_at(s, head);
-        const Vec3f root = frames.root_at(s, head);
-        for (int i = 0; i < n; ++i) p[i] = root + rotate(to_world, p[i]);
+        for (int i = 0; i < n; ++i) p[i] = base_.at(s, i) + rotate(to_world, p[i]);
     }
 }
 

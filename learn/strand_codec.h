@@ -2,13 +2,16 @@
 // Ours (`strand` codec). Encoding for training and inference go through the same class, so their features are
 // the same.
 //
-// static (58): 0-47 amplitudes of the strand's rest shape, 48-55 saturation profile (means over eighths of
-// the strand,
-//   root first), 56 length [m], 57 curl radius at rest [m].
-// dynamic (57): 0-47 base, the amplitudes of the quad interpolation of the dry low-resolution run, 48-50
-// gravity [m/s^2],
-//   51-53 angular velocity of the head [rad/s], 54-56 acceleration of the root [m/s^2].
-// target (48): amplitudes of the wet strand before cohesion, less the base.
+// The base is the strand's own rest shape, curled by its water (Eq 9), and moved as the low-resolution
+// strands around it have moved from theirs (Interpolation::rest), at full resolution; the network sees its
+// amplitudes, and answers with those of what is to be added to it.
+//
+// static (82): 0-71 amplitudes of that rest shape, 72-79 saturation profile (means over eighths of
+// the
+//   strand, root first), 80 length [m], 81 curl radius at rest [m].
+// dynamic (81): 0-71 amplitudes of the base, 72-74 gravity [m/s^2], 75-77 angular velocity of the head
+//   [rad/s], 78-80 acceleration of the root [m/s^2].
+// target (72): amplitudes of the wet strand before cohesion, less the base.
 // All vectors in the strand's head-fixed root frame (learn/root_frame.h); amplitudes: learn/dct.h. Pixels
 // without a strand hold zeros.
 #pragma once
@@ -26,8 +29,10 @@ inline constexpr int dynamic_channels = strand_coefficients + 9;
 class StrandCodec {
   public:
     // high: the rest groom at full resolution; low: that of the dry run, every second root each way of it;
-    // saturation: (high strand, particle), empty for dry. Throws Error where these do not fit.
-    StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation);
+    // saturation: (high strand, particle), empty for dry; shape: the high strands at rest with their water,
+    // in the head's frame, null: as drawn. Throws Error where these do not fit.
+    StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
+                const Strands* shape = nullptr);
 
     int height() const { return grid_.height; }
     int width() const { return grid_.width; }
@@ -35,23 +40,27 @@ class StrandCodec {
     size_t pixels() const { return size_t(grid_.height) * grid_.width; }
     const StrandDct& dct() const { return dct_; }
 
-    const std::vector<float>& fixed() const { return fixed_; }    // "static": (58, H, W)
+    const std::vector<float>& fixed() const { return fixed_; }    // "static": (82, H, W)
     const std::vector<uint8_t>& mask() const { return mask_; }    // (H, W)
     const std::vector<float>& length() const { return length_; }  // (H, W) [m]
 
-    // out (57, H, W): features of one frame; low: world positions of the dry low-resolution strands [m].
+    // out (81, H, W): features of one frame, whose base it takes up; low: world positions of the dry
+    // low-resolution strands [m].
     void dynamic(const Strands& low, const HeadWindow& heads, float* out);
-    // out (48, H, W): amplitudes of world strands (high strands) at a head pose.
+    // World positions (high strands) of the frame taken up last.
+    const Strands& base() const { return base_; }
+    // out (72, H, W): amplitudes of world strands (high strands) at a head pose.
     void encode(const Strands& strands, const Pose& head, float* out) const;
-    // World strands (high strands) of amplitudes (48, H, W) at a head pose; roots are exact.
+    // World strands (high strands): the base and, added to it, amplitudes (72, H, W) at a head pose; roots
+    // are exact.
     void decode(const float* coefficients, const Pose& head, Strands& out) const;
 
   private:
     RootGrid grid_;
     std::vector<int> pixel_of_;  // (strand)
     StrandDct dct_;
-    Interpolator base_;
-    Strands scratch_;  // the base of the frame at hand
+    Interpolator interpolator_;
+    Strands base_;
     std::vector<float> fixed_, length_;
     std::vector<uint8_t> mask_;
 };

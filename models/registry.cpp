@@ -52,7 +52,7 @@ const std::vector<Architecture>& architectures() {
     static const std::vector<Architecture> list = {
         {"unet_vgg19", "root", 3, 3, 2, true, make_unet},
         {"recursive_residual", "root", 3, 3, 2, true, make_recursive},
-        {"strand_mlp", "strand", 0, 48, 1, true, make_strand},
+        {"strand_mlp", "strand", 0, 72, 1, true, make_strand},
         {"adhesion_mlp", "adhesion", 12, 1, 1, false, make_adhesion},
     };
     return list;

@@ -152,6 +152,16 @@ StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking) {
     return rest;
 }
 
+Strands shape_at_rest(const Scene& scene) {
+    Strands out(scene.groom.rest.count, scene.groom.rest.particles);
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < out.count; ++s) {
+        const StrandRest rest = rest_state_of(scene, s);
+        for (int i = 0; i < out.particles; ++i) out.at(s, i) = cast<float>(rest.start[size_t(i)]);
+    }
+    return out;
+}
+
 std::vector<float> rest_depths_of(const Scene& scene) {
     const auto& points = scene.groom.rest.points;
     std::vector<float> depth(scene.has_attached_solid() ? points.size() : 0, 0.f);

@@ -21,6 +21,9 @@ struct StrandRest {
 // Frames along p (n), n at least 2, without any twist, from the root's -> (n-1).
 std::vector<Quatd> frames_along(const std::vector<Vec3d>& p);
 
+// How all strands lie at rest with the scene's water in them: StrandRest::start.
+Strands shape_at_rest(const Scene& scene);
+
 // What of it follows the water in the hair, and from what.
 struct Soaking {
     std::vector<double> dry_mass;      // (n) [kg]

@@ -56,6 +56,13 @@ std::string run_name(const PairsReader& pairs, int run) {
     return pairs.path() + ": runs/" + std::to_string(run);
 }
 
+// How many of a run's frames training sees: all or none, where files of their own are held out.
+long trained_of(const PairsReader& file, int run, long frames, size_t place, size_t trained, size_t files,
+                const Recipe& recipe) {
+    if (trained == files) return trained_of(frames, recipe.validation, run_name(file, run));
+    return place < trained ? frames : 0;
+}
+
 // A frame that a batch can name.
 struct Place {
     size_t run;
@@ -76,9 +83,14 @@ Tensor image(const Tensor& rows) { return rows.unsqueeze(2).unsqueeze(3); }
 
 class StrandData : public TrainingData {
   public:
-    StrandData(const vector<PairsReader*>& pairs, const Recipe& recipe) : recipe_(recipe) {
-        for (auto* file : pairs)
-            for (int r = 0; r < file->runs(); ++r) add_run(*file, r);
+    StrandData(const vector<PairsReader*>& pairs, size_t trained, const Recipe& recipe, torch::Device device)
+        : recipe_(recipe), device_(device) {
+        for (size_t k = 0; k < pairs.size(); ++k)
+            for (int r = 0; r < pairs[k]->runs(); ++r) {
+                add_run(*pairs[k], r);
+                trained_.push_back(
+                    trained_of(*pairs[k], r, frames_.back(), k, trained, pairs.size(), recipe));
+            }
         particles_ = pairs.front()->particles();
         train_ = places_of(frames_, trained_, false);
         held_ = places_of(frames_, trained_, true);
@@ -110,7 +122,7 @@ class StrandData : public TrainingData {
 
   private:
     struct Run {
-        Tensor fixed, dynamic, target;  // (P, Cs), (F, P, Cd), (F, P, 48)
+        Tensor fixed, dynamic, target;  // (P, Cs), (F, P, Cd), (F, P, 72)
     };
 
     static vector<float> values(const Tensor& t) {
@@ -155,16 +167,17 @@ class StrandData : public TrainingData {
         if (!runs_.empty() &&
             (runs_[0].fixed.size(1) != out.fixed.size(1) || runs_[0].dynamic.size(2) != out.dynamic.size(2)))
             throw Error(where + ": found other channels than in the first run");
-        runs_.push_back(out);
+        // Whole: an epoch over the wire would keep a device waiting.
+        runs_.push_back({out.fixed.to(device_), out.dynamic.to(device_), out.target.to(device_)});
         frames_.push_back(run.frames);
-        trained_.push_back(trained_of(run.frames, recipe_.validation, where));
     }
 
     // Per channel over the frames that training sees, in double: mean and deviation of the inputs, size of
     // the target.
     void find_statistics() {
-        Tensor sum = torch::zeros({channels()}, torch::kDouble), squares = sum.clone();
-        Tensor targets = torch::zeros({strand_coefficients}, torch::kDouble);
+        const auto exact = torch::dtype(torch::kDouble).device(device_);
+        Tensor sum = torch::zeros({channels()}, exact), squares = sum.clone();
+        Tensor targets = torch::zeros({strand_coefficients}, exact);
         double rows = 0;
         for (const auto& place : train_) {
             const Batch b = of({place});
@@ -175,6 +188,7 @@ class StrandData : public TrainingData {
             targets += y.square().sum(0);
             rows += double(x.size(0));
         }
+        sum = sum.cpu(), squares = squares.cpu(), targets = targets.cpu();
         const Tensor mean = sum / rows;
         const Tensor deviation = (squares / rows - mean.square()).clamp_min(0).sqrt();
         // A channel that never changes taught nothing: it comes in as zero, also where it differs at run
@@ -207,6 +221,7 @@ class StrandData : public TrainingData {
     }
 
     Recipe recipe_;
+    torch::Device device_;
     vector<Run> runs_;
     vector<long> frames_, trained_, order_;
     vector<Place> train_, held_;
@@ -220,11 +235,15 @@ class StrandData : public TrainingData {
 
 class RootData : public TrainingData {
   public:
-    RootData(const vector<PairsReader*>& pairs, const Recipe& recipe) : recipe_(recipe) {
+    RootData(const vector<PairsReader*>& pairs, size_t trained, const Recipe& recipe) : recipe_(recipe) {
         pairs.front()->box(lower_, upper_);
-        for (auto* file : pairs) {
-            require_same_box(*file);
-            for (int r = 0; r < file->runs(); ++r) add_run(*file, r);
+        for (size_t k = 0; k < pairs.size(); ++k) {
+            require_same_box(*pairs[k]);
+            for (int r = 0; r < pairs[k]->runs(); ++r) {
+                add_run(*pairs[k], r);
+                trained_.push_back(
+                    trained_of(*pairs[k], r, frames_.back(), k, trained, pairs.size(), recipe));
+            }
         }
         train_ = places_of(frames_, trained_, false);
         held_ = places_of(frames_, trained_, true);
@@ -301,7 +320,6 @@ class RootData : public TrainingData {
         smallest_ = std::min({smallest_, long(run.height), long(run.width)});
         runs_.push_back(out);
         frames_.push_back(run.frames);
-        trained_.push_back(trained_of(run.frames, recipe_.validation, where));
     }
 
     // Patches of a batch are of one size: the recipe's, or the smallest image's.
@@ -425,7 +443,8 @@ Batch Batch::to(torch::Device device) const {
     return {moved(input), moved(target), moved(base), moved(mask)};
 }
 
-std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, const Recipe& recipe) {
+std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_t trained,
+                                        const Recipe& recipe, torch::Device device) {
     const PairsReader& first = *pairs.front();
     for (auto* file : pairs)
         if (file->codec() != first.codec() || file->particles() != first.particles())
@@ -434,10 +453,12 @@ std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, const
                         " has: " + name_of(first.codec()) + " with " + std::to_string(first.particles()));
     switch (first.codec()) {
         case Codec::strand:
-            return std::make_unique<StrandData>(pairs, recipe);
+            return std::make_unique<StrandData>(pairs, trained, recipe, device);
         case Codec::root:
-            return std::make_unique<RootData>(pairs, recipe);
+            return std::make_unique<RootData>(pairs, trained, recipe);
         default:
+            if (trained != pairs.size())
+                throw Misuse("train adhesion: takes no --validation; the last samples are held out");
             return std::make_unique<AdhesionData>(pairs, recipe);
     }
 }

@@ -14,12 +14,12 @@
 
 namespace wetcurl {
 
-// Tensors lie on the CPU, single precision.
+// Single precision; of codec strand on the training's device, else on the CPU.
 struct Batch {
     Tensor input;   // strand (P, C, 1, 1): masked pixels; root (B, 3, h, w); adhesion (n, 12, 1, 1)
-    Tensor target;  // strand (P, 48, 1, 1); root (B, 3, 2h, 2w); adhesion (n, 1, 1, 1)
+    Tensor target;  // strand (P, 72, 1, 1); root (B, 3, 2h, 2w); adhesion (n, 1, 1, 1)
     Tensor
-        base;  // strand (P, 48): amplitudes of the base; root (B, 3, 2h, 2w): up(input); adhesion: F.n before
+        base;  // strand (P, 72): amplitudes of the base; root (B, 3, 2h, 2w): up(input); adhesion: F.n before
     Tensor mask;  // root alone (B, 1, 2h, 2w): 1 where a strand is
     Batch to(torch::Device device) const;
 };
@@ -39,7 +39,10 @@ class TrainingData {
     virtual double unit() const = 0;
 };
 
-// Throws Error where the files disagree, hold a value that is not finite, or too little to train on.
-std::unique_ptr<TrainingData> open_data(const std::vector<PairsReader*>& pairs, const Recipe& recipe);
+// The first `trained` of the files are trained on; the others are held out, in place of the last frames of
+// each run (codecs strand and root). Throws Error where the files disagree, hold a value that is not finite,
+// or too little to train on.
+std::unique_ptr<TrainingData> open_data(const std::vector<PairsReader*>& pairs, size_t trained,
+                                        const Recipe& recipe, torch::Device device);
 
 }  // namespace wetcurl

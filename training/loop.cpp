@@ -108,10 +108,12 @@ class Trainer {
 
     void open_inputs() {
         if (request_.pairs.empty()) throw Misuse("train: no pairs file is named");
-        for (const auto& path : request_.pairs) {
-            readers_.push_back(std::make_unique<PairsReader>(path));
-            inputs_ += (inputs_.empty() ? "" : "\n") + path + " " + file_hash(path);
-        }
+        for (const auto* list : {&request_.pairs, &request_.validation})
+            for (const auto& path : *list) {
+                readers_.push_back(std::make_unique<PairsReader>(path));
+                inputs_ += (inputs_.empty() ? "" : "\n") + path + " " + file_hash(path) +
+                           (list == &request_.validation ? " (held out)" : "");
+            }
         codec_ = readers_.front()->codec();
         if (request_.kind != "sr" && request_.kind != "adhesion")
             throw Misuse("train: found '" + request_.kind + "', allowed sr, adhesion");
@@ -125,12 +127,12 @@ class Trainer {
         epochs_ = long(recipe_.epochs);
         std::vector<PairsReader*> pointers;
         for (const auto& reader : readers_) pointers.push_back(reader.get());
-        data_ = open_data(pointers, recipe_);
+        set_threads(request_.threads);
+        device_ = device_named(recipe_.device);
+        data_ = open_data(pointers, request_.pairs.size(), recipe_, device_);
     }
 
     void make_network() {
-        set_threads(request_.threads);
-        device_ = device_named(recipe_.device);
         const bool half = recipe_.precision == "bfloat16";
         at::globalContext().setDeterministicCuDNN(true);
         at::globalContext().setBenchmarkCuDNN(false);

@@ -18,10 +18,10 @@ class StrandLoss : public Loss {
             torch::from_blob(const_cast<float*>(dct.basis().data()), {dct_kept, particles}).t();
         const long n = particles;
         segment_ = length / double(n - 1);
-        const Tensor edges = basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, n - 1);  // (n-1, 16)
+        const Tensor edges = basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, n - 1);  // (n-1, 24)
         // Particle 0 is exact by construction, and the norm has no gradient there.
         positions_ =
-            (basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, 1)).contiguous().to(device);  // (n-1, 16)
+            (basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, 1)).contiguous().to(device);  // (n-1, 24)
         edges_ = edges.contiguous().to(device);
 
         std::vector<Tensor> rows, weights;
@@ -41,7 +41,7 @@ class StrandLoss : public Loss {
     }
 
     Tensor of(const Tensor& output, const Batch& batch) const override {
-        const Tensor error = output.flatten(1) - batch.target.flatten(1);  // (P, 48)
+        const Tensor error = output.flatten(1) - batch.target.flatten(1);  // (P, 72)
         Tensor loss = torch::zeros({}, error.options());
         if (rows_.defined()) loss = (norms(error, rows_) * weights_).sum() / error.size(0);
         if (length_weight_ > 0) {
@@ -59,7 +59,7 @@ class StrandLoss : public Loss {
     double count(const Batch& batch) const override { return double(batch.target.size(0)); }
 
   private:
-    // Amplitudes (P, 48) and rows D (R, 16) to |D c| (P, R) [m]. Below a nanometre the norm is rounded off,
+    // Amplitudes (P, 72) and rows D (R, 24) to |D c| (P, R) [m]. Below a nanometre the norm is rounded off,
     // so that its gradient stays finite at 0.
     static Tensor norms(const Tensor& amplitudes, const Tensor& rows) {
         const Tensor decoded = linear_rows(amplitudes.reshape({-1, dct_kept}), rows);  // (3 P, R)

@@ -137,7 +137,7 @@ TEST_F(Commands, encode_and_simulate_keep_their_inputs) {
 
 TEST_F(Commands, three_roots_give_other_strands_than_four) {
     simulate_command(simulation("low.h5", 16));
-    for (const std::string kind : {"quad", "core"}) {
+    for (const std::string kind : {"quad", "core", "rest"}) {
         for (int roots : {3, 4}) infer_command(inference(kind, roots));
         const RunReader three(scratch.path(kind + "3.h5")), four(scratch.path(kind + "4.h5"));
         EXPECT_EQ(three.header().method, kind + " interpolation, 3 roots");

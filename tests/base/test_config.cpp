@@ -69,6 +69,38 @@ TEST(Config, paths_start_at_the_folder_of_the_file) {
     EXPECT_EQ(config.folder(), scratch.path());
 }
 
+TEST(Config, ranges_are_one_pair_or_one_for_each_component) {
+    Config config = scene(
+        "length = [0.1, 0.25]\nturns = [3, 6]\nsame = [2, 2]\n"
+        "axis = [[-1, 1], [0.5, 0.5], [-2.5, 0]]\nwhole = [[-3, 4]]\n");
+    const Table root = config.root();
+    using Each = std::vector<std::array<double, 2>>;
+    auto expect = [&](const std::string& key, bool vector, const Each& each) {
+        const Table::Ranges found = root.ranges(key);
+        EXPECT_EQ(found.vector, vector) << key;
+        EXPECT_EQ(found.each, each) << key;
+    };
+    expect("length", false, {{0.1, 0.25}});
+    expect("turns", false, {{3, 6}});  // whole numbers are numbers
+    expect("same", false, {{2, 2}});
+    expect("axis", true, {{-1, 1}, {0.5, 0.5}, {-2.5, 0}});
+    expect("whole", true, {{-3, 4}});
+    EXPECT_NO_THROW(config.require_all_used());
+}
+
+TEST(Config, keys_are_those_written_in_order_and_are_not_used_by_being_listed) {
+    Config config = scene("[vary]\nturns = [3, 6]\n\"groom.length\" = [1, 2]\nhead = 1\n[empty]\n");
+    const Table vary = config.root().table("vary");
+    EXPECT_EQ(vary.keys(), (std::vector<std::string>{"groom.length", "head", "turns"}));
+    EXPECT_EQ(config.root().keys(), (std::vector<std::string>{"empty", "vary"}));
+    EXPECT_TRUE(config.root().table("empty").keys().empty());
+    EXPECT_TRUE(config.root().table("absent").keys().empty());
+    vary.ranges("turns");
+    expect_error<Misuse>([&] { config.require_all_used(); }, {"scene.toml", "vary."});
+    config.set("vary.added=3");
+    EXPECT_EQ(vary.keys(), (std::vector<std::string>{"added", "groom.length", "head", "turns"}));
+}
+
 struct BadValue {
     const char* text;
     void (*read)(Table);
@@ -76,6 +108,7 @@ struct BadValue {
 };
 
 TEST(Config, bad_values_name_file_line_key_what_was_found_and_what_is_allowed) {
+    constexpr auto ranges = [](Table t) { t.ranges("x"); };
     const BadValue bad[] = {
         {"\nx = \"abc\"",
          [](Table t) { t.number("x", 0, 0, 1); },
@@ -115,6 +148,22 @@ TEST(Config, bad_values_name_file_line_key_what_was_found_and_what_is_allowed) {
          {"3 numbers"}},
         {"x = 5", [](Table t) { t.table("x"); }, {"an integer", "[x]"}},
         {"x = 5", [](Table t) { t.tables("x"); }, {"[[x]]"}},
+        {"\nx = [2, 1]", ranges, {"scene.toml:2: x", "[ 2, 1 ]", "[low, high]"}},
+        {"x = 3", ranges, {"scene.toml:1: x", "found 3", "[low, high]"}},
+        {"x = \"wide\"", ranges, {"scene.toml:1: x", "wide", "[low, high]"}},
+        {"x = []", ranges, {"scene.toml:1: x", "[]", "[low, high]"}},
+        {"x = [1]", ranges, {"scene.toml:1: x", "[ 1 ]", "[low, high]"}},
+        {"x = [1, 2, 3]", ranges, {"scene.toml:1: x", "[ 1, 2, 3 ]", "[low, high]"}},
+        {"x = [1, \"b\"]", ranges, {"scene.toml:1: x", "b", "[low, high]"}},
+        {"x = [false, true]", ranges, {"scene.toml:1: x", "[ false, true ]", "[low, high]"}},
+        {"x = [0, inf]", ranges, {"scene.toml:1: x", "inf", "[low, high]"}},
+        {"x = [nan, 1]", ranges, {"scene.toml:1: x", "nan", "[low, high]"}},
+        {"\n\nx = [[0, 1], [3, 2]]", ranges, {"scene.toml:3: x", "[ 3, 2 ]", "one such pair a component"}},
+        {"x = [[0, 1], 2]", ranges, {"scene.toml:1: x", "2", "one such pair a component"}},
+        {"x = [[]]", ranges, {"scene.toml:1: x", "one such pair a component"}},
+        {"x = [[0, 1, 2]]", ranges, {"scene.toml:1: x", "one such pair a component"}},
+        {"[x]\ny = 1", ranges, {"scene.toml:1: x", "a table", "[low, high]"}},
+        {"y = 1", ranges, {"x", "found nothing", "[low, high]"}},
         {"[x]", [](Table t) { t.number("x", 0, 0, 1); }, {"a table", "number"}},
     };
     for (const auto& b : bad) {

@@ -295,6 +295,18 @@ TEST_F(Cuda, several_runs_at_a_time_are_each_as_if_alone) {
     }
 }
 
+TEST_F(Cuda, runs_of_other_sizes_beside_it_change_nothing) {
+    const Scene large = scene_of(wet_scene, {"groom.grid=[6, 6]", "groom.particles=90"}),
+                small = scene_of(wet_scene, {"groom.grid=[6, 6]"});
+    const RunFrame alone = on_device(large, 6);
+    const auto beside = make_cuda_simulation(large, "float", 0),
+               other = make_cuda_simulation(small, "float", 0);
+    for (int f = 0; f < 6; ++f) other->advance(), beside->advance();
+    RunFrame frame;
+    beside->snapshot(frame);
+    EXPECT_TRUE(same_bits(frame.displayed, alone.displayed));
+}
+
 TEST_F(Cuda, a_device_that_is_not_there_is_said) {
     EXPECT_THROW(make_cuda_simulation(scene_of(dry_scene), "float", 99), Error);
 }

@@ -7,7 +7,8 @@
 namespace wetcurl::testing {
 namespace {
 
-constexpr Interpolation kinds[] = {Interpolation::nearest, Interpolation::quad, Interpolation::core};
+constexpr Interpolation kinds[] = {Interpolation::nearest, Interpolation::quad, Interpolation::core,
+                                   Interpolation::rest};
 
 Strands interpolated(Interpolation kind, const Stencil& stencil, const Groom& high, const Strands& low,
                      const Pose& head = {}) {
@@ -20,6 +21,16 @@ double mean_curl(const Strands& strands) {
     double sum = 0;
     for (float r : curl_radii(strands)) sum += r;
     return sum / strands.count;
+}
+
+// Strands whose tips stand `by(strand)` [m] from where they are at rest; other particles less, in proportion.
+template <class By>
+Strands swayed(const Strands& rest, By by) {
+    Strands out = rest;
+    for (int s = 0; s < rest.count; ++s)
+        for (int i = 0; i < rest.particles; ++i)
+            out.at(s, i) += (float(i) / float(rest.particles - 1)) * by(s);
+    return out;
 }
 
 // Strands of the pixels with an odd row and an odd column: those with four neighbours.
@@ -113,10 +124,14 @@ TEST(Interpolation, roots_are_exact_and_all_follows_the_head) {
     const Groom low = coarsened(groom, 2);
     const Pose pose = some_pose(7);
     const Strands turned_rest = moved(groom.rest, pose);
+    Random random(6);
+    std::vector<Vec3f> sway;
+    for (int s = 0; s < low.rest.count; ++s) sway.push_back(cast<float>(random.vector(0.05)));
+    const Strands bent = swayed(low.rest, [&](int s) { return sway[size_t(s)]; });
     for (const Stencil& stencil : {quad_stencil(groom, low), triangle_stencil(groom, low)})
         for (Interpolation kind : kinds) {
-            const Strands still = interpolated(kind, stencil, groom, low.rest);
-            const Strands turned = interpolated(kind, stencil, groom, moved(low.rest, pose), pose);
+            const Strands still = interpolated(kind, stencil, groom, bent);
+            const Strands turned = interpolated(kind, stencil, groom, moved(bent, pose), pose);
             ASSERT_GT(largest_distance(still, groom.rest), 1e-3);  // it is no copy
             EXPECT_LT(largest_distance(moved(still, pose), turned), 2e-6);
             for (int s = 0; s < groom.rest.count; ++s)
@@ -182,6 +197,48 @@ TEST(Interpolation, core_and_detail_keeps_the_curl_of_random_phases_and_the_mean
     EXPECT_NEAR(kept(Interpolation::quad), 0.45, 0.03);
 }
 
+TEST(Interpolation, rest_of_strands_at_rest_is_the_rest_groom_at_any_pose) {
+    const Groom groom = curly_groom({});
+    const Groom low = coarsened(groom, 2);
+    ASSERT_GT(largest_distance(interpolated(Interpolation::core, quad_stencil(groom, low), groom, low.rest),
+                               groom.rest),
+              1e-3);  // of strands around it alone a strand is not known
+    for (const Stencil& stencil : {quad_stencil(groom, low), triangle_stencil(groom, low)})
+        for (unsigned seed = 0; seed < 5; ++seed) {
+            const Pose pose = seed ? some_pose(seed) : Pose{};
+            // Positions to 0.5 m are rounded to 3e-8 m, and a core adds 49 edges of them.
+            EXPECT_LT(largest_distance(
+                          interpolated(Interpolation::rest, stencil, groom, moved(low.rest, pose), pose),
+                          moved(groom.rest, pose)),
+                      1e-6)
+                << seed;
+        }
+}
+
+TEST(Interpolation, rest_keeps_every_curl_where_the_mean_of_random_phases_loses_it) {
+    Curls curls;
+    curls.width = curls.height = 32;
+    curls.spacing = 0.002;
+    curls.lean = 0;
+    const Groom groom = curly_groom(curls);
+    const Groom low = coarsened(groom, 2);
+    const Vec3f sway{0.05f, 0, 0.02f};
+    const Strands bent = swayed(low.rest, [&](int) { return sway; });
+    const Stencil stencil = quad_stencil(groom, low);
+    const Strands out = interpolated(Interpolation::rest, stencil, groom, bent);
+    const auto before = curl_radii(groom.rest), after = curl_radii(out);
+    const int tip = out.particles - 1;
+    for (int s = 0; s < out.count; ++s) {
+        // Turned, each detail is as long as it was; the core of all is not quite the core that it was put on.
+        EXPECT_NEAR(after[size_t(s)] / before[size_t(s)], 1, 0.01) << s;
+        // The core moves by the sway; the detail at the tip (8 mm) turns with it, by 15 degrees.
+        EXPECT_LT(norm(out.at(s, tip) - groom.rest.at(s, tip) - sway), 0.003) << s;
+    }
+    // As of strands at rest: 1.799 / 4.
+    const Strands mean = interpolated(Interpolation::quad, stencil, groom, bent);
+    EXPECT_NEAR(mean_curl(inner(groom, mean)) / mean_curl(inner(groom, groom.rest)), 0.45, 0.03);
+}
+
 // Between a hanging curl and the same turned by 80 degrees.
 TEST(Interpolation, detail_turns_with_the_core) {
     Groom high = curly_groom({.width = 3, .height = 1, .phase_spread = 0, .lean = 0});
@@ -212,7 +269,7 @@ TEST(Interpolation, detail_turns_with_the_core) {
 
 TEST(Interpolation, unknown_names_are_a_misuse) {
     expect_error<Misuse>([] { interpolation_named("quat"); },
-                         {"'quat'", "nearest, quad, core", "did you mean 'quad'"});
+                         {"'quat'", "nearest, quad, core, rest", "did you mean 'quad'"});
 }
 
 }  // namespace

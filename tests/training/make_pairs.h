@@ -12,7 +12,7 @@
 namespace wetcurl::testing {
 
 inline constexpr int made_particles = 12;
-inline constexpr int made_static = 6, made_dynamic = 50;
+inline constexpr int made_static = 6, made_dynamic = strand_coefficients + 2;
 
 inline std::vector<float> uniform(std::mt19937& random, size_t n, float low = -1, float high = 1) {
     std::vector<float> out(n);
@@ -21,10 +21,11 @@ inline std::vector<float> uniform(std::mt19937& random, size_t n, float low = -1
 }
 
 // Codec strand: a side x side grid without its first pixel; strands of 0.2 m. The target's amplitudes mix
-// five inputs of the same strand smoothly, some 2 cm in size. Channel 0 of `static` is 9.81 everywhere.
+// five inputs of the same strand smoothly, some 2 cm in size, alike for every seed. Channel 0 of `static`
+// is 9.81 everywhere.
 inline std::string make_strand_pairs(const std::string& path, int side = 6, int frames = 6,
-                                     float scale = 0.02f) {
-    std::mt19937 random(11);
+                                     float scale = 0.02f, unsigned seed = 11) {
+    std::mt19937 random(seed), law(3);
     PairsWriter file(path, Codec::strand, made_particles, true);
     StrandPairs run;
     run.static_channels = made_static;
@@ -38,13 +39,13 @@ inline std::string make_strand_pairs(const std::string& path, int side = 6, int 
     run.mask[0] = 0;
     run.length.assign(area, 0.2f);
     file.begin(run);
-    const auto mix = uniform(random, size_t(strand_coefficients) * 5);
+    const auto mix = uniform(law, size_t(strand_coefficients) * 5);
     for (int f = 0; f < frames; ++f) {
         const auto dynamic = uniform(random, made_dynamic * area);
         std::vector<float> target(strand_coefficients * area);
         for (size_t p = 0; p < area; ++p) {
             const float in[5] = {run.fixed[area + p], run.fixed[2 * area + p], dynamic[p],
-                                 dynamic[17 * area + p], dynamic[48 * area + p]};
+                                 dynamic[17 * area + p], dynamic[strand_coefficients * area + p]};
             for (size_t k = 0; k < size_t(strand_coefficients); ++k) {
                 float sum = 0.3f;
                 for (size_t j = 0; j < 5; ++j) sum += mix[5 * k + j] * in[j];
@@ -58,8 +59,8 @@ inline std::string make_strand_pairs(const std::string& path, int side = 6, int 
 }
 
 // Codec root: 32 x 32 images of a smooth map that moves; the wet one is darker and bent. The left half of the
-// target's mask is empty, and there the target is absurd.
-inline std::string make_root_pairs(const std::string& path, int frames = 5) {
+// target's mask is empty, and there the target is absurd. Its time starts at frame `first`.
+inline std::string make_root_pairs(const std::string& path, int frames = 5, int first = 0) {
     constexpr int side = 32;
     PairsWriter file(path, Codec::root, made_particles, true);
     const double lower[3] = {0, 0, 0}, upper[3] = {0.3, 0.4, 1.2};  // its diagonal is 1.3 m
@@ -75,7 +76,7 @@ inline std::string make_root_pairs(const std::string& path, int frames = 5) {
     auto colour = [](int c, double y, double x, int f) {
         return 0.5 + 0.3 * std::sin(3 * x + 2 * y + c + 0.3 * f);
     };
-    for (int f = 0; f < frames; ++f) {
+    for (int f = first; f < first + frames; ++f) {
         std::vector<float> input(3 * run.pixels()), target(12 * run.pixels());
         for (int c = 0; c < 3; ++c) {
             for (int y = 0; y < side; ++y)

@@ -45,19 +45,20 @@ TEST(NetworkModule, LoadsLibTorchOnFirstUseThenTrainsAndRuns) {
     EXPECT_EQ(network->card().parameters, card.parameters);
 
     // A grid and the same pixels as rows give the same: no strand sees another.
-    const long c = card.input_channels, pixels = 6;
+    const long c = card.input_channels, out = card.output_channels, pixels = 6;
+    ASSERT_EQ(out, strand_coefficients);
     std::mt19937 random(3);
     const auto rows = testing::uniform(random, size_t(pixels * c));
-    std::vector<float> grid(rows.size()), by_rows(size_t(pixels * 48)), by_grid(by_rows.size());
+    std::vector<float> grid(rows.size()), by_rows(size_t(pixels * out)), by_grid(by_rows.size());
     for (long p = 0; p < pixels; ++p)
         for (long k = 0; k < c; ++k) grid[size_t(k * pixels + p)] = rows[size_t(p * c + k)];
     network->run(rows.data(), {pixels, c, 1, 1}, by_rows.data());
     network->run(grid.data(), {1, c, 2, 3}, by_grid.data());
     float size = 0, apart = 0;
     for (long p = 0; p < pixels; ++p)
-        for (long k = 0; k < 48; ++k) {
-            size = std::max(size, std::abs(by_rows[size_t(p * 48 + k)]));
-            apart = std::max(apart, std::abs(by_rows[size_t(p * 48 + k)] - by_grid[size_t(k * pixels + p)]));
+        for (long k = 0; k < out; ++k) {
+            size = std::max(size, std::abs(by_rows[size_t(p * out + k)]));
+            apart = std::max(apart, std::abs(by_rows[size_t(p * out + k)] - by_grid[size_t(k * pixels + p)]));
         }
     EXPECT_GT(size, 1e-3f);
     EXPECT_LT(apart, 1e-6f * size);
@@ -67,7 +68,7 @@ TEST(NetworkModule, LoadsLibTorchOnFirstUseThenTrainsAndRuns) {
         [&] {
             network->run(rows.data(), {pixels, c - 1, 1, 1}, by_rows.data());
         },
-        {"strand_mlp", "55", "56"});
+        {"strand_mlp", std::to_string(c - 1), std::to_string(c)});
     expect_error([&] { module.load(scratch.path("absent.h5"), "cpu", 1); }, {"absent.h5", "no such file"});
     expect_error<Misuse>([&] { module.load(request.output, "tpu", 1); }, {"tpu"});
     expect_error<Misuse>([&] { request.set = {"epoch=3"}, request.overwrite = true, module.train(request); },

@@ -41,9 +41,9 @@ struct StrandCase {
     Tensor output;
     StrandCase() {
         torch::manual_seed(1);
-        batch.base = 0.03 * torch::randn({strands, 48});
-        batch.target = 0.02 * torch::randn({strands, 48, 1, 1});
-        output = 0.02 * torch::randn({strands, 48, 1, 1});
+        batch.base = 0.03 * torch::randn({strands, strand_coefficients});
+        batch.target = 0.02 * torch::randn({strands, strand_coefficients, 1, 1});
+        output = 0.02 * torch::randn({strands, strand_coefficients, 1, 1});
     }
     double loss(const std::string& only) const {
         std::vector<std::string> set = {"loss.position=0", "loss.edge=0"};
@@ -191,8 +191,20 @@ TEST(Optimiser, ClipsTheNormAndRefusesWhatIsNotFinite) {
 
 struct OpenPairs {
     explicit OpenPairs(const std::string& path, const std::vector<std::string>& set = {})
-        : reader(path), recipe(recipe_of(reader.codec(), set)), data(open_data({&reader}, recipe)) {}
-    PairsReader reader;
+        : OpenPairs({path}, 1, set) {}
+    // Those after the first `trained` files are held out.
+    OpenPairs(const std::vector<std::string>& paths, size_t trained,
+              const std::vector<std::string>& set = {}) {
+        std::vector<PairsReader*> pointers;
+        for (const auto& path : paths) {
+            readers.push_back(std::make_unique<PairsReader>(path));
+            pointers.push_back(readers.back().get());
+        }
+        recipe = recipe_of(readers[0]->codec(), set);
+        data = open_data(pointers, trained, recipe, torch::kCPU);
+    }
+    const PairsReader& reader() const { return *readers[0]; }
+    std::vector<std::unique_ptr<PairsReader>> readers;
     Recipe recipe;
     std::unique_ptr<TrainingData> data;
 };
@@ -203,7 +215,7 @@ TEST(StrandData, HoldsOutTheLastFramesAndSeesTheOthersOnceAnEpoch) {
     pairs.data->begin_epoch(0);
     ASSERT_EQ(pairs.data->steps(), 4);
     ASSERT_EQ(pairs.data->validation_batches(), 2);
-    std::vector<float> dynamic(testing::made_dynamic * 36), target(48 * 36);
+    std::vector<float> dynamic(testing::made_dynamic * 36), target(strand_coefficients * 36);
     std::multiset<float> seen;
     for (long s = 0; s < 4; ++s) {
         const Batch b = pairs.data->batch(s);
@@ -212,13 +224,13 @@ TEST(StrandData, HoldsOutTheLastFramesAndSeesTheOthersOnceAnEpoch) {
         seen.insert(b.base[0][0].item<float>());
     }
     for (int f = 0; f < 6; ++f) {
-        pairs.reader.frame(0, f, dynamic.data(), target.data());
+        pairs.reader().frame(0, f, dynamic.data(), target.data());
         if (f < 4) {
             EXPECT_EQ(seen.count(dynamic[1]), 1u) << f;  // pixel 0 holds no strand
         } else {
             const Batch b = pairs.data->validation_batch(f - 4);
             EXPECT_EQ(b.base[0][0].item<float>(), dynamic[1]);
-            EXPECT_EQ(b.target[34][47][0][0].item<float>(), target[48 * 36 - 1]);
+            EXPECT_EQ(b.target[34][strand_coefficients - 1][0][0].item<float>(), target.back());
             EXPECT_EQ(b.input[34][testing::made_static + 3][0][0].item<float>(), dynamic[4 * 36 - 1]);
         }
     }
@@ -241,6 +253,72 @@ TEST(StrandData, NormalisesByTheFramesThatTrainingSees) {
     EXPECT_EQ(x.select(1, 0).abs().max().item<double>(), 0);  // the constant channel
     EXPECT_LT((x.narrow(1, 1, x.size(1) - 1).square().mean(0) - 1).abs().max().item<double>(), 1e-4);
     EXPECT_NEAR(pairs.data->unit(), 0.2, 1e-6);
+}
+
+// Four files, the last two of which are held out.
+struct HeldOut {
+    Scratch scratch;
+    std::vector<std::string> strands, roots;
+    HeldOut() {
+        for (int k = 0; k < 4; ++k) {
+            const std::string name = std::to_string(k) + ".h5";
+            strands.push_back(
+                testing::make_strand_pairs(scratch.path("s" + name), 6, 2 + k, 0.02f, unsigned(20 + k)));
+            roots.push_back(testing::make_root_pairs(scratch.path("r" + name), 2 + k, 10 * k));
+        }
+    }
+};
+
+TEST(EveryData, FilesOfTheirOwnAreHeldOutWholeAndTheOthersSeenWhole) {
+    const HeldOut files;
+    for (const auto& paths : {files.strands, files.roots}) {
+        // Patches of the whole image, so that every batch of one is a frame. The recipe's share does not
+        // count here: there are files to hold out.
+        std::vector<std::string> set = {"validation=0.5", "batch=1"};
+        if (paths == files.roots) set.push_back("patch=32");
+        OpenPairs pairs(paths, 2, set);
+        pairs.data->begin_epoch(0);
+        ASSERT_EQ(pairs.data->steps(), 2 + 3);
+        ASSERT_EQ(pairs.data->validation_batches(), 4 + 5);
+        std::multiset<float> trained;
+        for (long s = 0; s < pairs.data->steps(); ++s) {
+            const Batch b = pairs.data->batch(s);
+            trained.insert(b.base.flatten()[0].item<float>());
+        }
+        std::multiset<float> expected;
+        long held = 0;
+        for (size_t k = 0; k < paths.size(); ++k)
+            for (int f = 0; f < int(k) + 2; ++f) {
+                // Of the first pixel that holds a strand, or the first colour.
+                const bool strand = pairs.reader().codec() == Codec::strand;
+                std::vector<float> inputs(size_t(strand ? testing::made_dynamic * 36 : 3 * 32 * 32)),
+                    target(size_t(strand ? strand_coefficients * 36 : 3 * 64 * 64));
+                pairs.readers[k]->frame(0, f, inputs.data(), target.data());
+                const float first = inputs[strand ? 1 : 0];
+                if (k < 2) {
+                    expected.insert(first);
+                } else {
+                    const Batch b = pairs.data->validation_batch(held++);  // in the order of the files
+                    EXPECT_EQ(b.base.flatten()[0].item<float>(), first) << paths[k] << ", frame " << f;
+                    EXPECT_EQ(b.target.flatten()[-1].item<float>(), target.back());
+                }
+            }
+        EXPECT_EQ(trained, expected) << paths[0];
+        EXPECT_EQ(std::set<float>(expected.begin(), expected.end()).size(), 5u);  // frames that differ
+    }
+}
+
+TEST(EveryData, HeldOutFilesTeachNothing) {
+    const HeldOut files;
+    OpenPairs alone({files.strands[0], files.strands[1]}, 2, {"validation=0"}), beside(files.strands, 2);
+    EXPECT_EQ(alone.data->validation_batches(), 0);
+    ModelCard a, b;
+    alone.data->describe(a), beside.data->describe(b);
+    EXPECT_EQ(a.arrays, b.arrays);
+    alone.data->begin_epoch(3), beside.data->begin_epoch(3);
+    ASSERT_EQ(alone.data->steps(), beside.data->steps());
+    for (long s = 0; s < alone.data->steps(); ++s)
+        EXPECT_TRUE(torch::equal(alone.data->batch(s).input, beside.data->batch(s).input)) << s;
 }
 
 TEST(EveryData, DrawsBySeedAndEpochAlone) {
@@ -431,6 +509,34 @@ TEST(Training, KeepsTheBestOnHeldOutFrames) {
     EXPECT_NE(card.inputs.find("pairs.h5 "), std::string::npos);
 }
 
+TEST(Training, IsValidatedOnFilesOfTheirOwn) {
+    Job job(Codec::strand, {"epochs=40", "width=0.125", "validate_every=20"});
+    const std::string held = testing::make_strand_pairs(job.scratch.path("held.h5"), 6, 3, 0.02f, 12);
+    job.request.validation = {held};
+    long steps = 0;
+    job.request.progress = [&](long, long total, const std::string&) { steps = total; };
+    train(job.request);
+    EXPECT_EQ(steps, 40 * 6);  // no frame of the file itself is held out
+    const auto last = job.lines().back();
+    // The same smooth law on strands never seen.
+    EXPECT_LT(last["validation_loss"].get<double>(), 0.9 * last["base_loss"].get<double>());
+    const ModelCard card = read_card(job.request.output);
+    EXPECT_NE(card.inputs.find("pairs.h5 "), std::string::npos);
+    EXPECT_NE(card.inputs.find("held.h5 "), std::string::npos);
+    // The base's loss is that of the held-out file alone.
+    OpenPairs alone(held, {"validation=0"});
+    auto loss =
+        make_loss(Codec::strand, alone.recipe, testing::made_particles, alone.data->unit(), torch::kCPU);
+    alone.data->begin_epoch(0);
+    double sum = 0;
+    for (long s = 0; s < alone.data->steps(); ++s) {
+        const Batch b = alone.data->batch(s);
+        sum += loss->of(loss->base_output(b), b).item<double>();
+    }
+    const double base = last["base_loss"];
+    EXPECT_NEAR(sum / double(alone.data->steps()), base, 1e-5 * base);  // single precision
+}
+
 TEST(Training, ModelOfARunAnswersThroughTheInferenceInterface) {
     Job job(Codec::root, {"epochs=2", "width=0.125", "patch=16"});
     train(job.request);
@@ -537,6 +643,34 @@ TEST(TrainingErrors, PairsThatDoNotFitAreNamed) {
     job.request.pairs = {testing::make_strand_pairs(job.scratch.path("nan.h5"), 6, 4, std::nanf(""))};
     expect_error([&] { train(job.request); }, {"nan.h5", "finite"});
     EXPECT_FALSE(job.has(""));
+}
+
+TEST(TrainingErrors, HeldOutFilesThatDoNotFitAreNamed) {
+    Job job(Codec::strand, {"epochs=1"});
+    job.request.validation = {testing::make_root_pairs(job.scratch.path("root.h5"))};
+    expect_error([&] { train(job.request); }, {"root.h5", "codec root"});
+    job.request.validation = {job.scratch.path("absent.h5")};
+    expect_error([&] { train(job.request); }, {"absent.h5", "no such file"});
+    job.request.validation = {testing::make_strand_pairs(job.scratch.path("nan.h5"), 6, 4, std::nanf(""))};
+    expect_error([&] { train(job.request); }, {"nan.h5", "finite"});
+    Job adhesion(Codec::adhesion, {"epochs=1"});
+    adhesion.request.validation = {testing::make_adhesion_pairs(adhesion.scratch.path("other.h5"))};
+    expect_error<Misuse>([&] { train(adhesion.request); }, {"adhesion", "--validation"});
+    EXPECT_FALSE(job.has("") || adhesion.has(""));
+}
+
+TEST(TrainingErrors, ACheckpointIsGoneOnFromOnlyWithItsOwnHeldOutFiles) {
+    Job job(Codec::strand, {"epochs=4", "width=0.1"});
+    const std::string held = testing::make_strand_pairs(job.scratch.path("held.h5"), 6, 6, 0.02f, 12);
+    job.request.validation = {held};
+    interrupt_after(job.request, 3);
+    EXPECT_THROW(train(job.request), Interrupted);
+    job.request.progress = nullptr;
+    job.request.resume = true;
+    job.request.validation.clear();
+    expect_error([&] { train(job.request); }, {".checkpoint", "other pairs"});
+    job.request.pairs.push_back(held);
+    expect_error([&] { train(job.request); }, {".checkpoint", "other pairs"});
 }
 
 TEST(TrainingErrors, AllContactOrAllFreeIsRefused) {

@@ -1,0 +1,316 @@
+// `wetcurl dataset`: many scenes, dry at low and wet at high resolution, to pairs in shards.
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "app/commands.h"
+#include "app/dataset_recipe.h"
+#include "app/device.h"
+#include "app/results.h"
+#include "app/run_of_scene.h"
+#include "base/interrupt.h"
+#include "base/log.h"
+#include "base/progress.h"
+#include "learn/encode_runs.h"
+#include "solver/rest_state.h"
+
+namespace wetcurl {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The library of the files takes one caller at a time.
+std::mutex files;
+
+class Folder {
+  public:
+    explicit Folder(std::string path) : path_(std::move(path)) {}
+    std::string of(const std::string& name) const { return path_ + "/" + name; }
+    std::string shard(const DatasetMember& m, Codec codec) const {
+        return fmt::format("{}/shards/{}_{}.h5", path_, m.name, name_of(codec));
+    }
+    std::string run(const DatasetMember& m, const char* which) const {
+        return fmt::format("{}/runs/{}_{}.h5", path_, m.name, which);
+    }
+
+  private:
+    std::string path_;
+};
+
+std::vector<Codec> codecs_of(const DatasetRecipe& recipe) {
+    std::vector<Codec> out;
+    if (recipe.strand) out.push_back(Codec::strand);
+    if (recipe.root) out.push_back(Codec::root);
+    return out;
+}
+
+// What a member leaves behind; there when it is done.
+std::vector<std::string> outputs_of(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to) {
+    std::vector<std::string> out;
+    for (Codec codec : codecs_of(recipe)) out.push_back(to.shard(m, codec));
+    if (recipe.runs == m.split) out.push_back(to.run(m, "low")), out.push_back(to.run(m, "wet"));
+    return out;
+}
+bool is_done(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to) {
+    const auto outputs = outputs_of(recipe, m, to);
+    return std::all_of(outputs.begin(), outputs.end(), [](const auto& f) { return fs::exists(f); });
+}
+
+using Images = std::vector<std::pair<std::vector<float>, std::vector<float>>>;  // (frame): input, target
+
+// One scene at both resolutions, frame by frame.
+class MemberRun {
+  public:
+    MemberRun(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to,
+              const std::string& device)
+        : recipe_(recipe), member_(m), to_(to), high_(scene(1)), low_(scene(2)) {
+        if (!high_.wetness) throw Misuse(m.name + ": has no [wetness], which is what is to be learned");
+        if (high_.flow)
+            throw Misuse(m.name + ": its water moves ([wetness.flow]), allowed is wetness that stays");
+        if (!recipe.low_is_wet) make_dry(low_);
+        // Codec strand learns the strands before Eq 10, which moves what is seen alone.
+        if (!recipe.root && !keeps_runs() && high_.cohesion && high_.cohesion->strength == 0)
+            high_.cohesion.reset(), low_.cohesion.reset();
+        wet_ = make_simulation_on(device, high_, "float"), dry_ = make_simulation_on(device, low_, "float");
+    }
+
+    // False: it was asked to stop, and nothing is left behind.
+    bool compute(const InterruptGuard& guard) {
+        std::optional<StrandEncoder> strands;
+        if (recipe_.strand) {
+            const Strands shape = shape_at_rest(high_);
+            strands.emplace(high_.groom, low_.groom, high_.saturation, &shape);
+        }
+        std::unique_ptr<RunWriter> low_writer, wet_writer;
+        if (keeps_runs()) {
+            const std::lock_guard lock(files);
+            low_writer = writer("low", low_, *dry_, recipe_.low_is_wet ? "simulated wet" : "simulated dry");
+            wet_writer = writer("wet", high_, *wet_, "simulated wet");
+        }
+        const float radius = high_.cohesion ? float(high_.cohesion->h_c) : 0;
+        const RootImage low_image(low_.groom.grid), high_image(high_.groom.grid, 2);
+        HeadWindow heads;
+        heads.fps = high_.fps, heads.gravity = high_.integrator.gravity;
+        RunFrame low, wet;
+        for (int f = 0; f < high_.frames; ++f) {
+            if (guard.asked()) return false;
+            if (f > 0) dry_->advance(), wet_->advance();
+            for (const auto* s : {dry_.get(), wet_.get()})
+                if (const auto diverged = s->divergence())
+                    throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", member_.name, f,
+                                            diverged->strand));
+            const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every == 0;
+            if (!kept && !keeps_runs()) continue;
+            dry_->snapshot(low), wet_->snapshot(wet);
+            if (keeps_runs()) {
+                const std::lock_guard lock(files);
+                low_writer->append(low), wet_writer->append(wet);
+            }
+            if (!kept) continue;
+            auto at = [&](int frame) { return high_.motion.at(frame / high_.fps); };
+            heads.before = at(f - 1), heads.now = at(f), heads.after = at(f + 1);
+            heads.inner = f > 0 && f + 1 < high_.frames;
+            if (strands) {
+                auto& [input, target] = strand_images_.emplace_back();
+                strands->encode(low.positions, heads, wet.positions, input, target);
+            }
+            if (recipe_.root)
+                root_images_.emplace_back(
+                    root_colours(low_image, low.positions, {}, radius, recipe_.box),
+                    root_colours(high_image, wet.seen(), high_.saturation, radius, recipe_.box));
+        }
+        const std::lock_guard lock(files);
+        if (strands) {
+            PairsWriter out = shard(Codec::strand);
+            out.begin(strands->begin(int(strand_images_.size())));
+            for (const auto& [input, target] : strand_images_) out.append(input.data(), target.data());
+            out.attribute("floor_mm", strands->floor_mm());
+            out.commit();
+        }
+        if (recipe_.root) {
+            PairsWriter out = shard(Codec::root);
+            out.box(&recipe_.box.lower.x, &recipe_.box.upper.x);
+            out.attribute("support_radius", radius);
+            out.begin(RootPairs{int(root_images_.size()), low_image.height(), low_image.width(),
+                                low_image.mask(), high_image.mask()});
+            for (const auto& [input, target] : root_images_) out.append(input.data(), target.data());
+            out.commit();
+        }
+        if (keeps_runs()) low_writer->commit(), wet_writer->commit();
+        return true;
+    }
+
+  private:
+    bool keeps_runs() const { return recipe_.runs == member_.split; }
+    Scene scene(int stride) const {
+        const std::lock_guard lock(files);
+        SceneOptions options;
+        options.set = member_.set, options.stride = stride;
+        return parse_scene(member_.text, member_.name, recipe_.folder, options);
+    }
+    PairsWriter shard(Codec codec) const {
+        return {to_.shard(member_, codec), codec, high_.groom.rest.particles, true};
+    }
+    std::unique_ptr<RunWriter> writer(const char* which, const Scene& scene, const Simulation& simulation,
+                                      const char* method) const {
+        return std::make_unique<RunWriter>(to_.run(member_, which), header_of(scene, simulation, method),
+                                           true);
+    }
+
+    const DatasetRecipe& recipe_;
+    const DatasetMember& member_;
+    const Folder& to_;
+    Scene high_, low_;
+    std::unique_ptr<Simulation> dry_, wet_;
+    Images strand_images_, root_images_;
+};
+
+// Which of how many share the work: --part K/N, or what a launcher of parallel programs says.
+struct Part {
+    long mine = 0, of = 1;
+};
+Part part_of(const std::string& text) {
+    Part part;
+    if (!text.empty()) {
+        long k = 0;
+        char rest = 0;
+        if (std::sscanf(text.c_str(), "%ld/%ld%c", &k, &part.of, &rest) != 2 || k < 1 || k > part.of)
+            throw Misuse("--part: found '" + text + "', allowed K/N with 1 <= K <= N");
+        part.mine = k - 1;
+        return part;
+    }
+    for (const auto& [rank, size] : {std::pair{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
+                                     {"PMI_RANK", "PMI_SIZE"},
+                                     {"SLURM_PROCID", "SLURM_NTASKS"}})
+        if (const char* r = std::getenv(rank), *s = std::getenv(size); r && s && std::atol(s) > 1)
+            return {std::atol(r), std::atol(s)};
+    return part;
+}
+
+// The folder is this recipe's, or nobody's.
+void take_folder(const CommonOptions& o, const Folder& to, const DatasetRecipe& recipe, bool shared) {
+    const std::string path = to.of("recipe.toml");
+    std::stringstream there;
+    if (std::ifstream in(path); in) there << in.rdbuf();
+    if (there.str() == recipe.text && (o.resume || shared)) return;
+    if (!there.str().empty() && !o.overwrite)
+        throw Error(there.str() == recipe.text
+                        ? path + ": the data set is there already; --resume goes on, --overwrite replaces it"
+                        : path + ": holds another recipe; --overwrite replaces the data set");
+    if (o.overwrite)
+        for (const char* made : {"shards", "runs"}) fs::remove_all(to.of(made));
+    fs::create_directories(to.of("shards"));
+    if (!recipe.runs.empty()) fs::create_directories(to.of("runs"));
+    std::ofstream out(path);
+    out << recipe.text;
+    if (!out.flush()) throw Error(path + ": cannot be written");
+}
+
+// One file a split and codec that shows all its shards as one, and the list of what is there.
+Json finish(const DatasetRecipe& recipe, const Folder& to) {
+    Json manifest{{"scenes", Json::array()}};
+    for (const auto& m : recipe.members) {
+        Json entry{{"name", m.name}, {"split", m.split}, {"picked", m.picked}, {"set", m.set}};
+        for (Codec codec : codecs_of(recipe))
+            entry["hash_" + name_of(codec)] = hash_of_file(to.shard(m, codec));
+        manifest["scenes"].push_back(entry);
+    }
+    for (Codec codec : codecs_of(recipe))
+        for (const auto& split : dataset_splits) {
+            std::unique_ptr<PairsWriter> out;
+            double floor_mm = 0;
+            long runs = 0;
+            for (const auto& m : recipe.members) {
+                if (m.split != split) continue;
+                const std::string shard = to.shard(m, codec);
+                const PairsReader reader(shard);
+                const std::string path = fmt::format("{}_{}.h5", to.of(split), name_of(codec));
+                if (!out) out = std::make_unique<PairsWriter>(path, codec, reader.particles(), true);
+                if (codec == Codec::strand) floor_mm += reader.number("floor_mm");
+                if (codec == Codec::root && runs == 0) {
+                    out->box(&recipe.box.lower.x, &recipe.box.upper.x);
+                    out->attribute("support_radius", reader.number("support_radius"));
+                }
+                const std::string name = "shards/" + fs::path(shard).filename().string();
+                out->link(name);
+                out->attribute(fmt::format("input {:04d}", runs), name + " " + hash_of_file(shard));
+                ++runs;
+            }
+            if (!out) continue;
+            if (codec == Codec::strand) {
+                out->attribute("floor_mm", floor_mm / double(runs));
+                manifest["floor_mm_" + split] = floor_mm / double(runs);
+            }
+            out->commit();
+        }
+    write_json(manifest, to.of("manifest.json"));
+    return manifest;
+}
+
+}  // namespace
+
+int dataset_command(const DatasetOptions& o) {
+    require_device(o.device);
+    if (o.seed) throw Misuse("--seed: a recipe's is --set seed=" + std::to_string(*o.seed));
+    const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.set);
+    const Folder to(o.output);
+    if (!o.json.empty() && o.json != "-") check_files(o, "", recipe.files);
+    const Part part = part_of(o.part);
+    take_folder(o, to, recipe, part.of > 1);
+
+    std::vector<const DatasetMember*> mine;
+    for (size_t k = 0; k < recipe.members.size(); ++k)
+        if (long(k) % part.of == part.mine && !is_done(recipe, recipe.members[k], to))
+            mine.push_back(&recipe.members[k]);
+    const double begin = omp_get_wtime();
+    InterruptGuard guard;
+    Progress progress("dataset", long(mine.size()), "scene");
+    std::exception_ptr failed;
+    long done = 0;
+    // A scene a thread: small scenes keep no more than one busy, and each gives the same bits on any number.
+#pragma omp parallel for schedule(dynamic)
+    for (size_t k = 0; k < mine.size(); ++k) {
+        if (guard.asked() || failed) continue;
+        try {
+            if (!MemberRun(recipe, *mine[k], to, o.device).compute(guard)) continue;
+        } catch (...) {
+            const std::lock_guard lock(files);
+            if (!failed) failed = std::current_exception();
+            continue;
+        }
+        const std::lock_guard lock(files);
+        progress.update(++done);
+    }
+    if (failed) std::rethrow_exception(failed);
+    if (guard.asked())
+        throw Interrupted(fmt::format("interrupted: {} of {} scenes are kept in {}; --resume goes on", done,
+                                      mine.size(), o.output));
+    Json json{{"scenes", recipe.members.size()},
+              {"made", done},
+              {"seconds", omp_get_wtime() - begin},
+              {"whole", false}};
+    // Who finds all scenes there, whoever made them, lists them.
+    if (std::all_of(recipe.members.begin(), recipe.members.end(),
+                    [&](const auto& m) { return is_done(recipe, m, to); })) {
+        const Json manifest = finish(recipe, to);
+        json["whole"] = true;
+        for (const auto& split : dataset_splits)
+            if (manifest.contains("floor_mm_" + split))
+                json["floor_mm_" + split] = manifest["floor_mm_" + split];
+    }
+    write_json(json, o.json);
+    log_info(fmt::format("{}: {} scenes made in {:.0f} s{}", o.output, done, json["seconds"].get<double>(),
+                         json["whole"].get<bool>() ? "" : ", others are not there yet"));
+    return 0;
+}
+
+}  // namespace wetcurl

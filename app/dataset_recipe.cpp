@@ -1,0 +1,152 @@
+// Scenes of a data set, picked and drawn.
+#include "app/dataset_recipe.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "base/config.h"
+#include "base/geometry/strands.h"
+
+namespace wetcurl {
+
+namespace {
+
+struct Draw {
+    std::string key;
+    Table::Ranges ranges;
+};
+struct Entry {
+    std::string name, only, text;
+    std::vector<Draw> draws;
+};
+struct List {
+    std::string name;
+    std::vector<Entry> entries;
+};
+
+std::vector<Draw> draws_of(const Table& table) {
+    std::vector<Draw> out;
+    for (const auto& key : table.keys()) out.push_back({key, table.ranges(key)});
+    return out;
+}
+
+// In [0, 1), of a scene's name and what is drawn for it.
+double uniform(long seed, const std::string& scene, const std::string& what) {
+    const std::string all = fmt::format("{}/{}/{}", seed, scene, what);
+    unsigned long long h = std::stoull(hash_bytes(all.data(), all.size()), nullptr, 16);
+    // FNV leaves names that differ in their last letter close together (splitmix64's end).
+    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
+    h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
+    return double((h ^ (h >> 31)) >> 11) * 0x1p-53;
+}
+
+std::string text_of_file(const std::string& path) {
+    std::ifstream in(path);
+    if (!in) throw Error(path + ": cannot be read");
+    std::stringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+class Members {
+  public:
+    Members(const Table& root, std::string base) : base_(std::move(base)) {
+        seed_ = root.integer("seed", 1, 0, largest_seed);
+        all_ = draws_of(root.table("draw")), test_ = draws_of(root.table("test_draw"));
+        const Table pick = root.table("pick");
+        for (const auto& name : pick.keys()) {
+            List list{name, {}};
+            for (const Table& t : pick.tables(name))
+                list.entries.push_back({t.text("name", fmt::format("{}", list.entries.size())),
+                                        t.choice("only", "", {"", "test", "train"}), t.text("text", ""),
+                                        draws_of(t.table("draw"))});
+            lists_.push_back(list);
+        }
+    }
+    DatasetMember make(const std::string& split, long index) const {
+        DatasetMember m;
+        m.name = fmt::format("{}-{:04d}", split, index), m.split = split, m.text = base_;
+        std::map<std::string, Table::Ranges> draws;
+        auto add = [&](const std::vector<Draw>& more) {
+            for (const auto& d : more) draws[d.key] = d.ranges;
+        };
+        add(all_);
+        for (const auto& list : lists_) {
+            const Entry& entry = picked(list, split, m.name);
+            m.picked[list.name] = entry.name;
+            m.text += "\n" + entry.text;
+            add(entry.draws);
+        }
+        if (split == "test") add(test_);
+        m.set.push_back(fmt::format("seed={}", long(uniform(seed_, m.name, "seed") * 1e9)));
+        for (const auto& [key, ranges] : draws) {
+            std::vector<double> values;
+            for (size_t k = 0; k < ranges.each.size(); ++k) {
+                const auto [low, high] = ranges.each[k];
+                values.push_back(low + (high - low) * uniform(seed_, m.name, fmt::format("{}/{}", key, k)));
+            }
+            m.set.push_back(ranges.vector ? fmt::format("{}=[{}]", key, fmt::join(values, ", "))
+                                          : fmt::format("{}={}", key, values[0]));
+        }
+        return m;
+    }
+
+  private:
+    const Entry& picked(const List& list, const std::string& split, const std::string& name) const {
+        const std::string side = split == "test" ? "test" : "train";
+        std::vector<const Entry*> own, open;
+        for (const auto& e : list.entries)
+            (e.only == side ? own : open).push_back(e.only.empty() || e.only == side ? &e : nullptr);
+        std::erase(open, nullptr);
+        // Where something is kept for the test, it is tested on that alone.
+        std::vector<const Entry*> allowed = own;
+        if (side == "train" || own.empty()) allowed.insert(allowed.end(), open.begin(), open.end());
+        if (allowed.empty())
+            throw Misuse(fmt::format("pick.{}: no entry is left for the split {}", list.name, split));
+        return *allowed[size_t(uniform(seed_, name, "pick " + list.name) * double(allowed.size()))];
+    }
+
+    std::string base_;
+    long seed_ = 1;
+    std::vector<Draw> all_, test_;
+    std::vector<List> lists_;
+};
+
+}  // namespace
+
+DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std::string>& set) {
+    Config config = Config::load(path);
+    for (const auto& assignment : set) config.set(assignment);
+    const Table root = config.root();
+    DatasetRecipe r;
+    root.text("title", "");
+    const std::string codecs = root.choice("codecs", "strand", {"strand", "root", "both"});
+    r.strand = codecs != "root", r.root = codecs != "strand";
+    r.low_is_wet = root.choice("low", "dry", {"dry", "wet"}) == "wet";
+    r.first = int(root.integer("first", 0, 0, 1 << 20)), r.every = int(root.integer("every", 1, 1, 1 << 20));
+    r.runs = root.choice("runs", "", {"", "train", "validation", "test"});
+    const auto lower = root.numbers("box_lower", {-0.6, -0.6, -0.6}, -100, 100),
+               upper = root.numbers("box_upper", {0.6, 0.6, 0.6}, -100, 100);
+    r.box = {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
+    const std::string scene = root.path("scene");
+    if (scene.empty()) throw Misuse(path + ": scene: names the scene that all others start from");
+    const Members members(root, text_of_file(scene));
+    const Table splits = root.table("splits");
+    for (const auto& split : dataset_splits)
+        for (long k = splits.integer(split, 0, 0, 9999), i = 0; i < k; ++i)
+            r.members.push_back(members.make(split, i));
+    if (r.members.empty())
+        throw Misuse(path + ": [splits] train, validation and test are 0: there is no scene");
+    config.require_all_used();
+    r.folder = std::filesystem::path(scene).parent_path().string();
+    if (r.folder.empty()) r.folder = ".";
+    r.text = config.text();
+    r.files = config.files();
+    return r;
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,60 @@
+// The recipe of a data set: which scenes there are, each a base scene with what was picked and drawn for it.
+// Ours.
+//
+//   scene = "base.toml"            what all scenes share
+//   seed = 1
+//   codecs = "strand"              strand | root | both
+//   low = "dry"                    what the low-resolution run is: dry | wet
+//   first = 8, every = 3           the frames that are kept as pairs, of each scene's `frames`
+//   runs = "test"                  split whose runs are kept whole too, for `infer` and `compare`; "": none
+//   [splits]                       scenes of each
+//   train = 400
+//   validation = 32
+//   test = 32
+//   [draw]                         a scene's key, uniform between two values; [[low, high], ...] for a vector
+//   "groom.length" = [0.15, 0.3]
+//   [test_draw]                    in their place in the test split: values that training never saw
+//   "groom.length" = [0.3, 0.34]
+//   [[pick.motion]]                one entry of each list is picked for a scene
+//   name = "turn"
+//   only = "test"                  test | train (and validation); "": both
+//   text = """[motion]\naxis = [0, 1, 0]"""   appended to the base scene
+//   [pick.motion.draw]             drawn where the entry is picked
+//   "motion.angle" = [10, 40]
+//
+// What is drawn depends on the seed, the scene's name and the key alone.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "learn/root_codec.h"
+
+namespace wetcurl {
+
+struct DatasetMember {
+    std::string name, split;  // "train-0007", "train"
+    std::string text;         // the scene before `set`
+    std::vector<std::string> set;
+    std::map<std::string, std::string> picked;  // the entry's name in each list
+};
+
+struct DatasetRecipe {
+    bool strand = true, root = false;  // codecs
+    bool low_is_wet = false;
+    int first = 0, every = 1;
+    std::string runs;  // split whose runs are kept
+    ColourBox box;     // of codec root, the same for all
+    std::vector<DatasetMember> members;
+    std::string folder;              // where the scenes' relative paths start
+    std::string text;                // resolved, TOML
+    std::vector<std::string> files;  // what it was read from
+};
+
+inline const std::vector<std::string> dataset_splits{"train", "validation", "test"};
+
+// Throws Misuse with file and line.
+DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std::string>& set);
+
+}  // namespace wetcurl
