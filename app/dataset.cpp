@@ -1,6 +1,9 @@
 // `wetcurl dataset`: many scenes, dry at low and wet at high resolution, to pairs in shards.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <omp.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cstdlib>
@@ -20,6 +23,7 @@
 #include "base/log.h"
 #include "base/progress.h"
 #include "learn/encode_runs.h"
+#include "solver/plan.h"
 #include "solver/rest_state.h"
 
 namespace wetcurl {
@@ -28,15 +32,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The library of the files takes one caller at a time.
-std::mutex files;
-
 class Folder {
   public:
     explicit Folder(std::string path) : path_(std::move(path)) {}
     std::string of(const std::string& name) const { return path_ + "/" + name; }
     std::string shard(const DatasetMember& m, Codec codec) const {
         return fmt::format("{}/shards/{}_{}.h5", path_, m.name, name_of(codec));
+    }
+    std::string whole(const std::string& split, Codec codec) const {
+        return fmt::format("{}/{}_{}.h5", path_, split, name_of(codec));
     }
     std::string run(const DatasetMember& m, const char* which) const {
         return fmt::format("{}/runs/{}_{}.h5", path_, m.name, which);
@@ -80,10 +84,14 @@ class MemberRun {
         // Codec strand learns the strands before Eq 10, which moves what is seen alone.
         if (!recipe.root && !keeps_runs() && high_.cohesion && high_.cohesion->strength == 0)
             high_.cohesion.reset(), low_.cohesion.reset();
-        wet_ = make_simulation_on(device, high_, "float"), dry_ = make_simulation_on(device, low_, "float");
+        if (recipe.first >= high_.frames)
+            throw Misuse(fmt::format("{}: first: found {}, allowed 0 to {}, since the scene has {} frames",
+                                     m.name, recipe.first, high_.frames - 1, high_.frames));
+        wet_ = make_simulation_on(device, high_, trusted_precision(high_, "float"));
+        dry_ = make_simulation_on(device, low_, trusted_precision(low_, "float"));
     }
 
-    // False: it was asked to stop, and nothing is left behind.
+    // False: it was asked to stop, and nothing is left but runs as far as they went (.partial).
     bool compute(const InterruptGuard& guard) {
         std::optional<StrandEncoder> strands;
         if (recipe_.strand) {
@@ -92,7 +100,6 @@ class MemberRun {
         }
         std::unique_ptr<RunWriter> low_writer, wet_writer;
         if (keeps_runs()) {
-            const std::lock_guard lock(files);
             low_writer = writer("low", low_, *dry_, recipe_.low_is_wet ? "simulated wet" : "simulated dry");
             wet_writer = writer("wet", high_, *wet_, "simulated wet");
         }
@@ -111,10 +118,7 @@ class MemberRun {
             const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every == 0;
             if (!kept && !keeps_runs()) continue;
             dry_->snapshot(low), wet_->snapshot(wet);
-            if (keeps_runs()) {
-                const std::lock_guard lock(files);
-                low_writer->append(low), wet_writer->append(wet);
-            }
+            if (keeps_runs()) low_writer->append(low), wet_writer->append(wet);
             if (!kept) continue;
             auto at = [&](int frame) { return high_.motion.at(frame / high_.fps); };
             heads.before = at(f - 1), heads.now = at(f), heads.after = at(f + 1);
@@ -128,7 +132,6 @@ class MemberRun {
                     root_colours(low_image, low.positions, {}, radius, recipe_.box),
                     root_colours(high_image, wet.seen(), high_.saturation, radius, recipe_.box));
         }
-        const std::lock_guard lock(files);
         if (strands) {
             PairsWriter out = shard(Codec::strand);
             out.begin(strands->begin(int(strand_images_.size())));
@@ -152,7 +155,6 @@ class MemberRun {
   private:
     bool keeps_runs() const { return recipe_.runs == member_.split; }
     Scene scene(int stride) const {
-        const std::lock_guard lock(files);
         SceneOptions options;
         options.set = member_.set, options.stride = stride;
         return parse_scene(member_.text, member_.name, recipe_.folder, options);
@@ -201,13 +203,19 @@ void take_folder(const CommonOptions& o, const Folder& to, const DatasetRecipe& 
     const std::string path = to.of("recipe.toml");
     std::stringstream there;
     if (std::ifstream in(path); in) there << in.rdbuf();
+    if (shared && o.overwrite)
+        throw Misuse("--overwrite: several parts would remove each other's scenes; remove " + to.of("") +
+                     " instead");
     if (there.str() == recipe.text && (o.resume || shared)) return;
     if (!there.str().empty() && !o.overwrite)
         throw Error(there.str() == recipe.text
                         ? path + ": the data set is there already; --resume goes on, --overwrite replaces it"
                         : path + ": holds another recipe; --overwrite replaces the data set");
-    if (o.overwrite)
-        for (const char* made : {"shards", "runs"}) fs::remove_all(to.of(made));
+    if (o.overwrite) {
+        for (const char* made : {"shards", "runs", "manifest.json"}) fs::remove_all(to.of(made));
+        for (const auto& split : dataset_splits)
+            for (Codec codec : {Codec::strand, Codec::root}) fs::remove(to.whole(split, codec));
+    }
     fs::create_directories(to.of("shards"));
     if (!recipe.runs.empty()) fs::create_directories(to.of("runs"));
     std::ofstream out(path);
@@ -215,8 +223,24 @@ void take_folder(const CommonOptions& o, const Folder& to, const DatasetRecipe& 
     if (!out.flush()) throw Error(path + ": cannot be written");
 }
 
+// One of those who share a folder at a time.
+class FolderLock {
+  public:
+    explicit FolderLock(const Folder& to) : file_(open(to.of("recipe.toml").c_str(), O_RDONLY)) {
+        if (file_ >= 0) flock(file_, LOCK_EX);
+    }
+    ~FolderLock() {
+        if (file_ >= 0) close(file_);
+    }
+    FolderLock(const FolderLock&) = delete;
+
+  private:
+    int file_;
+};
+
 // One file a split and codec that shows all its shards as one, and the list of what is there.
 Json finish(const DatasetRecipe& recipe, const Folder& to) {
+    const FolderLock lock(to);
     Json manifest{{"scenes", Json::array()}};
     for (const auto& m : recipe.members) {
         Json entry{{"name", m.name}, {"split", m.split}, {"picked", m.picked}, {"set", m.set}};
@@ -227,19 +251,25 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
     for (Codec codec : codecs_of(recipe))
         for (const auto& split : dataset_splits) {
             std::unique_ptr<PairsWriter> out;
-            double floor_mm = 0;
+            double floor_mm = 0, radius = 0;
             long runs = 0;
             for (const auto& m : recipe.members) {
                 if (m.split != split) continue;
                 const std::string shard = to.shard(m, codec);
                 const PairsReader reader(shard);
-                const std::string path = fmt::format("{}_{}.h5", to.of(split), name_of(codec));
-                if (!out) out = std::make_unique<PairsWriter>(path, codec, reader.particles(), true);
+                if (!out)
+                    out = std::make_unique<PairsWriter>(to.whole(split, codec), codec, reader.particles(),
+                                                        true);
                 if (codec == Codec::strand) floor_mm += reader.number("floor_mm");
                 if (codec == Codec::root && runs == 0) {
+                    radius = reader.number("support_radius");
                     out->box(&recipe.box.lower.x, &recipe.box.upper.x);
-                    out->attribute("support_radius", reader.number("support_radius"));
+                    out->attribute("support_radius", radius);
                 }
+                if (codec == Codec::root && reader.number("support_radius") != radius)
+                    throw Error(shard +
+                                ": its cohesion radius is not that of the scenes before it, allowed "
+                                "one for all with codec root");
                 const std::string name = "shards/" + fs::path(shard).filename().string();
                 out->link(name);
                 out->attribute(fmt::format("input {:04d}", runs), name + " " + hash_of_file(shard));
@@ -263,6 +293,10 @@ int dataset_command(const DatasetOptions& o) {
     if (o.seed) throw Misuse("--seed: a recipe's is --set seed=" + std::to_string(*o.seed));
     const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.set);
     const Folder to(o.output);
+    for (const auto& file : recipe.files)
+        if (fs::exists(file) && fs::exists(to.of("recipe.toml")) &&
+            fs::equivalent(file, to.of("recipe.toml")))
+            throw Misuse(file + ": lies where the data set keeps its own; another folder is needed for -o");
     if (!o.json.empty() && o.json != "-") check_files(o, "", recipe.files);
     const Part part = part_of(o.part);
     take_folder(o, to, recipe, part.of > 1);
@@ -274,20 +308,23 @@ int dataset_command(const DatasetOptions& o) {
     const double begin = omp_get_wtime();
     InterruptGuard guard;
     Progress progress("dataset", long(mine.size()), "scene");
+    std::atomic<bool> failing = false;
+    std::mutex mutex;  // of what follows
     std::exception_ptr failed;
     long done = 0;
     // A scene a thread: small scenes keep no more than one busy, and each gives the same bits on any number.
 #pragma omp parallel for schedule(dynamic)
     for (size_t k = 0; k < mine.size(); ++k) {
-        if (guard.asked() || failed) continue;
+        if (guard.asked() || failing) continue;
         try {
             if (!MemberRun(recipe, *mine[k], to, o.device).compute(guard)) continue;
         } catch (...) {
-            const std::lock_guard lock(files);
+            const std::lock_guard lock(mutex);
             if (!failed) failed = std::current_exception();
+            failing = true;
             continue;
         }
-        const std::lock_guard lock(files);
+        const std::lock_guard lock(mutex);
         progress.update(++done);
     }
     if (failed) std::rethrow_exception(failed);

@@ -144,7 +144,8 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     config.require_all_used();
     r.folder = std::filesystem::path(scene).parent_path().string();
     if (r.folder.empty()) r.folder = ".";
-    r.text = config.text();
+    const std::string base = Config::load(scene).text();
+    r.text = config.text() + "# base scene " + hash_bytes(base.data(), base.size()) + "\n";
     r.files = config.files();
     return r;
 }

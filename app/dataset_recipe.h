@@ -48,7 +48,7 @@ struct DatasetRecipe {
     ColourBox box;     // of codec root, the same for all
     std::vector<DatasetMember> members;
     std::string folder;              // where the scenes' relative paths start
-    std::string text;                // resolved, TOML
+    std::string text;                // resolved, TOML, and a hash of the base scene
     std::vector<std::string> files;  // what it was read from
 };
 

@@ -184,8 +184,14 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
             throw Misuse("--reconstruct is for models of the root codec; this one predicts whole strands");
         if (o.roots == 3)
             throw Misuse("--roots 3 is for models of the root codec; this one predicts whole strands");
+        // Amplitudes do not know how many particles they come of, as long as these carry them all.
+        if (scene.groom.rest.particles < dct_kept)
+            throw Error(
+                fmt::format("{}: predicts {} amplitudes an axis, the run has {} particles a strand; "
+                            "allowed {} or more",
+                            o.model, dct_kept, scene.groom.rest.particles, dct_kept));
         if (card.particles != scene.groom.rest.particles)
-            throw Error(fmt::format("{}: made for {} particles a strand, the run has {}", o.model,
+            log_warning(fmt::format("{}: learned from strands of {} particles, the run has {}", o.model,
                                     card.particles, scene.groom.rest.particles));
         if (scene.saturation.empty()) scene.saturation = profile_of(card, scene.groom);
         return std::make_unique<StrandMethod>(std::move(network), scene.groom, low.groom, scene.saturation,
@@ -211,6 +217,14 @@ void take_learned(InferOptions& o, const Scene& scene) {
     if (!std::filesystem::exists(o.model))
         throw Error(o.model + ": [learned] names it and it is not there yet; `wetcurl train sr PAIRS.h5 -o " +
                     o.model + "` makes it, the head of scenes/scene11a.toml says of which pairs");
+}
+
+// What Eq 9 and 10 are asked of.
+void require_named(const InferOptions& o, const Scene& scene) {
+    if (o.cohesion && !scene.cohesion)
+        throw Misuse("--cohesion: the scene to predict for has no [cohesion]; --wetness names one that has");
+    if (o.wet_shape && !scene.curl)
+        throw Misuse("--wet-shape: the scene to predict for has no [curl]; --wetness names one that has");
 }
 
 bool is_scene(const std::string& path) { return path.ends_with(".toml"); }
@@ -265,6 +279,7 @@ int infer_command(const InferOptions& given) {
     if (is_scene(o.input)) {
         const Scene low = load_scene(
             o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
+        if (o.wetness.empty()) require_named(o, low);
         take_learned(o, low);
         if (!o.model.empty() && network_module().card(o.model).codec == "adhesion")
             return simulate_with(o, low);
@@ -281,10 +296,9 @@ int infer_command(const InferOptions& given) {
         throw Error(o.input +
                     ": its scene moves the water ([wetness.flow]), allowed is wetness that stays; "
                     "--wetness names a scene of it");
+    require_named(o, scene);
     const auto method = method_of(o, scene, low);
     require_nested(scene.groom, low.groom);
-    if (o.cohesion && !scene.cohesion)
-        throw Misuse("--cohesion: the scene to predict for has no [cohesion]; --wetness names one that has");
     std::optional<Display> display;
     std::optional<DeformingSolids> surfaces;
     if (method->before_cohesion() && scene.cohesion) {

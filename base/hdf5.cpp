@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <mutex>
 #include <type_traits>
 
 namespace wetcurl {
@@ -13,6 +14,15 @@ namespace wetcurl {
 namespace fs = std::filesystem;
 
 namespace {
+
+// The library takes one caller at a time.
+class Turn {
+    static std::recursive_mutex& mutex() {
+        static std::recursive_mutex only;
+        return only;
+    }
+    const std::lock_guard<std::recursive_mutex> lock_{mutex()};
+};
 
 struct Handle {
     hid_t id = -1;
@@ -71,6 +81,7 @@ std::string shape_text(const std::vector<size_t>& shape) {
 
 H5Writer::H5Writer(const std::string& path, const std::string& format, int version, bool overwrite)
     : path_(path), partial_(path + ".partial") {
+    const Turn turn;
     if (path.empty()) throw Misuse("output: found an empty file name");
     std::error_code unreadable;
     if (fs::is_directory(path, unreadable)) throw Error(path + ": is a folder, a file name is needed");
@@ -89,11 +100,13 @@ H5Writer::H5Writer(const std::string& path, const std::string& format, int versi
 }
 
 H5Writer::~H5Writer() {
+    const Turn turn;
     if (file_ >= 0) H5Fclose(file_);
 }
 
 template <class T>
 void H5Writer::write(const std::string& name, const T* data, const std::vector<size_t>& shape) {
+    const Turn turn;
     auto dims = dims_of(shape);
     Handle space(H5Screate_simple(int(dims.size()), dims.data(), nullptr), H5Sclose);
     Handle untimed(untimed_dataset(), H5Pclose);
@@ -107,6 +120,7 @@ void H5Writer::write(const std::string& name, const T* data, const std::vector<s
 
 template <class T>
 void H5Writer::append(const std::string& name, const T* data, const std::vector<size_t>& shape) {
+    const Turn turn;
     std::vector<hsize_t> row{1};
     row.insert(row.end(), shape.begin(), shape.end());
     const int rank = int(row.size());
@@ -139,6 +153,7 @@ void H5Writer::append(const std::string& name, const T* data, const std::vector<
 }
 
 void H5Writer::attribute(const std::string& name, const std::string& value) {
+    const Turn turn;
     Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
     H5Tset_size(type, value.size() + 1);
     H5Tset_cset(type, H5T_CSET_UTF8);
@@ -155,14 +170,19 @@ void H5Writer::attribute(const std::string& name, const std::string& value) {
 void H5Writer::attribute(const std::string& name, double value) { write("about/" + name, &value, {1}); }
 
 void H5Writer::link(const std::string& name, const std::string& file, const std::string& target) {
+    const Turn turn;
     check(H5Lcreate_external(file.c_str(), target.c_str(), file_, name.c_str(), intermediate_groups(),
                              H5P_DEFAULT) >= 0,
           path_, "'" + name + "': the link to " + file + " cannot be written");
 }
 
-void H5Writer::flush() { H5Fflush(file_, H5F_SCOPE_GLOBAL); }
+void H5Writer::flush() {
+    const Turn turn;
+    H5Fflush(file_, H5F_SCOPE_GLOBAL);
+}
 
 void H5Writer::commit() {
+    const Turn turn;
     const bool flushed = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;
     const bool closed = H5Fclose(file_) >= 0;
     file_ = -1;
@@ -173,6 +193,7 @@ void H5Writer::commit() {
 }
 
 H5Reader::H5Reader(const std::string& path, const std::string& format, int version) : path_(path) {
+    const Turn turn;
     if (!fs::exists(path)) throw Error(path + ": no such file");
     if (fs::is_directory(path)) throw Error(path + ": found a folder, a '" + format + "' file is needed");
     if (fs::file_size(path) == 0) throw Error(path + ": the file is empty");
@@ -194,7 +215,10 @@ H5Reader::H5Reader(const std::string& path, const std::string& format, int versi
     }
 }
 
-H5Reader::~H5Reader() { H5Fclose(file_); }
+H5Reader::~H5Reader() {
+    const Turn turn;
+    H5Fclose(file_);
+}
 
 // Where what is named lies in another file: that file, in brackets; "" where it lies here.
 static std::string other_file(hid_t file, const std::string& name) {
@@ -217,6 +241,7 @@ static std::string other_file(hid_t file, const std::string& name) {
 }
 
 bool H5Reader::has(const std::string& name) const {
+    const Turn turn;
     // Every link on the way must exist, or HDF5 calls it an error.
     for (size_t at = name.find('/'); at != std::string::npos; at = name.find('/', at + 1))
         if (at > 0 && H5Lexists(file_, name.substr(0, at).c_str(), H5P_DEFAULT) <= 0) return false;
@@ -224,6 +249,7 @@ bool H5Reader::has(const std::string& name) const {
 }
 
 std::vector<size_t> H5Reader::shape(const std::string& name) const {
+    const Turn turn;
     check(has(name), path_, "dataset '" + name + "' is missing" + other_file(file_, name));
     Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
     check(set >= 0, path_, "dataset '" + name + "' cannot be opened (damaged)");
@@ -250,6 +276,7 @@ static void check_finite(const std::vector<T>& v, const std::string& path, const
 
 template <class T>
 std::vector<T> H5Reader::read(const std::string& name, const std::vector<size_t>& wanted) const {
+    const Turn turn;
     const auto found = shape(name);
     bool fits = wanted.empty() || wanted.size() == found.size();
     size_t count = 1;
@@ -273,6 +300,7 @@ std::vector<T> H5Reader::read(const std::string& name, const std::vector<size_t>
 
 template <class T>
 void H5Reader::read_row(const std::string& name, size_t row, T* out) const {
+    const Turn turn;
     const auto found = shape(name);
     check(!found.empty() && row < found[0], path_,
           "dataset '" + name + "' has no row " + std::to_string(row));
@@ -291,6 +319,7 @@ void H5Reader::read_row(const std::string& name, size_t row, T* out) const {
 bool H5Reader::has_attribute(const std::string& name) const { return has("about/" + name); }
 
 std::string H5Reader::text(const std::string& attribute) const {
+    const Turn turn;
     const std::string name = "about/" + attribute;
     check(has(name), path_, "attribute '" + attribute + "' is missing");
     Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
@@ -318,6 +347,7 @@ int H5Reader::integer(const std::string& attribute, int low, int high) const {
 }
 
 std::vector<std::string> H5Reader::list(const std::string& group) const {
+    const Turn turn;
     std::vector<std::string> names;
     if (!has(group)) return names;
     Handle g(H5Gopen2(file_, group.c_str(), H5P_DEFAULT), H5Gclose);

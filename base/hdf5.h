@@ -9,6 +9,8 @@
 
 namespace wetcurl {
 
+// Both may be used by several threads, an object by one at a time.
+
 // A file of ours: it carries a format name and a version, and is written beside its name (NAME.partial),
 // then renamed when `commit` is called. One that is destroyed uncommitted stays as NAME.partial, readable.
 class H5Writer {

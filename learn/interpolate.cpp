@@ -149,11 +149,15 @@ Interpolator::Interpolator(Interpolation kind, Stencil stencil, const Groom& hig
     if (kind_ == Interpolation::core || kind_ == Interpolation::rest)
         cores_ = Strands(low.rest.count, low.rest.particles);
     if (kind_ != Interpolation::rest) return;
-    rest_ = shape ? *shape : high.rest;
-    if (rest_.points.size() != high.rest.points.size())
-        throw Error("interpolation: found a shape at rest of " + std::to_string(rest_.count) +
-                    " strands, allowed that of all " + std::to_string(high.rest.count));
-    rest_cores_ = cores_of(rest_), low_rest_cores_ = cores_of(low.rest);
+    rest_ = shape ? *shape : high.rest;  // its detail
+    auto size = [](const Strands& s) {
+        return std::to_string(s.count) + " strands of " + std::to_string(s.particles) + " particles";
+    };
+    if (size(rest_) != size(high.rest))
+        throw Error("interpolation: found a shape at rest of " + size(rest_) + ", allowed that of all " +
+                    size(high.rest));
+    rest_cores_ = cores_of(high.rest), low_rest_cores_ = cores_of(low.rest);
+    detail_cores_ = cores_of(rest_);
 }
 
 // root + sum_k weight_k (strand_k - its root), for `n` particles.
@@ -183,13 +187,21 @@ static void add_detail(const Vec3f* p, const Vec3f* core, int n, Vec3f* out) {
     }
 }
 
-// To the ways `out` of a core: that core, and the detail, of strand p at rest.
-static void add_rest(const Vec3f* p, const Vec3f* core, int n, const Quatf& head, std::vector<Vec3f>& turned,
-                     Vec3f* out) {
+// To the ways `out` of a core (n): that core at rest, its edges as much shorter as the curled core's are, and
+// the detail of the curled strand p. All but `out` in the head's frame.
+static void add_rest(const Vec3f* core, const Vec3f* p, const Vec3f* curled_core, int n, const Quatf& head,
+                     std::vector<Vec3f>& turned, Vec3f* out) {
     turned.resize(2 * size_t(n));
     for (int i = 0; i < n; ++i) {
-        turned[size_t(i)] = rotate(head, p[i]), turned[size_t(n + i)] = rotate(head, core[i]);
-        out[i] += turned[size_t(n + i)] - turned[size_t(n)];
+        turned[size_t(i)] = rotate(head, p[i]), turned[size_t(n + i)] = rotate(head, curled_core[i]);
+        out[i] += rotate(head, core[i] - core[0]);
+    }
+    Vec3f before = out[0];
+    for (int i = 1; i < n; ++i) {
+        const float drawn = norm(core[i] - core[i - 1]), curled = norm(curled_core[i] - curled_core[i - 1]);
+        const Vec3f edge = out[i] - before;
+        before = out[i];
+        out[i] = out[i - 1] + (curled / std::max(drawn, tiny_length<float>)) * edge;
     }
     add_detail(turned.data(), turned.data() + n, n, out);
 }
@@ -233,8 +245,8 @@ void Interpolator::apply(const Strands& low, const Pose& head, Strands& out) {
                     break;
                 case Interpolation::rest: {
                     weighted_mean(cores_, from, weight, width, root, out.strand(s));
-                    add_rest(rest_.strand(s), rest_cores_.strand(s), n, cast<float>(head.rotation), turned,
-                             out.strand(s));
+                    add_rest(rest_cores_.strand(s), rest_.strand(s), detail_cores_.strand(s), n,
+                             cast<float>(head.rotation), turned, out.strand(s));
                     break;
                 }
             }

@@ -57,7 +57,7 @@ class Interpolator {
     RootFrames roots_;
     Strands cores_;  // of the low strands; used by `core` and `rest` alone
     // Used by `rest` alone, all at rest in the head's frame.
-    Strands rest_, rest_cores_, low_rest_cores_;
+    Strands rest_, rest_cores_, detail_cores_, low_rest_cores_;
 };
 
 }  // namespace wetcurl

@@ -22,6 +22,11 @@ using testing::Scratch;
 
 constexpr const char* small_scene = "frames = 3\n[groom]\ngrid = [8, 8]\nparticles = 10\n[stretch]\n[bend]\n";
 
+// Wet curls of two turns, near enough to be drawn together.
+const std::string wet_scene =
+    "frames = 4\n[groom]\ngrid = [8, 8]\nparticles = 25\nlength = 0.1\npitch = 0.04\n[integrator]\n"
+    "substeps = 4\n[stretch]\n[bend]\n[core]\n[wetness]\n[curl]\n[cohesion]\nradius = 0.03\n";
+
 class Commands : public ::testing::Test {
   protected:
     SimulateOptions simulation(const std::string& output, int strands) const {
@@ -153,6 +158,82 @@ TEST_F(Commands, three_roots_give_other_strands_than_four) {
         EXPECT_LT(largest, 0.5);
     }
     expect_error<Misuse>([&] { infer_command(inference("nearest", 3)); }, {"--roots 3", "nearest"});
+}
+
+TEST_F(Commands, rest_with_its_water_curls_the_strands_and_draws_them_together) {
+    SimulateOptions low = simulation("low.h5", 16);
+    low.scene = scratch.file("wet.toml", wet_scene);
+    low.dry = true;
+    simulate_command(low);
+    auto inferred = [&](bool wet_shape, bool cohesion, const std::string& input = "low.h5") {
+        InferOptions o = inference("rest", 4);
+        o.input = scratch.path(input);
+        o.wet_shape = wet_shape, o.cohesion = cohesion;
+        o.overwrite = true;
+        EXPECT_EQ(infer_command(o), 0);
+        const RunReader run(o.output);
+        EXPECT_EQ(run.header().method, std::string("rest interpolation") + (wet_shape ? ", Eq 9" : "") +
+                                           (cohesion ? ", Eq 10" : ""));
+        EXPECT_EQ(run.frames(), 4);
+        return run.frame(3);
+    };
+    auto moved = [](const Strands& a, const Strands& b) {
+        double sum = 0;
+        for (size_t k = 0; k < a.points.size(); ++k) sum += norm(a.points[k] - b.points[k]);
+        return sum / double(a.points.size());
+    };
+    const RunFrame plain = inferred(false, false), shaped = inferred(true, false),
+                   both = inferred(true, true);
+    ASSERT_EQ(plain.positions.count, 64);
+    EXPECT_EQ(plain.displayed.count, 0);
+    // Eq 9 contracts drenched hair to 0.75 of its extent: a tip 0.1 m down the strand rises by some 2 cm.
+    EXPECT_GT(moved(shaped.positions, plain.positions), 2e-3);
+    EXPECT_LT(moved(shaped.positions, plain.positions), 0.025);
+    // Eq 10 moves what is seen alone, toward others within its radius.
+    EXPECT_EQ(moved(both.positions, shaped.positions), 0);
+    ASSERT_EQ(both.displayed.count, 64);
+    EXPECT_GT(moved(both.displayed, both.positions), 1e-4);
+    EXPECT_LT(moved(both.displayed, both.positions), 0.03);
+    const RunFrame cohesion = inferred(false, true);
+    EXPECT_EQ(moved(cohesion.positions, plain.positions), 0);
+    EXPECT_GT(moved(cohesion.displayed, plain.positions), 1e-4);
+
+    // Where hair is dry both leave it: its shape is rebuilt in double and rounded to 1e-8 m, 24 edges of it.
+    low.set = {"wetness.level=0"};
+    low.output = scratch.path("dry.h5");
+    simulate_command(low);
+    const RunFrame dry = inferred(false, false, "dry.h5"), dry_both = inferred(true, true, "dry.h5");
+    EXPECT_LT(moved(dry_both.positions, dry.positions), 1e-6);
+    EXPECT_LT(moved(dry_both.displayed, dry.positions), 1e-6);
+}
+
+TEST_F(Commands, water_that_nothing_takes_up_is_refused) {
+    simulate_command(simulation("low.h5", 16));
+    for (const std::string kind : {"nearest", "quad", "core"}) {
+        InferOptions o = inference(kind, 4);
+        o.wet_shape = true;
+        expect_error<Misuse>([&] { infer_command(o); }, {"--wet-shape", "--interpolate rest"});
+        EXPECT_FALSE(fs::exists(o.output));
+    }
+    InferOptions model;
+    model.input = scratch.path("low.h5");
+    model.model = "model.h5";
+    model.output = scratch.path("out.h5");
+    model.wet_shape = true;
+    expect_error<Misuse>([&] { infer_command(model); }, {"--wet-shape", "--interpolate rest"});
+    model.wet_shape = false, model.cohesion = true;
+    expect_error<Misuse>([&] { infer_command(model); }, {"--cohesion", "--interpolate", "model"});
+    for (const std::string kind : {"quad", "rest"}) {
+        InferOptions o = inference(kind, 4);
+        o.cohesion = true;
+        expect_error<Misuse>([&] { infer_command(o); }, {"--cohesion", "no [cohesion]", "--wetness"});
+        EXPECT_FALSE(fs::exists(o.output));
+        // A scene that has some helps.
+        o.wetness =
+            scratch.file("wetness.toml", std::string(small_scene) + "[wetness]\n[cohesion]\nradius = 0.03\n");
+        EXPECT_EQ(infer_command(o), 0);
+        EXPECT_EQ(RunReader(o.output).frame(2).displayed.count, 64);
+    }
 }
 
 TEST_F(Commands, runs_of_different_length_are_compared_over_the_common_frames_and_say_so) {

@@ -11,9 +11,16 @@ constexpr Interpolation kinds[] = {Interpolation::nearest, Interpolation::quad, 
                                    Interpolation::rest};
 
 Strands interpolated(Interpolation kind, const Stencil& stencil, const Groom& high, const Strands& low,
-                     const Pose& head = {}) {
+                     const Pose& head = {}, const Strands* shape = nullptr) {
     Strands out;
-    Interpolator(kind, stencil, high, coarsened(high, 2)).apply(low, head, out);
+    Interpolator(kind, stencil, high, coarsened(high, 2), shape).apply(low, head, out);
+    return out;
+}
+
+Strands cores_of(const Strands& strands) {
+    Strands out(strands.count, strands.particles);
+    for (int s = 0; s < strands.count; ++s)
+        core_of(strands.strand(s), strands.particles, core_beta(strands.particles), out.strand(s));
     return out;
 }
 
@@ -237,6 +244,83 @@ TEST(Interpolation, rest_keeps_every_curl_where_the_mean_of_random_phases_loses_
     // As of strands at rest: 1.799 / 4.
     const Strands mean = interpolated(Interpolation::quad, stencil, groom, bent);
     EXPECT_NEAR(mean_curl(inner(groom, mean)) / mean_curl(inner(groom, groom.rest)), 0.45, 0.03);
+}
+
+TEST(Interpolation, rest_of_the_drawn_shape_is_that_of_no_shape) {
+    const Groom groom = curly_groom({});
+    const Groom low = coarsened(groom, 2);
+    Random random(9);
+    const Strands bent = swayed(low.rest, [&](int) { return cast<float>(random.vector(0.05)); });
+    const Pose pose = some_pose(4);
+    const Stencil stencil = quad_stencil(groom, low);
+    const auto plain = interpolated(Interpolation::rest, stencil, groom, moved(bent, pose), pose),
+               shaped =
+                   interpolated(Interpolation::rest, stencil, groom, moved(bent, pose), pose, &groom.rest);
+    EXPECT_EQ(largest_distance(plain, shaped), 0);
+}
+
+TEST(Interpolation, rest_of_a_tighter_curl_has_its_radius_at_the_places_of_the_drawn_core) {
+    Curls wide{.particles = 100, .radius = 0.004, .turns = 10, .lean = 0}, tight = wide;
+    tight.radius /= 2;
+    const Groom groom = curly_groom(wide);
+    const Groom low = coarsened(groom, 2);
+    const Strands shape = curly_groom(tight).rest;
+    const auto drawn = curl_radii(groom.rest), wanted = curl_radii(shape);
+    // Smoothing leaves this share of ten turns in the core, and of the drawn one's no half is taken.
+    const double left = 1 / (1 + std::pow(2 * std::numbers::pi * wide.turns / 10, 2));
+    for (unsigned seed = 0; seed < 3; ++seed) {
+        const Pose pose = seed ? some_pose(seed) : Pose{};
+        const Strands out = interpolated(Interpolation::rest, quad_stencil(groom, low), groom,
+                                         moved(low.rest, pose), pose, &shape);
+        const auto found = curl_radii(out);
+        for (int s = 0; s < out.count; ++s) {
+            EXPECT_NEAR(wanted[size_t(s)] / drawn[size_t(s)], 0.5, 0.005) << s;
+            EXPECT_NEAR(found[size_t(s)] / wanted[size_t(s)], 1, left) << s;
+        }
+        // Half of that share, from one side of the curl to the other, and the slack of edges that it tilts.
+        EXPECT_LT(largest_distance(cores_of(out), moved(cores_of(groom.rest), pose)), 0.1 * wide.radius);
+    }
+}
+
+// Where the wet strand is shorter (a tighter curl), so is its way: each edge of the moved core is as much
+// shorter as the strand's own.
+TEST(Interpolation, rest_of_a_shorter_shape_scales_the_edges_of_the_moved_core) {
+    const Groom groom = curly_groom({});
+    const Groom low = coarsened(groom, 2);
+    const float part = 0.8f;
+    auto shorter = [&](const Strands& strands) {
+        Strands out = strands;
+        for (int s = 0; s < out.count; ++s)
+            for (int i = 0; i < out.particles; ++i)
+                out.at(s, i) = strands.at(s, 0) + part * (strands.at(s, i) - strands.at(s, 0));
+        return out;
+    };
+    const Strands shape = shorter(groom.rest), core = cores_of(groom.rest);
+    const Stencil stencil = quad_stencil(groom, low);
+    const Pose pose = some_pose(3);
+    // Cores are linear in the strand, so all of it is shorter; 49 edges of 0.5 m are rounded to 3e-8 m.
+    EXPECT_LT(largest_distance(
+                  interpolated(Interpolation::rest, stencil, groom, moved(low.rest, pose), pose, &shape),
+                  moved(shape, pose)),
+              1e-6);
+    // A sway in proportion to the particle is one of the core alike, and the detail turns but keeps its
+    // length.
+    const Vec3f sway{0.05f, 0, 0.02f};
+    const Strands out = interpolated(Interpolation::rest, stencil, groom,
+                                     swayed(low.rest, [&](int) { return sway; }), {}, &shape);
+    const Strands moved_core = shorter(swayed(core, [&](int) { return sway; }));
+    for (int s = 0; s < out.count; ++s)
+        for (int i = 0; i < out.particles; ++i)
+            EXPECT_NEAR(norm(out.at(s, i) - moved_core.at(s, i)),
+                        part * norm(groom.rest.at(s, i) - core.at(s, i)), 1e-6)
+                << s << " " << i;
+}
+
+TEST(Interpolation, a_shape_of_other_strands_is_an_error) {
+    const Groom groom = curly_groom({});
+    const Groom low = coarsened(groom, 2);
+    expect_error([&] { Interpolator(Interpolation::rest, quad_stencil(groom, low), groom, low, &low.rest); },
+                 {"shape at rest", "16 strands", "all 64"});
 }
 
 // Between a hanging curl and the same turned by 80 degrees.
