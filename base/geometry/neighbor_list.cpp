@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <utility>
 
 #include "base/error.h"
 
@@ -63,7 +64,8 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
         used = 0, neighbours = 0;
 #pragma omp parallel
         {
-            Found& found = found_[size_t(omp_get_thread_num())];
+            // On the thread's own stack: side by side they would take each other's cache lines.
+            Found found = std::move(found_[size_t(omp_get_thread_num())]);
 #pragma omp for schedule(dynamic)
             for (size_t c = 0; c < chunks; ++c) {
                 const size_t low = c * chunk, high = std::min(low + chunk, count);
@@ -83,6 +85,7 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
                 std::copy_n(found.first.begin(), found.count, first_.begin() + long(place));
                 std::copy_n(found.bits.begin(), found.count, bits_.begin() + long(place));
             }
+            found_[size_t(omp_get_thread_num())] = std::move(found);
         }
         if (used <= first_.size()) break;
         // A tenth of slack: growing by doubling would double the largest buffer of all.
