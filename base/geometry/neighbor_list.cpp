@@ -57,7 +57,11 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
                          const std::vector<float>& source, float radius) {
     const size_t count = grid.size(), chunks = (count + chunk - 1) / chunk;
     begin_.resize(count + chunks);
+    // As much room for each thread as any has needed: which chunks it meets is chance.
     found_.resize(size_t(omp_get_max_threads()));
+    size_t room = 0;
+    for (const auto& f : found_) room = std::max(room, f.first.size());
+    for (auto& f : found_) f.first.resize(room), f.bits.resize(room);
     std::atomic<size_t> used;
     std::atomic<uint64_t> neighbours;
     for (;;) {
@@ -89,10 +93,10 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
         }
         if (used <= first_.size()) break;
         // A tenth of slack: growing by doubling would double the largest buffer of all.
-        const size_t room = used + used / 10;
-        if (room > UINT32_MAX) throw Error("neighbour lists: more than 2^32 runs; make the radius smaller");
+        const size_t more = used + used / 10;
+        if (more > UINT32_MAX) throw Error("neighbour lists: more than 2^32 runs; make the radius smaller");
         first_ = {}, bits_ = {};
-        first_.resize(room), bits_.resize(room);
+        first_.resize(more), bits_.resize(more);
     }
     mean_ = count ? double(neighbours) / double(count) : 0;
 }
