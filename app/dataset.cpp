@@ -132,22 +132,8 @@ class MemberRun {
                     root_colours(low_image, low.positions, {}, radius, recipe_.box),
                     root_colours(high_image, wet.seen(), high_.saturation, radius, recipe_.box));
         }
-        if (strands) {
-            PairsWriter out = shard(Codec::strand);
-            out.begin(strands->begin(int(strand_images_.size())));
-            for (const auto& [input, target] : strand_images_) out.append(input.data(), target.data());
-            out.attribute("floor_mm", strands->floor_mm());
-            out.commit();
-        }
-        if (recipe_.root) {
-            PairsWriter out = shard(Codec::root);
-            out.box(&recipe_.box.lower.x, &recipe_.box.upper.x);
-            out.attribute("support_radius", radius);
-            out.begin(RootPairs{int(root_images_.size()), low_image.height(), low_image.width(),
-                                low_image.mask(), high_image.mask()});
-            for (const auto& [input, target] : root_images_) out.append(input.data(), target.data());
-            out.commit();
-        }
+        if (strands) write_strands(*strands);
+        if (recipe_.root) write_roots(low_image, high_image, radius);
         if (keeps_runs()) low_writer->commit(), wet_writer->commit();
         return true;
     }
@@ -158,6 +144,21 @@ class MemberRun {
         SceneOptions options;
         options.set = member_.set, options.stride = stride;
         return parse_scene(member_.text, member_.name, recipe_.folder, options);
+    }
+    void write_strands(const StrandEncoder& encoder) const {
+        PairsWriter out = shard(Codec::strand);
+        out.begin(encoder.begin(int(strand_images_.size())));
+        for (const auto& [input, target] : strand_images_) out.append(input.data(), target.data());
+        out.attribute("floor_mm", encoder.floor_mm());
+        out.commit();
+    }
+    void write_roots(const RootImage& low, const RootImage& high, float radius) const {
+        PairsWriter out = shard(Codec::root);
+        out.box(&recipe_.box.lower.x, &recipe_.box.upper.x);
+        out.attribute("support_radius", radius);
+        out.begin(RootPairs{int(root_images_.size()), low.height(), low.width(), low.mask(), high.mask()});
+        for (const auto& [input, target] : root_images_) out.append(input.data(), target.data());
+        out.commit();
     }
     PairsWriter shard(Codec codec) const {
         return {to_.shard(member_, codec), codec, high_.groom.rest.particles, true};
