@@ -100,8 +100,10 @@ class Members {
         const std::string side = split == "test" ? "test" : "train";
         std::vector<const Entry*> own, open;
         for (const auto& e : list.entries)
-            (e.only == side ? own : open).push_back(e.only.empty() || e.only == side ? &e : nullptr);
-        std::erase(open, nullptr);
+            if (e.only == side)
+                own.push_back(&e);
+            else if (e.only.empty())
+                open.push_back(&e);
         // Where something is kept for the test, it is tested on that alone.
         std::vector<const Entry*> allowed = own;
         if (side == "train" || own.empty()) allowed.insert(allowed.end(), open.begin(), open.end());

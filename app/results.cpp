@@ -10,7 +10,6 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "base/geometry/strands.h"
 
 namespace wetcurl {
 
@@ -52,18 +51,6 @@ void refuse_scene_options(const CommonOptions& o, const std::string& who) {
 
 void refuse_device(const CommonOptions& o, const std::string& who) {
     if (o.device != "cpu") throw Misuse("--device " + o.device + ": " + who + " runs on the CPU alone");
-}
-
-std::string hash_of_file(const std::string& path) {
-    std::FILE* file = std::fopen(path.c_str(), "rb");
-    if (!file) throw Error(path + ": cannot be read");
-    std::vector<char> block(size_t(1) << 20);
-    std::string hash = hash_bytes(nullptr, 0);
-    while (const size_t n = std::fread(block.data(), 1, block.size(), file))
-        hash =
-            hash_bytes(block.data(), n, std::stoull(hash, nullptr, 16));  // the state so far is the next seed
-    std::fclose(file);
-    return hash;
 }
 
 void write_json(const Json& json, const std::string& path) {

@@ -24,9 +24,6 @@ void check_files(const CommonOptions& o, const std::string& output, const std::v
 void refuse_scene_options(const CommonOptions& o, const std::string& who);
 void refuse_device(const CommonOptions& o, const std::string& who);
 
-// FNV-1a of a whole file, 16 hexadecimal digits.
-std::string hash_of_file(const std::string& path);
-
 // {mean, median, min, max, std} of run times [s].
 Json time_statistics(std::vector<double> seconds);
 

@@ -3,11 +3,7 @@
 #include "training/loop.h"
 
 #include <ATen/Context.h>
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
 #include <torch/utils.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -39,18 +35,6 @@ class Stopwatch {
     using Clock = std::chrono::steady_clock;
     Clock::time_point start_ = Clock::now();
 };
-
-std::string file_hash(const std::string& path) {
-    const int descriptor = open(path.c_str(), O_RDONLY);
-    struct stat about {};
-    if (descriptor < 0 || fstat(descriptor, &about) != 0) throw Error(path + ": cannot be read");
-    void* bytes = mmap(nullptr, size_t(about.st_size), PROT_READ, MAP_PRIVATE, descriptor, 0);
-    close(descriptor);
-    if (bytes == MAP_FAILED) throw Error(path + ": cannot be read");
-    const std::string hash = hash_bytes(bytes, size_t(about.st_size));
-    munmap(bytes, size_t(about.st_size));
-    return hash;
-}
 
 struct Validation {
     double loss = 0, base_loss = 0;          // the same loss of no network at all
@@ -111,7 +95,7 @@ class Trainer {
         for (const auto* list : {&request_.pairs, &request_.validation})
             for (const auto& path : *list) {
                 readers_.push_back(std::make_unique<PairsReader>(path));
-                inputs_ += (inputs_.empty() ? "" : "\n") + path + " " + file_hash(path) +
+                inputs_ += (inputs_.empty() ? "" : "\n") + path + " " + hash_of_file(path) +
                            (list == &request_.validation ? " (held out)" : "");
             }
         codec_ = readers_.front()->codec();

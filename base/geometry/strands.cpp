@@ -17,6 +17,18 @@ std::string hash_bytes(const void* data, size_t bytes, unsigned long long seed) 
     return text;
 }
 
+std::string hash_of_file(const std::string& path) {
+    std::FILE* file = std::fopen(path.c_str(), "rb");
+    if (!file) throw Error(path + ": cannot be read");
+    std::vector<char> block(size_t(1) << 20);
+    std::string hash = hash_bytes(nullptr, 0);
+    while (const size_t n = std::fread(block.data(), 1, block.size(), file))
+        hash =
+            hash_bytes(block.data(), n, std::stoull(hash, nullptr, 16));  // the state so far is the next seed
+    std::fclose(file);
+    return hash;
+}
+
 std::string Groom::hash() const {
     std::string a = hash_bytes(rest.points.data(), rest.points.size() * sizeof(Vec3f));
     std::string b = hash_bytes(grid.strand.data(), grid.strand.size() * sizeof(int));

@@ -55,5 +55,7 @@ std::vector<Vec3d> resampled(const std::vector<Vec3d>& points, int n);
 
 // FNV-1a of bytes, 16 hexadecimal digits.
 std::string hash_bytes(const void* data, size_t bytes, unsigned long long seed = 14695981039346656037ull);
+// The same of a whole file. Throws Error where it cannot be read.
+std::string hash_of_file(const std::string& path);
 
 }  // namespace wetcurl

@@ -185,11 +185,17 @@ TEST(Interpolation, a_linear_field_of_offsets_is_reproduced_inside) {
                       kind == Interpolation::quad ? 1e-6 : 1e-5);
 }
 
-TEST(Interpolation, core_and_detail_keeps_the_curl_of_random_phases_and_the_mean_loses_it) {
+// Neighbours that differ in their phase alone.
+Curls dense_upright_curls() {
     Curls curls;
     curls.width = curls.height = 32;
     curls.spacing = 0.002;
     curls.lean = 0;
+    return curls;
+}
+
+TEST(Interpolation, core_and_detail_keeps_the_curl_of_random_phases_and_the_mean_loses_it) {
+    const Curls curls = dense_upright_curls();
     const Groom groom = curly_groom(curls);
     const Groom low = coarsened(groom, 2);
     const double truth = mean_curl(inner(groom, groom.rest));
@@ -223,10 +229,7 @@ TEST(Interpolation, rest_of_strands_at_rest_is_the_rest_groom_at_any_pose) {
 }
 
 TEST(Interpolation, rest_keeps_every_curl_where_the_mean_of_random_phases_loses_it) {
-    Curls curls;
-    curls.width = curls.height = 32;
-    curls.spacing = 0.002;
-    curls.lean = 0;
+    const Curls curls = dense_upright_curls();
     const Groom groom = curly_groom(curls);
     const Groom low = coarsened(groom, 2);
     const Vec3f sway{0.05f, 0, 0.02f};
