@@ -10,6 +10,7 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -71,6 +72,10 @@ bool is_done(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& 
 
 using Images = std::vector<std::pair<std::vector<float>, std::vector<float>>>;  // (frame): input, target
 
+struct StrandImages {
+    std::vector<float> input, target, displayed;  // of one frame
+};
+
 // One scene at both resolutions, frame by frame.
 class MemberRun {
   public:
@@ -81,8 +86,9 @@ class MemberRun {
         if (high_.flow)
             throw Misuse(m.name + ": its water moves ([wetness.flow]), allowed is wetness that stays");
         if (!recipe.low_is_wet) make_dry(low_);
-        // Codec strand learns the strands before Eq 10, which moves what is seen alone.
-        if (!recipe.root && !keeps_runs() && high_.cohesion && high_.cohesion->strength == 0)
+        // Eq 10 moves what is seen alone.
+        if (!recipe.root && !recipe.displayed && !keeps_runs() && high_.cohesion &&
+            high_.cohesion->strength == 0)
             high_.cohesion.reset(), low_.cohesion.reset();
         if (recipe.first >= high_.frames)
             throw Misuse(fmt::format("{}: first: found {}, allowed 0 to {}, since the scene has {} frames",
@@ -115,17 +121,21 @@ class MemberRun {
                 if (const auto diverged = s->divergence())
                     throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", member_.name, f,
                                             diverged->strand));
-            const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every == 0;
-            if (!kept && !keeps_runs()) continue;
-            dry_->snapshot(low), wet_->snapshot(wet);
-            if (keeps_runs()) low_writer->append(low), wet_writer->append(wet);
-            if (!kept) continue;
+            dry_->snapshot(low);
             auto at = [&](int frame) { return high_.motion.at(frame / high_.fps); };
             heads.before = at(f - 1), heads.now = at(f), heads.after = at(f + 1);
             heads.inner = f > 0 && f + 1 < high_.frames;
+            if (strands) strands->take_up(low.positions, heads);
+            const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every == 0;
+            if (!kept && !keeps_runs()) continue;
+            wet_->snapshot(wet);
+            if (keeps_runs()) low_writer->append(low), wet_writer->append(wet);
+            if (!kept) continue;
             if (strands) {
-                auto& [input, target] = strand_images_.emplace_back();
-                strands->encode(low.positions, heads, wet.positions, input, target);
+                StrandImages& images = strand_images_.emplace_back();
+                images.input = strands->dynamic();
+                floor_mm_ += strands->encode(wet.positions, images.target);
+                if (displayed()) floor_displayed_mm_ += strands->encode(wet.seen(), images.displayed);
             }
             if (recipe_.root)
                 root_images_.emplace_back(
@@ -140,6 +150,7 @@ class MemberRun {
 
   private:
     bool keeps_runs() const { return recipe_.runs == member_.split; }
+    bool displayed() const { return recipe_.displayed && high_.cohesion; }
     Scene scene(int stride) const {
         SceneOptions options;
         options.set = member_.set, options.stride = stride;
@@ -147,9 +158,12 @@ class MemberRun {
     }
     void write_strands(const StrandEncoder& encoder) const {
         PairsWriter out = shard(Codec::strand);
-        out.begin(encoder.begin(int(strand_images_.size())));
-        for (const auto& [input, target] : strand_images_) out.append(input.data(), target.data());
-        out.attribute("floor_mm", encoder.floor_mm());
+        out.begin(encoder.begin(int(strand_images_.size()), displayed()));
+        for (const auto& i : strand_images_)
+            out.append(i.input.data(), i.target.data(), displayed() ? i.displayed.data() : nullptr);
+        out.attribute("floor_mm", floor_mm_ / double(strand_images_.size()));
+        if (displayed())
+            out.attribute("floor_displayed_mm", floor_displayed_mm_ / double(strand_images_.size()));
         out.commit();
     }
     void write_roots(const RootImage& low, const RootImage& high, float radius) const {
@@ -174,7 +188,9 @@ class MemberRun {
     const Folder& to_;
     Scene high_, low_;
     std::unique_ptr<Simulation> dry_, wet_;
-    Images strand_images_, root_images_;
+    std::vector<StrandImages> strand_images_;
+    Images root_images_;
+    double floor_mm_ = 0, floor_displayed_mm_ = 0;  // what encoding costs, summed over the frames kept
 };
 
 // Which of how many share the work: --part K/N, or what a launcher of parallel programs says.
@@ -252,7 +268,8 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
     for (Codec codec : codecs_of(recipe))
         for (const auto& split : dataset_splits) {
             std::unique_ptr<PairsWriter> out;
-            double floor_mm = 0, radius = 0;
+            std::map<std::string, double> floors;
+            double radius = 0;
             long runs = 0;
             for (const auto& m : recipe.members) {
                 if (m.split != split) continue;
@@ -261,7 +278,8 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
                 if (!out)
                     out = std::make_unique<PairsWriter>(to.whole(split, codec), codec, reader.particles(),
                                                         true);
-                if (codec == Codec::strand) floor_mm += reader.number("floor_mm");
+                for (const char* floor : {"floor_mm", "floor_displayed_mm"})
+                    if (reader.has_attribute(floor)) floors[floor] += reader.number(floor);
                 if (codec == Codec::root && runs == 0) {
                     radius = reader.number("support_radius");
                     out->box(&recipe.box.lower.x, &recipe.box.upper.x);
@@ -277,9 +295,9 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
                 ++runs;
             }
             if (!out) continue;
-            if (codec == Codec::strand) {
-                out->attribute("floor_mm", floor_mm / double(runs));
-                manifest["floor_mm_" + split] = floor_mm / double(runs);
+            for (const auto& [floor, sum] : floors) {
+                out->attribute(floor, sum / double(runs));
+                manifest[floor + "_" + split] = sum / double(runs);
             }
             out->commit();
         }
@@ -341,9 +359,8 @@ int dataset_command(const DatasetOptions& o) {
                     [&](const auto& m) { return is_done(recipe, m, to); })) {
         const Json manifest = finish(recipe, to);
         json["whole"] = true;
-        for (const auto& split : dataset_splits)
-            if (manifest.contains("floor_mm_" + split))
-                json["floor_mm_" + split] = manifest["floor_mm_" + split];
+        for (const auto& [key, value] : manifest.items())
+            if (key.starts_with("floor_")) json[key] = value;
     }
     write_json(json, o.json);
     log_info(fmt::format("{}: {} scenes made in {:.0f} s{}", o.output, done, json["seconds"].get<double>(),

@@ -5,6 +5,7 @@
 //   seed = 1
 //   codecs = "strand"              strand | root | both
 //   low = "dry"                    what the low-resolution run is: dry | wet
+//   displayed = true               codec strand: the strands after cohesion as targets too
 //   first = 8, every = 3           the frames that are kept as pairs, of each scene's `frames`
 //   runs = "test"                  split whose runs are kept whole too, for `infer` and `compare`; "": none
 //   [splits]                       scenes of each
@@ -42,7 +43,7 @@ struct DatasetMember {
 
 struct DatasetRecipe {
     bool strand = true, root = false;  // codecs
-    bool low_is_wet = false;
+    bool low_is_wet = false, displayed = true;
     int first = 0, every = 1;
     std::string runs;  // split whose runs are kept
     ColourBox box;     // of codec root, the same for all

@@ -30,8 +30,8 @@ class Method {
     // Whether p is the strand before cohesion, so that Eq 10 follows.
     virtual bool before_cohesion() const { return false; }
     virtual void apply(const RunFrame& low, const HeadWindow& heads, Strands& p) = 0;
-    // What `apply` would have given without the network (null: there is none), for saying what it moved.
-    virtual const Strands* without_network() { return nullptr; }
+    // What `apply` would have given without the network (empty: there is none), for saying what it moved.
+    virtual Strands without_network(const RunFrame&) { return {}; }
 };
 
 Stencil stencil_of(int roots, const Groom& high, const Groom& low) {
@@ -71,7 +71,7 @@ class StrandMethod final : public Method {
         std::copy(codec_.fixed().begin(), codec_.fixed().end(), input_.begin());
     }
     std::string name() const override { return network_->card().architecture; }
-    bool before_cohesion() const override { return true; }
+    bool before_cohesion() const override { return network_->card().target != "displayed"; }
     void apply(const RunFrame& low, const HeadWindow& heads, Strands& p) override {
         float* dynamic = input_.data() + codec_.fixed().size();
         codec_.dynamic(low.positions, heads, dynamic);
@@ -79,7 +79,7 @@ class StrandMethod final : public Method {
                       answer_.data());
         codec_.decode(answer_.data(), heads.now, p);
     }
-    const Strands* without_network() override { return &codec_.base(); }
+    Strands without_network(const RunFrame& low) override { return codec_.base(low.head); }
 
   private:
     std::unique_ptr<Network> network_;
@@ -118,11 +118,11 @@ class RootMethod final : public Method {
         low_image_.draw(colours, input_.data());
         network_->run(input_.data(), {1, 3, low_image_.height(), low_image_.width()}, output_.data());
         transform_.apply(low.positions, low.head, high_image_.read(output_.data()), p);
-        low_ = &low;
     }
-    const Strands* without_network() override {
-        plain_.apply(low_->positions, low_->head, plain_strands_);
-        return &plain_strands_;
+    Strands without_network(const RunFrame& low) override {
+        Strands plain;
+        plain_.apply(low.positions, low.head, plain);
+        return plain;
     }
 
   private:
@@ -134,8 +134,6 @@ class RootMethod final : public Method {
     float radius_;
     ColourBox box_;
     std::vector<float> input_, output_;
-    const RunFrame* low_ = nullptr;
-    Strands plain_strands_;
 };
 
 // The saturation that a model was trained on, for runs that say nothing of theirs: the mean profile along the
@@ -338,11 +336,11 @@ int infer_command(const InferOptions& given) {
                            surfaces ? surfaces->at_end() : nullptr);
         }
         const double end = omp_get_wtime();
-        if (const Strands* plain = method->without_network()) {
+        if (const Strands plain = method->without_network(frame); plain.count) {
             double sum = 0;
-            for (size_t k = 0; k < plain->points.size(); ++k)
-                sum += norm(plain->points[k] - out.positions.points[k]);
-            moved += 1000 * sum / double(plain->points.size());
+            for (size_t k = 0; k < plain.points.size(); ++k)
+                sum += norm(plain.points[k] - out.positions.points[k]);
+            moved += 1000 * sum / double(plain.points.size());
         }
         out.head = frame.head;
         out.seconds = frame.seconds + end - begin;

@@ -126,8 +126,9 @@ int main(int argc, char** argv) {
     c->add_option("--validation", train.validation,
                   "pairs files to hold out, in place of the last frames of each run");
     c->add_option("--recipe", train.recipe, "recipe file (TOML)");
-    c->add_option("--arch", train.architecture,
-                  "strand_mlp | unet_vgg19 | recursive_residual | adhesion_mlp");
+    c->add_option(
+        "--arch", train.architecture,
+        "strand_mlp | strand_depthwise | strand_linear | unet_vgg19 | recursive_residual | adhesion_mlp");
     c->add_option("--width", train.width, "multiplier of the network's width");
     c->add_flag("--resume", train.resume, "go on from OUTPUT.checkpoint");
 

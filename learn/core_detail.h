@@ -40,6 +40,18 @@ inline void core_of(const Vec3f* p, int n, float beta, Vec3f* core) {
     for (int i = 1; i < n; ++i) core[i] += core[i - 1];
 }
 
+// The turn that takes the edges of one core to those of another. It is carried on from edge to edge, so that
+// it does not flip where the two point opposite ways.
+struct CarriedTurn {
+    Quatf turn = Quatf::identity();
+    // An edge of each core, in order from the root [m]; one without a direction leaves the turn as it is.
+    WETCURL_HD void follow(const Vec3f& from, const Vec3f& to) {
+        const Vec3f turned = rotate(turn, from);
+        if (norm(turned) > tiny_length<float> && norm(to) > tiny_length<float>)
+            turn = normalized(minimal_rotation(normalized(turned, to), normalized(to, turned)) * turn);
+    }
+};
+
 // Root mean square distance of the detail from its mean [m]: the radius of a helix. `core` is scratch (n).
 float curl_radius(const Vec3f* p, int n, float beta, Vec3f* core);
 // One a strand.

@@ -28,32 +28,38 @@ StrandDct::StrandDct(int particles) : particles_(particles), projection_(dct_kep
     }
     for (int k = 0; k < dct_kept; ++k)
         projection_[size_t(k)] = float(basis_[size_t(k) * particles] / std::sqrt(length2));
+    for (int i = 0; i < particles; ++i)
+        for (int k = 0; k < dct_kept; ++k) across_.push_back(basis_[size_t(k) * particles + i]);
 }
 
 void StrandDct::encode(const Vec3f* offsets, float* coefficients) const {
-    Vec3f c[dct_kept], at_root{0, 0, 0};
+    float c[3][dct_kept] = {};
     const int tip = particles_ - 1;
-    for (int k = 0; k < dct_kept; ++k) {
-        const float* b = basis_.data() + size_t(k) * particles_;
-        Vec3f sum = 0.5f * (b[0] * offsets[0] + b[tip] * offsets[tip]);
-        for (int i = 1; i < tip; ++i) sum += b[i] * offsets[i];
-        c[k] = (1.0f / float(tip)) * sum;
-        at_root += projection_[size_t(k)] * c[k];
+    for (int i = 0; i < particles_; ++i) {
+        const float weight = (i == 0 || i == tip ? 0.5f : 1.0f) / float(tip);
+        const float* b = across_.data() + size_t(i) * dct_kept;
+        const float x[3] = {weight * offsets[i].x, weight * offsets[i].y, weight * offsets[i].z};
+        for (int a = 0; a < 3; ++a)
+            for (int k = 0; k < dct_kept; ++k) c[a][k] += b[k] * x[a];
     }
-    for (int k = 0; k < dct_kept; ++k) {
-        const Vec3f a = c[k] - projection_[size_t(k)] * at_root;
-        coefficients[k] = a.x;
-        coefficients[dct_kept + k] = a.y;
-        coefficients[2 * dct_kept + k] = a.z;
+    for (int a = 0; a < 3; ++a) {
+        float at_root = 0;
+        for (int k = 0; k < dct_kept; ++k) at_root += projection_[size_t(k)] * c[a][k];
+        for (int k = 0; k < dct_kept; ++k)
+            coefficients[dct_kept * a + k] = c[a][k] - projection_[size_t(k)] * at_root;
     }
 }
 
 void StrandDct::decode(const float* coefficients, Vec3f* offsets) const {
-    for (int i = 0; i < particles_; ++i) offsets[i] = {0, 0, 0};
-    for (int k = 1; k < dct_kept; ++k) {  // k = 0 is a constant: it goes with the offset at particle 0
-        const float* b = basis_.data() + size_t(k) * particles_;
-        const Vec3f c{coefficients[k], coefficients[dct_kept + k], coefficients[2 * dct_kept + k]};
-        for (int i = 0; i < particles_; ++i) offsets[i] += (b[i] - b[0]) * c;
+    // An amplitude goes with the offset that it gives particle 0.
+    const float* first = across_.data();
+    for (int i = 0; i < particles_; ++i) {
+        const float* b = across_.data() + size_t(i) * dct_kept;
+        float rise[dct_kept], x[3] = {};
+        for (int k = 0; k < dct_kept; ++k) rise[k] = b[k] - first[k];
+        for (int a = 0; a < 3; ++a)
+            for (int k = 0; k < dct_kept; ++k) x[a] += rise[k] * coefficients[dct_kept * a + k];
+        offsets[i] = {x[0], x[1], x[2]};
     }
 }
 

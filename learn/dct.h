@@ -22,6 +22,8 @@ class StrandDct {
     // B[k * particles + i] = s_k cos(pi k i / (particles - 1)), s_k = 1 for k = 0 and particles - 1, else
     // sqrt(2).
     const std::vector<float>& basis() const { return basis_; }
+    // (24): b_0 / |b_0|, along which what is encoded must vanish.
+    const std::vector<float>& projection() const { return projection_; }
     // Offsets from the root (particles) [m] to amplitudes (72) [m].
     void encode(const Vec3f* offsets, float* coefficients) const;
     // Amplitudes (72) to offsets (particles), less the offset at particle 0.
@@ -29,8 +31,9 @@ class StrandDct {
 
   private:
     int particles_;
-    std::vector<float> basis_;       // (24, particles)
-    std::vector<float> projection_;  // (24): b_0 / |b_0|
+    std::vector<float> basis_;   // (24, particles)
+    std::vector<float> across_;  // (particles, 24): the same, for loops over amplitudes
+    std::vector<float> projection_;
 };
 
 }  // namespace wetcurl

@@ -61,23 +61,25 @@ StrandEncoder::StrandEncoder(const Groom& high, const Groom& low, const std::vec
                              const Strands* shape)
     : codec_(high, low, saturation, shape) {}
 
-StrandPairs StrandEncoder::begin(int frames) const {
-    return {frames,         static_channels, dynamic_channels, codec_.height(),
-            codec_.width(), codec_.fixed(),  codec_.mask(),    codec_.length()};
+StrandPairs StrandEncoder::begin(int frames, bool displayed) const {
+    return {frames,         static_channels, dynamic_channels, codec_.height(), codec_.width(),
+            codec_.fixed(), codec_.mask(),   codec_.length(),  displayed};
 }
 
-void StrandEncoder::encode(const Strands& low, const HeadWindow& heads, const Strands& wet,
-                           std::vector<float>& dynamic, std::vector<float>& target) {
-    dynamic.resize(size_t(dynamic_channels) * codec_.pixels());
+void StrandEncoder::take_up(const Strands& low, const HeadWindow& heads) {
+    dynamic_.resize(size_t(dynamic_channels) * codec_.pixels());
+    codec_.dynamic(low, heads, dynamic_.data());
+    head_ = heads.now;
+}
+
+double StrandEncoder::encode(const Strands& wet, std::vector<float>& target) {
     target.resize(size_t(strand_coefficients) * codec_.pixels());
-    codec_.dynamic(low, heads, dynamic.data());
-    codec_.encode(wet, heads.now, target.data());
-    for (size_t k = 0; k < target.size(); ++k) target[k] -= dynamic[k];  // the base comes first
-    codec_.decode(target.data(), heads.now, decoded_);
+    codec_.encode(wet, head_, target.data());
+    for (size_t k = 0; k < target.size(); ++k) target[k] -= dynamic_[k];  // the base comes first
+    codec_.decode(target.data(), head_, decoded_);
     double sum = 0;
     for (size_t k = 0; k < wet.points.size(); ++k) sum += norm(decoded_.points[k] - wet.points[k]);
-    distance_ += sum / double(wet.points.size());
-    ++frames_;
+    return 1e3 * sum / double(wet.points.size());
 }
 
 double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape) {
@@ -87,13 +89,17 @@ double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shap
                     ": its water moves ([wetness.flow]), allowed for the strand codec is "
                     "wetness that stays; --codec root takes each frame's");
     StrandEncoder encoder(wet_header.groom, pair.dry->header().groom, wet_header.saturation, shape);
-    out.begin(encoder.begin(pair.dry->frames()));
-    std::vector<float> dynamic, target;
+    const bool displayed = !pair.wet->frame(0).displayed.points.empty();
+    out.begin(encoder.begin(pair.dry->frames(), displayed));
+    std::vector<float> target, after;
+    double floor_mm = 0;
     for_each_frame(pair, "encode", [&](const FrameWindow& window, const RunFrame& wet) {
-        encoder.encode(window.now().positions, window.heads(), wet.positions, dynamic, target);
-        out.append(dynamic.data(), target.data());
+        encoder.take_up(window.now().positions, window.heads());
+        floor_mm += encoder.encode(wet.positions, target);
+        if (displayed) encoder.encode(wet.displayed, after);
+        out.append(encoder.dynamic().data(), target.data(), displayed ? after.data() : nullptr);
     });
-    return encoder.floor_mm();
+    return floor_mm / pair.dry->frames();
 }
 
 std::vector<float> root_colours(const RootImage& image, const Strands& strands,

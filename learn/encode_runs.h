@@ -25,18 +25,20 @@ class StrandEncoder {
     // As of a StrandCodec.
     StrandEncoder(const Groom& high, const Groom& low, const std::vector<float>& saturation,
                   const Strands* shape);
-    StrandPairs begin(int frames) const;
-    // low, wet: world positions; dynamic (81, H, W), target (72, H, W).
-    void encode(const Strands& low, const HeadWindow& heads, const Strands& wet, std::vector<float>& dynamic,
-                std::vector<float>& target);
-    // Mean distance that encoding costs the wet strands [mm], over the frames so far.
-    double floor_mm() const { return 1e3 * distance_ / frames_; }
+    StrandPairs begin(int frames, bool displayed) const;
+    // Every frame of the low-resolution run, in order: world positions.
+    void take_up(const Strands& low, const HeadWindow& heads);
+    // The features of the frame taken up last: dynamic (153, H, W).
+    const std::vector<float>& dynamic() const { return dynamic_; }
+    // World positions of the wet strands then, as amplitudes over the base: (72, H, W). Returns the mean
+    // distance that this costs them [mm].
+    double encode(const Strands& wet, std::vector<float>& target);
 
   private:
     StrandCodec codec_;
+    Pose head_;
+    std::vector<float> dynamic_;
     Strands decoded_;
-    double distance_ = 0;
-    int frames_ = 0;
 };
 
 // Of codec root: colours (3, height, width) of `strands` whose roots are shifted by Eq 16.
@@ -47,7 +49,7 @@ std::vector<float> root_colours(const RootImage& image, const Strands& strands,
 // Both throw Interrupted; what was added is in `out`.
 
 // Adds the pair to `out` (codec strand); `shape` as of a StrandCodec. Returns the mean distance that encoding
-// costs the wet strands [mm].
+// costs the wet strands before cohesion [mm].
 double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape = nullptr);
 
 // Adds the pairs to `out` (codec root) with one box for all; `support_radius` h of Eq 16 [m].

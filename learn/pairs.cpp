@@ -60,9 +60,10 @@ void PairsWriter::begin(const RootPairs& run) {
     target_shape_ = {3, 2 * h, 2 * w};
 }
 
-void PairsWriter::append(const float* inputs, const float* target) {
+void PairsWriter::append(const float* inputs, const float* target, const float* displayed) {
     file_.append(group_ + inputs_name_, inputs, inputs_shape_);
     file_.append(group_ + "/target", target, target_shape_);
+    if (displayed) file_.append(group_ + "/displayed", displayed, target_shape_);
 }
 
 void PairsWriter::add(const std::vector<AdhesionSample>& samples) {
@@ -119,6 +120,9 @@ StrandPairs PairsReader::strand(int run) const {
     const auto d = frames_shape(file_, group + "/dynamic");
     require_shape(file_, group + "/target", {d[0], size_t(strand_coefficients), d[2], d[3]});
     StrandPairs out;
+    out.displayed = file_.has(group + "/displayed");
+    if (out.displayed)
+        require_shape(file_, group + "/displayed", {d[0], size_t(strand_coefficients), d[2], d[3]});
     out.frames = int(d[0]);
     out.dynamic_channels = int(d[1]);
     out.height = int(d[2]);
@@ -164,10 +168,10 @@ std::vector<AdhesionSample> PairsReader::adhesion(int run) const {
     return out;
 }
 
-void PairsReader::frame(int run, int frame, float* inputs, float* target) const {
+void PairsReader::frame(int run, int frame, float* inputs, float* target, bool displayed) const {
     const std::string group = group_name(run);
     file_.read_row(group + (codec_ == Codec::strand ? "/dynamic" : "/input"), size_t(frame), inputs);
-    file_.read_row(group + "/target", size_t(frame), target);
+    file_.read_row(group + (displayed ? "/displayed" : "/target"), size_t(frame), target);
 }
 
 void PairsReader::box(double lower[3], double upper[3]) const {

@@ -1,4 +1,4 @@
-// The pairs file: what training reads. HDF5 "wetcurl pairs", version 1, one group runs/NNN an encoded pair of
+// The pairs file: what training reads. HDF5 "wetcurl pairs", version 2, one group runs/NNN an encoded pair of
 // runs. Ours.
 //
 // Attributes: `codec` (strand | root | adhesion), `particles` a strand, `floor_mm` (codec strand: mean
@@ -7,9 +7,10 @@
 // ("input 000 dry", "input 000 wet": "FILE HASH").
 //
 // codec strand, F frames, (H, W) the high-resolution root grid:
-//   static (82, H, W) f32, dynamic (F, 81, H, W) f32: channels in learn/strand_codec.h; the first 72 of
-//   `dynamic` are the base; target (F, 72, H, W) f32: wet amplitudes less the base; mask (H, W) u8: 1 where a
-//   strand is; length (H, W) f32 [m]. Amplitudes: learn/dct.h.
+//   static (82, H, W) f32, dynamic (F, 153, H, W) f32: channels in learn/strand_codec.h; the first 72 of
+//   `dynamic` are the base; target (F, 72, H, W) f32: wet amplitudes before cohesion, less the base;
+//   displayed (F, 72, H, W) f32, where known: the same after cohesion; mask (H, W) u8: 1 where a strand is;
+//   length (H, W) f32 [m]. Amplitudes: learn/dct.h.
 // codec root: b_min, b_max (3) f64 [m] at the top, shared by all runs; input (F, 3, h, w) f32 colours of the
 //   dry low-resolution roots, target (F, 3, 2h, 2w) f32 of the wet ones; h, w multiples of 32; mask_low (h,
 //   w) and mask (2h, 2w) u8. Colours outside the mask repeat the nearest strand's.
@@ -25,7 +26,7 @@
 namespace wetcurl {
 
 inline constexpr const char* pairs_format = "wetcurl pairs";
-inline constexpr int pairs_version = 1;
+inline constexpr int pairs_version = 2;
 
 enum class Codec { strand, root, adhesion };
 std::string name_of(Codec codec);
@@ -38,6 +39,7 @@ struct StrandPairs {
     std::vector<float> fixed;   // dataset "static": (Cs, H, W)
     std::vector<uint8_t> mask;  // (H, W)
     std::vector<float> length;  // (H, W) [m]
+    bool displayed = false;     // whether frames have the strands after cohesion too
     size_t pixels() const { return size_t(height) * width; }
 };
 
@@ -54,10 +56,11 @@ class PairsWriter {
     // Throws Error where the file cannot be made, or is there and `overwrite` is false.
     PairsWriter(const std::string& path, Codec codec, int particles, bool overwrite);
 
-    // Each begins the next group; its frames follow by `append` (dynamic and target, or input and target).
+    // Each begins the next group; its frames follow by `append` (dynamic, target and, where there is one,
+    // displayed; or input and target).
     void begin(const StrandPairs& run);
     void begin(const RootPairs& run);
-    void append(const float* inputs, const float* target);
+    void append(const float* inputs, const float* target, const float* displayed = nullptr);
     // The next group is the first of another file, whose path starts at this one's folder.
     void link(const std::string& file);
     // A group of its own.
@@ -93,8 +96,9 @@ class PairsReader {
     StrandPairs strand(int run) const;
     RootPairs root(int run) const;
     std::vector<AdhesionSample> adhesion(int run) const;
-    // Codec strand: (Cd, H, W) and (72, H, W); codec root: (3, h, w) and (3, 2h, 2w).
-    void frame(int run, int frame, float* inputs, float* target) const;
+    // Codec strand: (Cd, H, W) and (72, H, W), before or, where known, after cohesion; codec root: (3, h, w)
+    // and (3, 2h, 2w).
+    void frame(int run, int frame, float* inputs, float* target, bool displayed = false) const;
     void box(double lower[3], double upper[3]) const;
     bool has_attribute(const std::string& name) const { return file_.has_attribute(name); }
     std::string text(const std::string& attribute) const { return file_.text(attribute); }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "learn/core_detail.h"
 #include "learn/root_grid.h"
 
 namespace wetcurl {
@@ -26,7 +25,9 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
     : grid_(high.grid),
       pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
       dct_(high.rest.particles),
-      interpolator_(Interpolation::rest, quad_stencil(high, low), high, low, shape),
+      stencil_(quad_stencil(high, low)),
+      roots_(root_frames(high)),
+      carrier_(stencil_, high, low, shape),
       base_(high.rest.count, high.rest.particles) {
     const int n = particles(), strands = high.rest.count;
     if (!saturation.empty() && saturation.size() != high.rest.points.size())
@@ -53,53 +54,84 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
 }
 
 void StrandCodec::dynamic(const Strands& low, const HeadWindow& heads, float* out) {
-    interpolator_.apply(low, heads.now, base_);
-    encode(base_, heads.now, out);
-    const RootFrames& frames = interpolator_.roots();
-    float* motion = out + size_t(strand_coefficients) * pixels();
-    std::fill_n(motion, size_t(dynamic_channels - strand_coefficients) * pixels(), 0.0f);
+    constexpr int slots = history_lags.back() + 1, modes = 3 * history_modes;
+    carrier_.apply(stencil_, roots_, low, heads.now, base_);
+    project(base_, out);
+    const size_t area = pixels(), strands = size_t(roots_.count());
+    float* motion = out + size_t(strand_coefficients) * area;
+    std::fill_n(motion, size_t(dynamic_channels - strand_coefficients) * area, 0.0f);
+    const bool first = frames_ == 0;
+    if (first) past_.resize(size_t(slots) * strands * history_numbers);
+    auto past = [&](int lag, size_t s) {
+        const size_t slot = size_t((frames_ + slots - lag) % slots);
+        return past_.data() + (slot * strands + s) * history_numbers;
+    };
     const Vec3f gravity = cast<float>(heads.gravity), turning = cast<float>(heads.angular_velocity());
 #pragma omp parallel for schedule(static)
-    for (int s = 0; s < frames.count(); ++s) {
-        const Quatf to_root = conjugate(frames.rotation_at(s, heads.now));
-        const Vec3f pull = cast<float>(heads.acceleration(cast<double>(frames.root[size_t(s)])));
-        float* at = motion + pixel_of_[size_t(s)];
-        for (const Vec3f& v : {rotate(to_root, gravity), rotate(to_root, turning), rotate(to_root, pull)})
-            for (float x : {v.x, v.y, v.z}) {
-                *at = x;
-                at += pixels();
-            }
+    for (size_t s = 0; s < strands; ++s) {
+        const size_t pixel = size_t(pixel_of_[s]);
+        const Quatf to_root = conjugate(roots_.rotation_at(int(s), heads.now));
+        const Vec3f pull = cast<float>(heads.acceleration(cast<double>(roots_.root[s])));
+        float* now = past(0, s);
+        for (int m = 0; m < modes; ++m)
+            now[m] = out[size_t(m / history_modes * dct_kept + m % history_modes) * area + pixel];
+        const Vec3f g = rotate(to_root, gravity), w = rotate(to_root, turning), a = rotate(to_root, pull);
+        const float moves[6] = {w.x, w.y, w.z, a.x, a.y, a.z};
+        std::copy_n(moves, 6, now + modes);
+        if (first)
+            for (int lag = 1; lag < slots; ++lag) std::copy_n(now, history_numbers, past(lag, s));
+        float* at = motion + pixel;
+        auto put = [&](float x) {
+            *at = x;
+            at += area;
+        };
+        for (float x : {g.x, g.y, g.z}) put(x);
+        for (float x : moves) put(x);
+        for (int lag : history_lags) {
+            const float* then = past(lag, s);
+            for (int m = 0; m < modes; ++m) put(now[m] - then[m]);
+            for (int m = modes; m < history_numbers; ++m) put(then[m]);
+        }
+    }
+    ++frames_;
+}
+
+Strands StrandCodec::base(const Pose& head) const {
+    Strands out;
+    place_in_world(roots_, base_, head, out);
+    return out;
+}
+
+void StrandCodec::project(const Strands& offsets, float* out) const {
+    std::fill_n(out, size_t(strand_coefficients) * pixels(), 0.0f);
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < offsets.count; ++s) {
+        float c[strand_coefficients];
+        dct_.encode(offsets.strand(s), c);
+        float* at = out + pixel_of_[size_t(s)];
+        for (int k = 0; k < strand_coefficients; ++k) at[size_t(k) * pixels()] = c[k];
     }
 }
 
 void StrandCodec::encode(const Strands& strands, const Pose& head, float* out) const {
     const int n = particles();
-    const RootFrames& frames = interpolator_.roots();
-    if (strands.count != frames.count() || strands.particles != n)
+    if (strands.count != roots_.count() || strands.particles != n)
         throw Error("strand codec: found " + std::to_string(strands.count) + " strands of " +
                     std::to_string(strands.particles) + " particles, allowed " +
-                    std::to_string(frames.count()) + " of " + std::to_string(n));
-    std::fill_n(out, size_t(strand_coefficients) * pixels(), 0.0f);
-#pragma omp parallel
-    {
-        std::vector<Vec3f> offset(static_cast<size_t>(n));
-        float c[strand_coefficients];
-#pragma omp for schedule(static)
-        for (int s = 0; s < strands.count; ++s) {
-            const Quatf to_root = conjugate(frames.rotation_at(s, head));
-            const Vec3f* p = strands.strand(s);
-            for (int i = 0; i < n; ++i) offset[size_t(i)] = rotate(to_root, p[i] - p[0]);
-            dct_.encode(offset.data(), c);
-            float* at = out + pixel_of_[size_t(s)];
-            for (int k = 0; k < strand_coefficients; ++k) at[size_t(k) * pixels()] = c[k];
-        }
+                    std::to_string(roots_.count()) + " of " + std::to_string(n));
+    Strands offsets(strands.count, n);
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < strands.count; ++s) {
+        const Quatf to_root = conjugate(roots_.rotation_at(s, head));
+        const Vec3f* p = strands.strand(s);
+        for (int i = 0; i < n; ++i) offsets.at(s, i) = rotate(to_root, p[i] - p[0]);
     }
+    project(offsets, out);
 }
 
 void StrandCodec::decode(const float* coefficients, const Pose& head, Strands& out) const {
     const int n = particles();
-    const RootFrames& frames = interpolator_.roots();
-    if (out.count != frames.count() || out.particles != n) out = Strands(frames.count(), n);
+    if (out.count != roots_.count() || out.particles != n) out = Strands(roots_.count(), n);
 #pragma omp parallel for schedule(static)
     for (int s = 0; s < out.count; ++s) {
         float c[strand_coefficients];
@@ -107,8 +139,9 @@ void StrandCodec::decode(const float* coefficients, const Pose& head, Strands& o
         for (int k = 0; k < strand_coefficients; ++k) c[k] = at[size_t(k) * pixels()];
         Vec3f* p = out.strand(s);
         dct_.decode(c, p);
-        const Quatf to_world = frames.rotation_at(s, head);
-        for (int i = 0; i < n; ++i) p[i] = base_.at(s, i) + rotate(to_world, p[i]);
+        const Quatf to_world = roots_.rotation_at(s, head);
+        const Vec3f root = roots_.root_at(s, head);
+        for (int i = 0; i < n; ++i) p[i] = root + rotate(to_world, base_.at(s, i) + p[i]);
     }
 }
 

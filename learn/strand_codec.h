@@ -3,28 +3,53 @@
 // the same.
 //
 // The base is the strand's own rest shape, curled by its water (Eq 9), and moved as the low-resolution
-// strands around it have moved from theirs (Interpolation::rest), at full resolution; the network sees its
+// strands around it have moved from theirs (learn/carried_rest.h), at full resolution; the network sees its
 // amplitudes, and answers with those of what is to be added to it.
 //
-// static (82): 0-71 amplitudes of that rest shape, 72-79 saturation profile (means over eighths of
-// the
+// static (82): 0-71 amplitudes of that rest shape, 72-79 saturation profile (means over eighths of the
 //   strand, root first), 80 length [m], 81 curl radius at rest [m].
-// dynamic (81): 0-71 amplitudes of the base, 72-74 gravity [m/s^2], 75-77 angular velocity of the head
-//   [rad/s], 78-80 acceleration of the root [m/s^2].
-// target (72): amplitudes of the wet strand before cohesion, less the base.
+// dynamic (153): 0-71 amplitudes of the base, 72-74 gravity [m/s^2], 75-77 angular velocity of the head
+//   [rad/s], 78-80 acceleration of the root [m/s^2]; then 18 for each of the frames 1, 2, 4 and 8 before:
+//   how the first 4 amplitudes an axis of the base have changed since (12) [m], angular velocity and
+//   acceleration at that frame (6). Before the first frame all was as in it.
+// target (72): amplitudes of the wet strand before cohesion, less the base; displayed (72): after it.
 // All vectors in the strand's head-fixed root frame (learn/root_frame.h); amplitudes: learn/dct.h. Pixels
 // without a strand hold zeros.
 #pragma once
 
+#include <array>
+
+#include "learn/carried_rest.h"
 #include "learn/dct.h"
 #include "learn/frame_window.h"
-#include "learn/interpolate.h"
 
 namespace wetcurl {
 
 inline constexpr int saturation_pieces = 8;
+inline constexpr std::array<int, 4> history_lags{1, 2, 4, 8};  // [frames]
+inline constexpr int history_modes = 4;                        // amplitudes an axis
+inline constexpr int history_numbers = 3 * history_modes + 6;  // of a strand and frame
 inline constexpr int static_channels = strand_coefficients + saturation_pieces + 2;
-inline constexpr int dynamic_channels = strand_coefficients + 9;
+inline constexpr int motion_channels = 9;
+inline constexpr int dynamic_channels =
+    strand_coefficients + motion_channels + int(history_lags.size()) * history_numbers;
+
+// The inputs by name, static ones first: what a training can leave out.
+struct InputGroup {
+    const char* name;
+    int first, count;
+};
+inline constexpr std::array<InputGroup, 8> strand_inputs{{
+    {"rest", 0, strand_coefficients},
+    {"saturation", strand_coefficients, saturation_pieces},
+    {"length", static_channels - 2, 1},
+    {"radius", static_channels - 1, 1},
+    {"base", static_channels, strand_coefficients},
+    {"gravity", static_channels + strand_coefficients, 3},
+    {"motion", static_channels + strand_coefficients + 3, 6},
+    {"history", static_channels + strand_coefficients + motion_channels,
+     dynamic_channels - strand_coefficients - motion_channels},
+}};
 
 class StrandCodec {
   public:
@@ -44,11 +69,11 @@ class StrandCodec {
     const std::vector<uint8_t>& mask() const { return mask_; }    // (H, W)
     const std::vector<float>& length() const { return length_; }  // (H, W) [m]
 
-    // out (81, H, W): features of one frame, whose base it takes up; low: world positions of the dry
-    // low-resolution strands [m].
+    // out (153, H, W): features of one frame, whose base it takes up; low: world positions of the dry
+    // low-resolution strands [m]. For every frame of a run, in order.
     void dynamic(const Strands& low, const HeadWindow& heads, float* out);
-    // World positions (high strands) of the frame taken up last.
-    const Strands& base() const { return base_; }
+    // World positions (high strands) of the base of the frame taken up last.
+    Strands base(const Pose& head) const;
     // out (72, H, W): amplitudes of world strands (high strands) at a head pose.
     void encode(const Strands& strands, const Pose& head, float* out) const;
     // World strands (high strands): the base and, added to it, amplitudes (72, H, W) at a head pose; roots
@@ -56,11 +81,18 @@ class StrandCodec {
     void decode(const float* coefficients, const Pose& head, Strands& out) const;
 
   private:
+    // Amplitudes of offsets in root frames.
+    void project(const Strands& offsets, float* out) const;
+
     RootGrid grid_;
     std::vector<int> pixel_of_;  // (strand)
     StrandDct dct_;
-    Interpolator interpolator_;
-    Strands base_;
+    Stencil stencil_;
+    RootFrames roots_;
+    RestCarrier carrier_;
+    Strands base_;             // offsets in the root frames
+    std::vector<float> past_;  // (lag 0 to 8, round robin; strand, 18)
+    long frames_ = 0;
     std::vector<float> fixed_, length_;
     std::vector<uint8_t> mask_;
 };

@@ -43,6 +43,7 @@ ModelCard card_of(const H5Reader& file) {
     card.upscale = count_in(file, "upscale", 1, 16);
     card.particles = count_in(file, "particles", 0, 1 << 20);
     card.parameters = count_in(file, "parameters", 1, 2000000000);
+    if (file.has_attribute("target")) card.target = file.text("target");
     card.recipe = file.text("recipe");
     card.inputs = file.text("inputs");
     for (const auto& name : file.list("numbers"))
@@ -96,6 +97,7 @@ void save_model(const std::string& path, const ModelCard& card, const Model& mod
     file.attribute("upscale", double(card.upscale));
     file.attribute("particles", double(card.particles));
     file.attribute("parameters", double(parameter_count(model)));
+    if (!card.target.empty()) file.attribute("target", card.target);
     file.attribute("recipe", card.recipe);
     file.attribute("inputs", card.inputs);
     for (const auto& [name, value] : card.numbers) file.write("numbers/" + name, &value, {1});

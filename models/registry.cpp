@@ -33,10 +33,22 @@ std::shared_ptr<Model> make_recursive(const ModelCard& card) {
     return std::make_shared<RecursiveResidual>(card.width);
 }
 std::shared_ptr<Model> make_adhesion(const ModelCard&) { return std::make_shared<AdhesionMlp>(); }
+struct Normalisation {
+    Tensor mean, deviation, scale;
+};
+Normalisation normalisation_of(const ModelCard& card) {
+    return {array_of(card, "input_mean", card.input_channels, 0),
+            array_of(card, "input_std", card.input_channels, 1),
+            array_of(card, "output_scale", card.output_channels, 1)};
+}
+template <bool neighbours>
 std::shared_ptr<Model> make_strand(const ModelCard& card) {
-    return std::make_shared<StrandMlp>(card.width, array_of(card, "input_mean", card.input_channels, 0),
-                                       array_of(card, "input_std", card.input_channels, 1),
-                                       array_of(card, "output_scale", card.output_channels, 1));
+    const Normalisation n = normalisation_of(card);
+    return std::make_shared<StrandMlp>(card.width, n.mean, n.deviation, n.scale, neighbours);
+}
+std::shared_ptr<Model> make_linear(const ModelCard& card) {
+    const Normalisation n = normalisation_of(card);
+    return std::make_shared<StrandLinear>(n.mean, n.deviation, n.scale);
 }
 
 std::vector<std::string> names_for(const std::string& codec) {
@@ -50,10 +62,12 @@ std::vector<std::string> names_for(const std::string& codec) {
 
 const std::vector<Architecture>& architectures() {
     static const std::vector<Architecture> list = {
-        {"unet_vgg19", "root", 3, 3, 2, true, make_unet},
-        {"recursive_residual", "root", 3, 3, 2, true, make_recursive},
-        {"strand_mlp", "strand", 0, 72, 1, true, make_strand},
-        {"adhesion_mlp", "adhesion", 12, 1, 1, false, make_adhesion},
+        {"unet_vgg19", "root", 3, 3, 2, true, true, make_unet},
+        {"recursive_residual", "root", 3, 3, 2, true, true, make_recursive},
+        {"strand_mlp", "strand", 0, 72, 1, true, false, make_strand<false>},
+        {"strand_depthwise", "strand", 0, 72, 1, true, true, make_strand<true>},
+        {"strand_linear", "strand", 0, 72, 1, false, false, make_linear},
+        {"adhesion_mlp", "adhesion", 12, 1, 1, false, false, make_adhesion},
     };
     return list;
 }

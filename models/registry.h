@@ -15,7 +15,8 @@ struct Architecture {
     std::string name, codec;
     int input_channels;  // 0: any
     int output_channels, upscale;
-    bool scalable;  // whether a width other than 1 is allowed
+    bool scalable;    // whether a width other than 1 is allowed
+    bool neighbours;  // whether a pixel's output depends on others
     std::shared_ptr<Model> (*make)(const ModelCard& card);
 };
 

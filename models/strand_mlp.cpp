@@ -1,14 +1,15 @@
-// One residual network for every strand.
+// Residual networks for strands.
 // Ours.
 #include "models/strand_mlp.h"
 
 namespace wetcurl {
 
 namespace {
-constexpr int base_channels = 256, blocks = 5;
+constexpr int base_channels = 256, blocks = 5, kernel = 5;
 }
 
-StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, const Tensor& scale)
+StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, const Tensor& scale,
+                     bool neighbours)
     : mean_(register_buffer("mean", mean)),
       deviation_(register_buffer("deviation", deviation)),
       scale_(register_buffer("scale", scale)) {
@@ -21,17 +22,47 @@ StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, 
         torch::NoGradGuard no_grad;
         if (i % 2) blocks_.back()->weight.mul_(std::sqrt(0.5 / blocks));
     }
+    // They start at 0, where the network is the one that sees no neighbours.
+    for (int i = 0; neighbours && i < blocks; ++i) {
+        const auto options = torch::nn::Conv2dOptions(channels, channels, kernel)
+                                 .padding(kernel / 2)
+                                 .groups(channels)
+                                 .bias(false);
+        mixers_.push_back(register_module("mixer" + std::to_string(i), torch::nn::Conv2d(options)));
+        set_zero(*mixers_.back());
+    }
     last_ = register_module("last", dense(channels, int(scale.size(0))));
     set_zero(*last_);
 }
 
-Tensor StrandMlp::rows(const Tensor& input) {
-    Tensor x = run_layer(first_, ((input - mean_) / deviation_).to(body));  // (P, channels)
-    for (size_t i = 0; i < blocks_.size(); i += 2)
-        x = x + run_layer(blocks_[i + 1], run_layer(blocks_[i], x).relu_());
-    return run_layer(last_, torch::relu(x).to(torch::kFloat)) * scale_;
+Tensor StrandMlp::mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor& mask, const Tensor& like) {
+    const Tensor around = torch::conv2d(from_rows(x * mask, like), layer->weight.to(x.scalar_type()), {},
+                                        /*stride=*/1, kernel / 2, /*dilation=*/1, x.size(1));
+    return x + to_rows(around);
 }
 
-Tensor StrandMlp::forward(const Tensor& input) { return from_rows(rows(to_rows(input)), input); }
+Tensor StrandMlp::forward(const Tensor& input) {
+    const Tensor rows = to_rows(input);  // (P, C)
+    const Tensor mask = mixers_.empty() ? Tensor() : rows.ne(0).any(1, true).to(body);
+    Tensor x = run_layer(first_, ((rows - mean_) / deviation_).to(body));  // (P, channels)
+    for (size_t i = 0; i < blocks_.size(); i += 2) {
+        const Tensor seen = mixers_.empty() ? x : mixed(x, mixers_[i / 2], mask, input);
+        x = x + run_layer(blocks_[i + 1], run_layer(blocks_[i], seen).relu_());
+    }
+    return from_rows(run_layer(last_, torch::relu(x).to(torch::kFloat)) * scale_, input);
+}
+
+StrandLinear::StrandLinear(const Tensor& mean, const Tensor& deviation, const Tensor& scale)
+    : mean_(register_buffer("mean", mean)),
+      deviation_(register_buffer("deviation", deviation)),
+      scale_(register_buffer("scale", scale)),
+      only_(register_module("only", dense(int(mean.size(0)), int(scale.size(0))))) {
+    set_zero(*only_);
+}
+
+Tensor StrandLinear::forward(const Tensor& input) {
+    const Tensor rows = ((to_rows(input) - mean_) / deviation_).to(body);
+    return from_rows(run_layer(only_, rows).to(torch::kFloat) * scale_, input);
+}
 
 }  // namespace wetcurl

@@ -1,5 +1,6 @@
-// The network that carries the product: one residual network for every strand, on the strand codec.
-// Ours. 1x1 convolutions over the pixels: no strand sees another, so any grid and any number of strands fit.
+// The networks that carry the product, on the strand codec: a residual network over the channels of a pixel,
+// and the same with a look at the pixels around before each block. Ours. Any grid and any number of strands
+// fit.
 #pragma once
 
 #include "models/layers.h"
@@ -9,17 +10,33 @@ namespace wetcurl {
 class StrandMlp : public Model {
   public:
     // 256 channels at width 1; `mean`, `deviation` (C) and `scale` (outputs): of the inputs and of the
-    // residual.
-    StrandMlp(double width, const Tensor& mean, const Tensor& deviation, const Tensor& scale);
+    // residual. `neighbours`: a depthwise 5x5 convolution before each block; pixels whose inputs are all 0
+    // hold no strand, and give the others nothing.
+    StrandMlp(double width, const Tensor& mean, const Tensor& deviation, const Tensor& scale,
+              bool neighbours);
     // (B, C, H, W) in the units of the pairs file to residual amplitudes (B, outputs, H, W) [m].
     Tensor forward(const Tensor& input) override;
-    // The same on pixels: (P, C) to (P, outputs).
-    Tensor rows(const Tensor& input);
 
   private:
+    // x (P, channels) and what the pixels around it say.
+    Tensor mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor& mask, const Tensor& like);
+
     Tensor mean_, deviation_, scale_;  // stored with the card, not with the weights
     torch::nn::Linear first_{nullptr}, last_{nullptr};
     std::vector<torch::nn::Linear> blocks_;
+    std::vector<torch::nn::Conv2d> mixers_;
+};
+
+// Linear regression on the same inputs, what a network has to beat; weight_decay is its ridge.
+class StrandLinear : public Model {
+  public:
+    StrandLinear(const Tensor& mean, const Tensor& deviation, const Tensor& scale);
+    // As of StrandMlp.
+    Tensor forward(const Tensor& input) override;
+
+  private:
+    Tensor mean_, deviation_, scale_;
+    torch::nn::Linear only_{nullptr};
 };
 
 }  // namespace wetcurl

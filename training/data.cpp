@@ -7,9 +7,11 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <sstream>
 
 #include "base/error.h"
-#include "learn/dct.h"
+#include "learn/strand_codec.h"
+#include "models/registry.h"
 
 namespace wetcurl {
 namespace {
@@ -84,7 +86,10 @@ Tensor image(const Tensor& rows) { return rows.unsqueeze(2).unsqueeze(3); }
 class StrandData : public TrainingData {
   public:
     StrandData(const vector<PairsReader*>& pairs, size_t trained, const Recipe& recipe, torch::Device device)
-        : recipe_(recipe), device_(device) {
+        : recipe_(recipe),
+          device_(device),
+          displayed_(recipe.target == "displayed"),
+          neighbours_(find_architecture(recipe.architecture)->neighbours) {
         for (size_t k = 0; k < pairs.size(); ++k)
             for (int r = 0; r < pairs[k]->runs(); ++r) {
                 add_run(*pairs[k], r);
@@ -103,6 +108,7 @@ class StrandData : public TrainingData {
         card.arrays["input_mean"] = values(mean_);
         card.arrays["input_std"] = values(deviation_);
         card.arrays["output_scale"] = values(scale_);
+        card.target = recipe_.target;
     }
     void begin_epoch(long epoch) override {
         auto random = generator(recipe_.seed, epoch);
@@ -123,6 +129,8 @@ class StrandData : public TrainingData {
   private:
     struct Run {
         Tensor fixed, dynamic, target;  // (P, Cs), (F, P, Cd), (F, P, 72)
+        Tensor pixels;                  // (P)
+        long height, width;
     };
 
     static vector<float> values(const Tensor& t) {
@@ -148,18 +156,21 @@ class StrandData : public TrainingData {
                 length_sum_ += run.length[size_t(p)];
             }
         if (inside.empty()) throw Error(where + "/mask: found no strand");
+        if (displayed_ && !run.displayed)
+            throw Error(where + ": knows no strands after cohesion, which target = \"displayed\" needs");
         const Tensor pixels = torch::tensor(inside);
         const long count = pixels.size(0);
         strands_ += count;
 
         Run out;
+        out.pixels = pixels.to(device_), out.height = run.height, out.width = run.width;
         out.fixed = masked_rows(run.fixed.data(), run.static_channels, pixels, area);
         out.dynamic = torch::empty({run.frames, count, run.dynamic_channels});
         out.target = torch::empty({run.frames, count, strand_coefficients});
         vector<float> dynamic(size_t(run.dynamic_channels * area)),
             target(size_t(strand_coefficients * area));
         for (int f = 0; f < run.frames; ++f) {
-            file.frame(r, f, dynamic.data(), target.data());
+            file.frame(r, f, dynamic.data(), target.data(), displayed_);
             out.dynamic[f].copy_(masked_rows(dynamic.data(), run.dynamic_channels, pixels, area));
             out.target[f].copy_(masked_rows(target.data(), strand_coefficients, pixels, area));
         }
@@ -168,7 +179,8 @@ class StrandData : public TrainingData {
             (runs_[0].fixed.size(1) != out.fixed.size(1) || runs_[0].dynamic.size(2) != out.dynamic.size(2)))
             throw Error(where + ": found other channels than in the first run");
         // Whole: an epoch over the wire would keep a device waiting.
-        runs_.push_back({out.fixed.to(device_), out.dynamic.to(device_), out.target.to(device_)});
+        for (Tensor* t : {&out.fixed, &out.dynamic, &out.target}) *t = t->to(device_);
+        runs_.push_back(out);
         frames_.push_back(run.frames);
     }
 
@@ -180,9 +192,8 @@ class StrandData : public TrainingData {
         Tensor targets = torch::zeros({strand_coefficients}, exact);
         double rows = 0;
         for (const auto& place : train_) {
-            const Batch b = of({place});
-            const Tensor x = b.input.flatten(1).to(torch::kDouble),
-                         y = b.target.flatten(1).to(torch::kDouble);
+            const Tensor x = inputs_of(place).to(torch::kDouble),
+                         y = runs_[place.run].target[place.frame].to(torch::kDouble);
             sum += x.sum(0);
             squares += x.square().sum(0);
             targets += y.square().sum(0);
@@ -197,6 +208,13 @@ class StrandData : public TrainingData {
         const Tensor constant = deviation <= 1e-5 * mean.abs() + 1e-9;
         mean_ = mean.to(torch::kFloat);
         deviation_ = torch::where(constant, torch::full_like(deviation, mute), deviation).to(torch::kFloat);
+        if (!recipe_.leave_out.empty() && channels() != static_channels + dynamic_channels)
+            throw Error("pairs: found " + std::to_string(channels()) + " inputs, leave_out knows names for " +
+                        std::to_string(static_channels + dynamic_channels));
+        std::istringstream left_out(recipe_.leave_out);
+        for (std::string name; left_out >> name;)
+            for (const InputGroup& group : strand_inputs)
+                if (name == group.name) deviation_.narrow(0, group.first, group.count).fill_(mute);
         const Tensor size = (targets / rows).sqrt();
         // Amplitudes that hardly move keep a thousandth of the largest, so that none is out of reach.
         scale_ = torch::maximum(size, 1e-3 * size.max()).clamp_min(1e-9).to(torch::kFloat);
@@ -208,20 +226,52 @@ class StrandData : public TrainingData {
 
     long channels() const { return runs_[0].fixed.size(1) + runs_[0].dynamic.size(2); }
 
+    // (P, C)
+    Tensor inputs_of(const Place& place) const {
+        const Run& r = runs_[place.run];
+        return torch::cat({r.fixed, r.dynamic[place.frame]}, 1);
+    }
+
     Batch of(const vector<Place>& places) const {
         vector<Tensor> inputs, targets, bases;
-        for (const auto& [run, frame] : places) {
-            const Run& r = runs_[run];
-            const Tensor dynamic = r.dynamic[frame];
-            inputs.push_back(torch::cat({r.fixed, dynamic}, 1));
-            targets.push_back(r.target[frame]);
-            bases.push_back(dynamic.narrow(1, 0, strand_coefficients));
+        for (const Place& place : places) {
+            const Run& r = runs_[place.run];
+            inputs.push_back(inputs_of(place));
+            targets.push_back(r.target[place.frame]);
+            bases.push_back(r.dynamic[place.frame].narrow(1, 0, strand_coefficients));
         }
-        return {image(torch::cat(inputs)), image(torch::cat(targets)), torch::cat(bases), {}};
+        const Tensor rows = torch::cat(inputs);
+        Batch out{image(rows), image(torch::cat(targets)), torch::cat(bases), {}, {}};
+        if (neighbours_) lay_out(places, rows, out);
+        return out;
+    }
+
+    // The rows as whole frames.
+    void lay_out(const vector<Place>& places, const Tensor& rows, Batch& out) const {
+        const Run& first = runs_[places[0].run];
+        const long area = first.height * first.width, frames = long(places.size());
+        vector<Tensor> pixels;
+        for (const Place& place : places) {
+            const Run& r = runs_[place.run];
+            if (r.height != first.height || r.width != first.width)
+                throw Error("pairs: found grids of " + std::to_string(r.width) + " x " +
+                            std::to_string(r.height) + " and of " + std::to_string(first.width) + " x " +
+                            std::to_string(first.height) + " roots in one batch; " + recipe_.architecture +
+                            " needs one size, or batch = 1");
+            pixels.push_back(r.pixels + long(pixels.size()) * area);
+        }
+        Tensor whole = rows;
+        if (rows.size(0) < frames * area) {
+            out.pixels = torch::cat(pixels);
+            whole = torch::zeros({frames * area, rows.size(1)}, rows.options());
+            whole.index_copy_(0, out.pixels, rows);
+        }
+        out.input = whole.view({frames, first.height, first.width, -1}).permute({0, 3, 1, 2});
     }
 
     Recipe recipe_;
     torch::Device device_;
+    bool displayed_, neighbours_;
     vector<Run> runs_;
     vector<long> frames_, trained_, order_;
     vector<Place> train_, held_;
@@ -335,7 +385,8 @@ class RootData : public TrainingData {
         };
         const Tensor input = r.input.narrow(0, place.frame, 1);
         // up() of the whole image: at its border a patch's own would be an extrapolation.
-        return {cut(input, 1), cut(r.target.narrow(0, place.frame, 1), 2), cut(up(input), 2), cut(r.mask, 2)};
+        return {
+            cut(input, 1), cut(r.target.narrow(0, place.frame, 1), 2), cut(up(input), 2), cut(r.mask, 2), {}};
     }
 
     static Batch joined(const vector<Batch>& patches) {
@@ -346,7 +397,7 @@ class RootData : public TrainingData {
             parts[2].push_back(p.base);
             parts[3].push_back(p.mask);
         }
-        return {torch::cat(parts[0]), torch::cat(parts[1]), torch::cat(parts[2]), torch::cat(parts[3])};
+        return {torch::cat(parts[0]), torch::cat(parts[1]), torch::cat(parts[2]), torch::cat(parts[3]), {}};
     }
 
     Recipe recipe_;
@@ -399,6 +450,7 @@ class AdhesionData : public TrainingData {
         return {train_.input.index_select(0, chosen),
                 train_.target.index_select(0, chosen),
                 train_.base.index_select(0, chosen),
+                {},
                 {}};
     }
     // The natural distribution.
@@ -408,6 +460,7 @@ class AdhesionData : public TrainingData {
         return {held_.input.narrow(0, first, count),
                 held_.target.narrow(0, first, count),
                 held_.base.narrow(0, first, count),
+                {},
                 {}};
     }
     double unit() const override { return 1; }
@@ -428,7 +481,7 @@ class AdhesionData : public TrainingData {
                         input.data_ptr<float>() + s * adhesion_inputs);
             target.data_ptr<float>()[s] = samples[size_t(s)].target;
         }
-        return {image(input), image(target), image(input.narrow(1, force_before, 1)), {}};
+        return {image(input), image(target), image(input.narrow(1, force_before, 1)), {}, {}};
     }
 
     Recipe recipe_;
@@ -440,7 +493,7 @@ class AdhesionData : public TrainingData {
 
 Batch Batch::to(torch::Device device) const {
     auto moved = [&](const Tensor& t) { return t.defined() ? t.to(device) : t; };
-    return {moved(input), moved(target), moved(base), moved(mask)};
+    return {moved(input), moved(target), moved(base), moved(mask), moved(pixels)};
 }
 
 std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_t trained,

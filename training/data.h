@@ -16,11 +16,13 @@ namespace wetcurl {
 
 // Single precision; of codec strand on the training's device, else on the CPU.
 struct Batch {
-    Tensor input;   // strand (P, C, 1, 1): masked pixels; root (B, 3, h, w); adhesion (n, 12, 1, 1)
+    Tensor input;   // strand (P, C, 1, 1): masked pixels, or for a network that sees neighbours whole frames
+                    // (B, C, H, W); root (B, 3, h, w); adhesion (n, 12, 1, 1)
     Tensor target;  // strand (P, 72, 1, 1); root (B, 3, 2h, 2w); adhesion (n, 1, 1, 1)
-    Tensor
-        base;  // strand (P, 72): amplitudes of the base; root (B, 3, 2h, 2w): up(input); adhesion: F.n before
-    Tensor mask;  // root alone (B, 1, 2h, 2w): 1 where a strand is
+    // strand (P, 72): amplitudes of the base; root (B, 3, 2h, 2w): up(input); adhesion: F.n before
+    Tensor base;
+    Tensor mask;    // root alone (B, 1, 2h, 2w): 1 where a strand is
+    Tensor pixels;  // strand, whole frames with holes: (P) which of the B H W pixels hold a strand
     Batch to(torch::Device device) const;
 };
 

@@ -41,24 +41,30 @@ class StrandLoss : public Loss {
     }
 
     Tensor of(const Tensor& output, const Batch& batch) const override {
-        const Tensor error = output.flatten(1) - batch.target.flatten(1);  // (P, 72)
+        const Tensor given = rows_of(output, batch), target = batch.target.flatten(1), error = given - target;
         Tensor loss = torch::zeros({}, error.options());
         if (rows_.defined()) loss = (norms(error, rows_) * weights_).sum() / error.size(0);
         if (length_weight_ > 0) {
-            const Tensor found = norms(batch.base + output.flatten(1), edges_);
-            const Tensor wanted = norms(batch.base + batch.target.flatten(1), edges_);
+            const Tensor found = norms(batch.base + given, edges_);
+            const Tensor wanted = norms(batch.base + target, edges_);
             loss = loss + (found - wanted).abs().mean() * (length_weight_ / segment_);
         }
         return loss;
     }
     Tensor base_output(const Batch& batch) const override { return torch::zeros_like(batch.target); }
     Tensor distance(const Tensor& output, const Batch& batch) const override {
-        const Tensor error = output.flatten(1) - batch.target.flatten(1);
+        const Tensor error = rows_of(output, batch) - batch.target.flatten(1);
         return norms(error, positions_).sum() / double(error.size(0) * particles_);
     }
     double count(const Batch& batch) const override { return double(batch.target.size(0)); }
 
   private:
+    // What was given for the masked pixels (P, 72).
+    static Tensor rows_of(const Tensor& output, const Batch& batch) {
+        const Tensor rows = to_rows(output);
+        return batch.pixels.defined() ? rows.index_select(0, batch.pixels) : rows;
+    }
+
     // Amplitudes (P, 72) and rows D (R, 24) to |D c| (P, R) [m]. Below a nanometre the norm is rounded off,
     // so that its gradient stays finite at 0.
     static Tensor norms(const Tensor& amplitudes, const Tensor& rows) {

@@ -2,11 +2,14 @@
 // Ours.
 #include "training/recipe.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "base/config.h"
+#include "learn/strand_codec.h"
 
 namespace wetcurl {
 namespace {
@@ -26,6 +29,21 @@ double read_row(const RecipeRow& row, const Table& root, double fallback) {
     return table.number(key, fallback, row.minimum, row.maximum);
 }
 
+// Names of inputs of the strand codec, blanks between.
+void require_inputs(const Table& root, const std::string& leave_out) {
+    std::istringstream words(leave_out);
+    for (std::string word; words >> word;) {
+        const bool known = std::any_of(strand_inputs.begin(), strand_inputs.end(),
+                                       [&](const InputGroup& g) { return word == g.name; });
+        if (known) continue;
+        std::vector<std::string> names;
+        std::string list;
+        for (const auto& g : strand_inputs) names.push_back(g.name), list += " " + names.back();
+        root.fail("leave_out",
+                  "found '" + word + "', allowed are names of inputs:" + list + did_you_mean(word, names));
+    }
+}
+
 // The shortest text that reads back as this number.
 std::string as_text(double value) {
     char text[32];
@@ -38,6 +56,8 @@ std::string as_text(double value) {
 std::string resolved_text(const Recipe& recipe, Codec codec) {
     std::string out = "architecture = \"" + recipe.architecture + "\"\nschedule = \"" + recipe.schedule +
                       "\"\nprecision = \"" + recipe.precision + "\"\n";
+    if (codec == Codec::strand)
+        out += "target = \"" + recipe.target + "\"\nleave_out = \"" + recipe.leave_out + "\"\n";
     for (const auto& row : recipe_rows())
         if (!std::isnan(row.fallback(codec)) && row.member != &Recipe::checkpoint_seconds)
             out += std::string(row.key) + " = " + as_text(recipe.*row.member) + "\n";
@@ -99,6 +119,11 @@ Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<s
         root.choice("schedule", codec == Codec::strand ? "cosine" : "constant", {"constant", "cosine"});
     recipe.precision = root.choice("precision", "float", {"float", "bfloat16"});
     recipe.device = root.text("device", "cpu");
+    if (codec == Codec::strand) {
+        recipe.target = root.choice("target", "strands", {"strands", "displayed"});
+        recipe.leave_out = root.text("leave_out", "");
+        require_inputs(root, recipe.leave_out);
+    }
     config.require_all_used();
 
     if (!request.architecture.empty()) recipe.architecture = request.architecture;

@@ -67,12 +67,15 @@ bool same_bits(const Tensor& a, const Tensor& b) {
 
 TEST(ParameterCounts, AreThoseOfTheEquationsAtWidthOne) {
     const long hidden = 256;
+    const long strand =
+        (strand_inputs + 1) * hidden + 10 * (hidden + 1) * hidden + (hidden + 1) * strand_coefficients;
     const std::map<std::string, long> expected = {
         {"unet_vgg19", 60031235},
         {"recursive_residual", 2366339},
         {"adhesion_mlp", 142},
-        {"strand_mlp",
-         (strand_inputs + 1) * hidden + 10 * (hidden + 1) * hidden + (hidden + 1) * strand_coefficients}};
+        {"strand_mlp", strand},
+        {"strand_depthwise", strand + 5 * 25 * hidden},
+        {"strand_linear", (strand_inputs + 1) * strand_coefficients}};
     ASSERT_EQ(expected.size(), architectures().size());
     for (const auto& a : architectures())
         EXPECT_EQ(parameter_count(*make_model(card_of(a, 1))), expected.at(a.name)) << a.name;
@@ -165,6 +168,37 @@ TEST(StrandMlp, IsAStackOfOneByOneConvolutions) {
     const Tensor expected = conv("last", torch::relu(h)) * plane("output_scale");
     ASSERT_GT(largest(expected), 0.02);  // stirred: one weight of the last layer
     EXPECT_LT(largest(model->forward(x) - expected), 1e-5 * largest(expected));
+}
+
+TEST(StrandDepthwise, StartsAsTheNetworkThatSeesNoNeighbours) {
+    torch::NoGradGuard no_grad;
+    const ModelCard alone = card_of(*find_architecture("strand_mlp"), 0.1),
+                    among = card_of(*find_architecture("strand_depthwise"), 0.1);
+    auto mlp = stirred(alone);
+    auto depthwise = make_model(among);
+    for (auto& p : depthwise->named_parameters())
+        if (p.key().find("mixer") == std::string::npos) p.value().copy_(mlp->named_parameters()[p.key()]);
+    const Tensor x = torch::rand({2, strand_inputs, 7, 5}), expected = mlp->forward(x);
+    ASSERT_GT(largest(expected), 0.02);
+    EXPECT_EQ(largest(depthwise->forward(x) - expected), 0);
+}
+
+// Five looks of two pixels each way: a strand is seen ten pixels away, not eleven; an empty pixel not at all.
+TEST(StrandDepthwise, SeesStrandsUpToTenPixelsAwayAndNoEmptyPixels) {
+    torch::NoGradGuard no_grad;
+    const ModelCard card = card_of(*find_architecture("strand_depthwise"), 0.1);
+    auto model = stirred(card);
+    Tensor x = torch::rand({1, strand_inputs, 1, 24});
+    const Tensor before = model->forward(x);
+    x.select(3, 0).add_(1);
+    Tensor moved = (model->forward(x) - before).abs().amax(1).flatten();  // (24)
+    EXPECT_GT(moved[0].item<float>(), 1e-3);
+    EXPECT_GT(moved[10].item<float>(), 0);
+    EXPECT_EQ(largest(moved.narrow(0, 11, 13)), 0);
+    // Without its strand, pixel 0 is like the border: what is left is what a grid without it gives.
+    x.select(3, 0).zero_();
+    const Tensor without = model->forward(x.narrow(3, 1, 23));
+    EXPECT_LT(largest(model->forward(x).narrow(3, 1, 23) - without), 1e-5);
 }
 
 TEST(EveryNetwork, GivesTheSameInChannelsLast) {

@@ -10,6 +10,7 @@
 
 #include "base/interrupt.h"
 #include "learn/inference.h"
+#include "learn/strand_codec.h"
 #include "models/adhesion_mlp.h"
 #include "models/model_file.h"
 #include "models/registry.h"
@@ -255,6 +256,69 @@ TEST(StrandData, NormalisesByTheFramesThatTrainingSees) {
     EXPECT_NEAR(pairs.data->unit(), 0.2, 1e-6);
 }
 
+TEST(StrandData, TakesTheStrandsAfterCohesionWhereAskedTo) {
+    Scratch scratch;
+    const std::string file = testing::make_strand_pairs(scratch.path("p.h5"), 6, 6, 0.02f, 11, true);
+    OpenPairs before(file), after(file, {"target=displayed"});
+    const Tensor a = before.data->validation_batch(0).target, b = after.data->validation_batch(0).target;
+    ASSERT_GT(a.abs().max().item<double>(), 1e-3);
+    EXPECT_TRUE(torch::equal(0.5 * a, b));
+    ModelCard card;
+    after.data->describe(card);
+    EXPECT_EQ(card.target, "displayed");
+    expect_error([&] { OpenPairs(testing::make_strand_pairs(scratch.path("q.h5")), {"target=displayed"}); },
+                 {"q.h5", "after cohesion"});
+}
+
+TEST(StrandData, LaysWholeFramesOutForANetworkThatSeesNeighbours) {
+    Scratch scratch;
+    const std::string file = testing::make_strand_pairs(scratch.path("p.h5"));
+    OpenPairs rows(file), frames(file, {"architecture=strand_depthwise", "batch=2"});
+    frames.data->begin_epoch(0);
+    const Batch two = frames.data->batch(0);
+    EXPECT_EQ(two.input.sizes(),
+              (std::vector<int64_t>{2, testing::made_static + testing::made_dynamic, 6, 6}));
+    EXPECT_EQ(two.input.select(2, 0).select(2, 0).abs().max().item<double>(), 0);  // pixel 0: no strand
+    const Batch flat = rows.data->validation_batch(0), whole = frames.data->validation_batch(0);
+    EXPECT_TRUE(torch::equal(to_rows(whole.input).index_select(0, whole.pixels), flat.input.flatten(1)));
+    EXPECT_TRUE(torch::equal(whole.target, flat.target));
+    // The loss takes the pixels that hold a strand: an answer that is absurd in the others changes nothing.
+    const auto loss = make_loss(Codec::strand, frames.recipe, testing::made_particles, 0.2, torch::kCPU);
+    Tensor answer = torch::zeros({1, strand_coefficients, 6, 6});
+    const double zero = loss->of(answer, whole).item<double>();
+    ASSERT_GT(zero, 1e-3);
+    EXPECT_NEAR(zero, loss->of(torch::zeros_like(flat.target), flat).item<double>(), 1e-6 * zero);
+    answer.select(2, 0).select(2, 0).fill_(1e3);
+    EXPECT_EQ(loss->of(answer, whole).item<double>(), zero);
+}
+
+TEST(StrandData, InputsThatAreLeftOutAreMute) {
+    Scratch scratch;
+    // Channels of the codec itself; every one of them varies.
+    StrandPairs run;
+    run.static_channels = static_channels, run.dynamic_channels = dynamic_channels;
+    run.height = run.width = 4, run.frames = 3;
+    std::mt19937 random(2);
+    run.fixed = testing::uniform(random, static_channels * run.pixels());
+    run.mask.assign(run.pixels(), 1), run.length.assign(run.pixels(), 0.2f);
+    PairsWriter file(scratch.path("p.h5"), Codec::strand, 24, true);
+    file.begin(run);
+    for (int f = 0; f < 3; ++f)
+        file.append(testing::uniform(random, dynamic_channels * run.pixels()).data(),
+                    testing::uniform(random, strand_coefficients * run.pixels()).data());
+    file.commit();
+    OpenPairs pairs(scratch.path("p.h5"), {"leave_out=saturation history"});
+    ModelCard card;
+    pairs.data->describe(card);
+    for (const InputGroup& g : strand_inputs) {
+        const bool left_out = std::string(g.name) == "saturation" || std::string(g.name) == "history";
+        for (int c = g.first; c < g.first + g.count; ++c)
+            EXPECT_EQ(card.arrays["input_std"].at(size_t(c)) > 1e20f, left_out) << g.name << " " << c;
+    }
+    expect_error([&] { OpenPairs(scratch.path("p.h5"), {"leave_out=histroy"}); },
+                 {"leave_out", "histroy", "history"});
+}
+
 // Four files, the last two of which are held out.
 struct HeldOut {
     Scratch scratch;
@@ -419,13 +483,15 @@ std::vector<std::string> devices() {
 }
 
 TEST(Training, OverfitsOneFrameOfStrandsFiftyfold) {
-    for (const auto& device : devices()) {
-        Job job(Codec::strand,
-                {"epochs=600", "width=0.125", "validation=0.8", "weight_decay=0", "validate_every=600"});
-        job.request.device = device;
-        train(job.request);
-        EXPECT_GT(job.fall(), 50) << device;
-    }
+    for (const auto& device : devices())
+        for (const char* architecture : {"strand_mlp", "strand_depthwise"}) {
+            Job job(Codec::strand,
+                    {"epochs=600", "width=0.125", "validation=0.8", "weight_decay=0", "validate_every=600"});
+            job.request.architecture = architecture;
+            job.request.device = device;
+            train(job.request);
+            EXPECT_GT(job.fall(), 50) << architecture << " on " << device;
+        }
 }
 
 TEST(Training, OverfitsOneBatchOfPatchesWithEitherRootNetwork) {
