@@ -108,6 +108,7 @@ class Trainer {
         for (const auto& a : architectures())
             if (a.codec == name_of(codec_)) names.push_back(a.name);
         recipe_ = read_recipe(request_, codec_, names);
+        architecture_ = architecture_for(recipe_.architecture, name_of(codec_), recipe_.width);
         epochs_ = long(recipe_.epochs);
         std::vector<PairsReader*> pointers;
         for (const auto& reader : readers_) pointers.push_back(reader.get());
@@ -121,13 +122,11 @@ class Trainer {
         at::globalContext().setDeterministicCuDNN(true);
         at::globalContext().setBenchmarkCuDNN(false);
         at::globalContext().setAllowTF32CuDNN(half);  // "float" means single precision throughout
-        const Architecture architecture =
-            architecture_for(recipe_.architecture, name_of(codec_), recipe_.width);
-        card_.codec = architecture.codec;
-        card_.architecture = architecture.name;
+        card_.codec = architecture_.codec;
+        card_.architecture = architecture_.name;
         card_.width = recipe_.width;
-        card_.output_channels = architecture.output_channels;
-        card_.upscale = architecture.upscale;
+        card_.output_channels = architecture_.output_channels;
+        card_.upscale = architecture_.upscale;
         data_->describe(card_);
         torch::manual_seed(uint64_t(recipe_.seed));
         model_ = make_model(card_);
@@ -308,6 +307,7 @@ class Trainer {
     std::string inputs_;  // "file hash", one a line
     Codec codec_ = Codec::strand;
     Recipe recipe_{};
+    Architecture architecture_{};
     long epochs_ = 0, total_steps_ = 0, first_step_ = 0;
     std::unique_ptr<TrainingData> data_;
     ModelCard card_;

@@ -51,7 +51,10 @@ class StrandLoss : public Loss {
         }
         return loss;
     }
-    Tensor base_output(const Batch& batch) const override { return torch::zeros_like(batch.target); }
+    Tensor base_output(const Batch& batch) const override {
+        const Tensor& x = batch.input;
+        return torch::zeros({x.size(0), strand_coefficients, x.size(2), x.size(3)}, x.options());
+    }
     Tensor distance(const Tensor& output, const Batch& batch) const override {
         const Tensor error = rows_of(output, batch) - batch.target.flatten(1);
         return norms(error, positions_).sum() / double(error.size(0) * particles_);

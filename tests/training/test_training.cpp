@@ -30,7 +30,10 @@ using testing::Scratch;
 Recipe recipe_of(Codec codec, const std::vector<std::string>& set = {}) {
     TrainRequest request;
     request.set = set;
-    return read_recipe(request, codec, {"any"});
+    std::vector<std::string> names;
+    for (const auto& a : architectures())
+        if (a.codec == name_of(codec)) names.push_back(a.name);
+    return read_recipe(request, codec, names);
 }
 
 // ---- losses ----
