@@ -155,17 +155,19 @@ void print(const Point& p) {
                p.error_mm ? fmt::format("{:.3f}", *p.error_mm) : "diverges");
 }
 
-std::vector<Entry> entries(const std::string& device) {
-    std::vector<Entry> all = device == "cpu" ? part_entries() : std::vector<Entry>();
-    for (auto& entry : frame_entries(device)) all.push_back(entry);
+std::vector<Entry> entries(const BenchOptions& o) {
+    std::vector<Entry> all = o.device == "cpu" ? part_entries() : std::vector<Entry>();
+    for (const auto& more : {frame_entries(o.device), learned_entries(o.models, o.device, o.threads)})
+        all.insert(all.end(), more.begin(), more.end());
     return all;
 }
 
-// The entries of which a name holds `filter`.
-std::vector<Entry> chosen(const std::string& filter, const std::string& device) {
+// The entries of which a name holds the filter.
+std::vector<Entry> chosen(const BenchOptions& o) {
+    const std::string& filter = o.filter;
     std::vector<Entry> out;
     std::vector<std::string> series;
-    for (auto& entry : entries(device)) {
+    for (auto& entry : entries(o)) {
         auto holds = [&](const std::string& name) { return name.find(filter) != std::string::npos; };
         if (std::any_of(entry.names.begin(), entry.names.end(), holds)) out.push_back(entry);
         if (std::find(series.begin(), series.end(), entry.series) == series.end())
@@ -185,8 +187,8 @@ int bench_command(const BenchOptions& o) {
     using namespace bench;
     refuse_scene_options(o, "bench");
     require_device(o.device);
-    check_files(o, "", {});
-    const std::vector<Entry> all = chosen(o.filter, o.device);
+    check_files(o, "", o.models);
+    const std::vector<Entry> all = chosen(o);
     const bool table = o.json != "-";
     const Machine machine = machine_of(o.device);
     if (table) print_head(machine);

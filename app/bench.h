@@ -60,6 +60,11 @@ std::vector<Entry> part_entries();
 // Steps of the air, whole frames with their stages, and error against run time. `device` as of --device.
 std::vector<Entry> frame_entries(const std::string& device);
 
+// A frame of each of the models (files, codec strand) for each of some numbers of strands: from dry positions
+// to wet ones in the memory of the device.
+std::vector<Entry> learned_entries(const std::vector<std::string>& models, const std::string& device,
+                                   int threads);
+
 // The fixed workload at one size: the demo's curls on a head that turns, 24 frames a second, ten substeps,
 // ten passes of Eq 10.
 struct Workload {

@@ -73,6 +73,7 @@ struct InspectOptions : CommonOptions {
 };
 struct BenchOptions : CommonOptions {
     std::string filter;
+    std::vector<std::string> models;  // whose frames are timed too
 };
 
 struct StabilityCommandOptions : CommonOptions {

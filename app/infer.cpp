@@ -10,6 +10,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
+#include "learn/interpolate.h"
 #include "learn/network_module.h"
 #include "learn/quad_transform.h"
 #include "learn/root_codec.h"
@@ -62,29 +63,28 @@ class InterpolationMethod final : public Method {
 
 class StrandMethod final : public Method {
   public:
-    StrandMethod(std::unique_ptr<Network> network, const Groom& high, const Groom& low,
-                 const std::vector<float>& saturation, const Strands& shape)
-        : network_(std::move(network)),
-          codec_(high, low, saturation, &shape),
-          input_(size_t(static_channels + dynamic_channels) * codec_.pixels()),
-          answer_(size_t(strand_coefficients) * codec_.pixels()) {
-        std::copy(codec_.fixed().begin(), codec_.fixed().end(), input_.begin());
-    }
-    std::string name() const override { return network_->card().architecture; }
-    bool before_cohesion() const override { return network_->card().target != "displayed"; }
+    explicit StrandMethod(std::unique_ptr<LearnedStrands> learned, const std::string& model, int strands,
+                          int particles)
+        : learned_(std::move(learned)),
+          name_(learned_->card().architecture + " " + std::filesystem::path(model).stem().string()),
+          out_(strands, particles) {}
+    std::string name() const override { return name_; }
+    bool before_cohesion() const override { return learned_->card().target != "displayed"; }
     void apply(const RunFrame& low, const HeadWindow& heads, Strands& p) override {
-        float* dynamic = input_.data() + codec_.fixed().size();
-        codec_.dynamic(low.positions, heads, dynamic);
-        network_->run(input_.data(), {1, static_channels + dynamic_channels, codec_.height(), codec_.width()},
-                      answer_.data());
-        codec_.decode(answer_.data(), heads.now, p);
+        if (low_.points.empty()) {
+            low_ = low.positions;
+            learned_->bind(low_.points.data(), out_.points.data());
+        }
+        std::copy(low.positions.points.begin(), low.positions.points.end(), low_.points.begin());
+        learned_->run(heads);
+        p = out_;
     }
-    Strands without_network(const RunFrame& low) override { return codec_.base(low.head); }
+    Strands without_network(const RunFrame& low) override { return learned_->base(low.head); }
 
   private:
-    std::unique_ptr<Network> network_;
-    StrandCodec codec_;
-    std::vector<float> input_, answer_;
+    std::unique_ptr<LearnedStrands> learned_;
+    std::string name_;
+    Strands low_, out_;
 };
 
 class RootMethod final : public Method {
@@ -171,8 +171,7 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
         return std::make_unique<InterpolationMethod>(o.interpolate, o.roots, scene.groom, low.groom,
                                                      o.wet_shape ? &shape : nullptr, o.cohesion);
     }
-    auto network = network_module().load(o.model, o.device, o.threads);
-    const ModelCard& card = network->card();
+    const ModelCard card = network_module().card(o.model);
     if (card.codec == "adhesion")
         throw Misuse(o.model + ": an adhesion model; it acts in a scene, not on a run: infer SCENE.toml");
     if (low.method.starts_with("simulated wet"))
@@ -192,13 +191,16 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
             log_warning(fmt::format("{}: learned from strands of {} particles, the run has {}", o.model,
                                     card.particles, scene.groom.rest.particles));
         if (scene.saturation.empty()) scene.saturation = profile_of(card, scene.groom);
-        return std::make_unique<StrandMethod>(std::move(network), scene.groom, low.groom, scene.saturation,
-                                              shape_at_rest(scene));
+        const Strands shape = shape_at_rest(scene);
+        auto learned = network_module().load_strands(
+            o.model, StrandCodec(scene.groom, low.groom, scene.saturation, &shape), low.groom, o.device,
+            o.threads);
+        return std::make_unique<StrandMethod>(std::move(learned), o.model, shape.count, shape.particles);
     }
     if (low.saturation.empty())
         throw Error(o.input + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
     const double radius = scene.cohesion ? scene.cohesion->h_c : 0.012;
-    return std::make_unique<RootMethod>(std::move(network),
+    return std::make_unique<RootMethod>(network_module().load(o.model, o.device, o.threads),
                                         reconstruction_named(o.reconstruct.empty() ? "core" : o.reconstruct),
                                         o.roots, scene.groom, low.groom, low.saturation, float(radius));
 }

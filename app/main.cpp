@@ -220,6 +220,9 @@ int main(int argc, char** argv) {
     BenchOptions bench;
     c = command("bench", "measure the parts of the program on this machine", bench, bench_command);
     c->add_option("--filter", bench.filter, "only entries whose name holds this text");
+    c->add_option("--model", bench.models, "time learned frames of this model too (repeatable)")
+        ->expected(1)
+        ->take_all();
 
     try {
         std::vector<std::string> known;

@@ -15,7 +15,7 @@ struct HeadWindow {
 
     // Of the head, world axes [rad/s], by central difference.
     Vec3d angular_velocity() const;
-    // Of the point x of the head (head's frame) [m/s^2], world axes, by second difference.
+    // Of the point x of the head (head's frame) [m/s^2], world axes, by second difference: affine in x.
     Vec3d acceleration(const Vec3d& x) const;
 };
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "learn/learned_strands.h"
 #include "learn/network.h"
 
 namespace wetcurl {
@@ -38,6 +39,11 @@ struct NetworkModule {
     // Throws Error for a bad model file or an absent device, Misuse for an unknown device name.
     virtual std::unique_ptr<Network> load(const std::string& path, const std::string& device,
                                           int threads) = 0;
+    // A strand network with its codec; `low`: the rest groom of the dry run. On a CUDA device both are there,
+    // the network's body in bfloat16; where this build has no kernels or its LibTorch no CUDA: Error.
+    virtual std::unique_ptr<LearnedStrands> load_strands(const std::string& path, StrandCodec codec,
+                                                         const Groom& low, const std::string& device,
+                                                         int threads) = 0;
     // The card alone, without a network being made.
     virtual ModelCard card(const std::string& path) = 0;
     // Throws Interrupted with a checkpoint left, Error (bad pairs, diverged loss) or Misuse (recipe).

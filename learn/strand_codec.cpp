@@ -130,14 +130,19 @@ void StrandCodec::encode(const Strands& strands, const Pose& head, float* out) c
 }
 
 void StrandCodec::decode(const float* coefficients, const Pose& head, Strands& out) const {
+    if (out.count != roots_.count() || out.particles != particles())
+        out = Strands(roots_.count(), particles());
+    decode(coefficients, head, out.points.data());
+}
+
+void StrandCodec::decode(const float* coefficients, const Pose& head, Vec3f* out) const {
     const int n = particles();
-    if (out.count != roots_.count() || out.particles != n) out = Strands(roots_.count(), n);
 #pragma omp parallel for schedule(static)
-    for (int s = 0; s < out.count; ++s) {
+    for (int s = 0; s < roots_.count(); ++s) {
         float c[strand_coefficients];
         const float* at = coefficients + pixel_of_[size_t(s)];
         for (int k = 0; k < strand_coefficients; ++k) c[k] = at[size_t(k) * pixels()];
-        Vec3f* p = out.strand(s);
+        Vec3f* p = out + size_t(s) * n;
         dct_.decode(c, p);
         const Quatf to_world = roots_.rotation_at(s, head);
         const Vec3f root = roots_.root_at(s, head);

@@ -62,8 +62,13 @@ class StrandCodec {
     int height() const { return grid_.height; }
     int width() const { return grid_.width; }
     int particles() const { return dct_.particles(); }
+    int low_strands() const { return int(stencil_.twin.size()); }
     size_t pixels() const { return size_t(grid_.height) * grid_.width; }
     const StrandDct& dct() const { return dct_; }
+    const Stencil& stencil() const { return stencil_; }
+    const RootFrames& roots() const { return roots_; }
+    const RestCarrier& carrier() const { return carrier_; }
+    const std::vector<int>& pixel_of() const { return pixel_of_; }  // (strand)
 
     const std::vector<float>& fixed() const { return fixed_; }    // "static": (82, H, W)
     const std::vector<uint8_t>& mask() const { return mask_; }    // (H, W)
@@ -72,6 +77,8 @@ class StrandCodec {
     // out (153, H, W): features of one frame, whose base it takes up; low: world positions of the dry
     // low-resolution strands [m]. For every frame of a run, in order.
     void dynamic(const Strands& low, const HeadWindow& heads, float* out);
+    // The next frame is the first of another run.
+    void restart() { frames_ = 0; }
     // World positions (high strands) of the base of the frame taken up last.
     Strands base(const Pose& head) const;
     // out (72, H, W): amplitudes of world strands (high strands) at a head pose.
@@ -79,6 +86,7 @@ class StrandCodec {
     // World strands (high strands): the base and, added to it, amplitudes (72, H, W) at a head pose; roots
     // are exact.
     void decode(const float* coefficients, const Pose& head, Strands& out) const;
+    void decode(const float* coefficients, const Pose& head, Vec3f* out) const;  // (high strand, particle)
 
   private:
     // Amplitudes of offsets in root frames.

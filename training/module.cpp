@@ -1,8 +1,13 @@
 // What the library of the networks shows to the program.
 // Ours.
+#include "base/error.h"
+#ifdef WETCURL_DEVICE_STRANDS
+#include "learn/device_strands.h"
+#endif
 #include "learn/inference.h"
 #include "learn/network_module.h"
 #include "models/model_file.h"
+#include "models/registry.h"
 #include "training/loop.h"
 
 namespace wetcurl {
@@ -11,6 +16,18 @@ namespace {
 struct TorchModule : NetworkModule {
     std::unique_ptr<Network> load(const std::string& path, const std::string& device, int threads) override {
         return load_network(path, device, threads);
+    }
+    std::unique_ptr<LearnedStrands> load_strands(const std::string& path, StrandCodec codec,
+                                                 [[maybe_unused]] const Groom& low, const std::string& device,
+                                                 int threads) override {
+        if (device.rfind("cuda", 0) != 0)
+            return learned_strands(load_network(path, device, threads), std::move(codec));
+#ifdef WETCURL_DEVICE_STRANDS
+        return device_strands(path, device, codec, low, /*half=*/true);
+#else
+        device_named(device);  // says where there is none
+        throw Error("device " + device + ": this build has no CUDA kernels (cmake --preset cuda)");
+#endif
     }
     ModelCard card(const std::string& path) override { return read_card(path); }
     void train(const TrainRequest& request) override { wetcurl::train(request); }

@@ -1,0 +1,166 @@
+// Learned wet strands on a CUDA device.
+// Ours.
+#include "learn/device_strands.h"
+
+#include <ATen/cuda/CUDAGraph.h>
+#include <c10/core/InferenceMode.h>
+#include <c10/cuda/CUDAGuard.h>
+#include <c10/cuda/CUDAStream.h>
+#include <torch/types.h>
+
+#include <optional>
+
+#include "learn/strand_kernels.h"
+#include "models/model_file.h"
+#include "models/registry.h"
+
+namespace wetcurl {
+namespace {
+
+// Memory of the codec's as a tensor.
+Tensor view(const float* data, std::initializer_list<long> shape, torch::Device device) {
+    return torch::from_blob(const_cast<float*>(data), std::vector<int64_t>(shape),
+                            torch::dtype(torch::kFloat).device(device));
+}
+
+class OnDevice final : public LearnedStrands {
+  public:
+    OnDevice(const std::string& path, const std::string& device, const StrandCodec& codec, const Groom& low,
+             bool half)
+        : device_(device_named(device)),
+          stream_(c10::cuda::getStreamFromPool(/*isHighPriority=*/true, device_.index())),
+          height_(codec.height()),
+          width_(codec.width()) {
+        const c10::cuda::CUDAGuard guard(device_);
+        kernels_.emplace(codec, low);
+        std::tie(card_, model_) = load_model(path);
+        require_inputs_of_codec(card_);
+        model_->to(device_);
+        model_->body = half ? torch::kBFloat16 : torch::kFloat;
+        const long n = kernels_->particles(), S = kernels_->pixels(), l = kernels_->low_strands();
+        cores_ = view(kernels_->cores(), {n, n}, device_);
+        amplitudes_ = view(kernels_->amplitudes(), {dct_kept, n}, device_);
+        offsets_ = view(kernels_->offsets(), {n, dct_kept}, device_);
+        departed_ = view(kernels_->departed(), {3, n, l}, device_);
+        moved_ = view(kernels_->moved(), {3, n, l}, device_);
+        base_ = view(kernels_->base(), {3, n, S}, device_);
+        image_ = view(kernels_->image(), {1, static_channels + dynamic_channels, height_, width_}, device_);
+        base_amplitudes_ = image_.view({-1, S}).narrow(0, static_channels, strand_coefficients);
+    }
+
+    const ModelCard& card() const override { return card_; }
+
+    void bind(const Vec3f* low, Vec3f* out, bool on_device) override {
+        const c10::cuda::CUDAGuard guard(device_);
+        const size_t reads = size_t(kernels_->low_strands()) * kernels_->particles(),
+                     writes = size_t(kernels_->high_strands()) * kernels_->particles();
+        host_low_ = nullptr, host_out_ = nullptr;
+        if (!on_device) {
+            own_low_ = DeviceBuffer<Vec3f>(reads), own_out_ = DeviceBuffer<Vec3f>(writes);
+            host_low_ = low, host_out_ = out;
+            low = own_low_.data(), out = own_out_.data();
+        }
+        low_ = low, out_ = out;
+        graph_.reset();
+        warm_ = false;
+    }
+
+    void run(const HeadWindow& heads) override {
+        const c10::cuda::CUDAGuard guard(device_);
+        const c10::cuda::CUDAStreamGuard on_stream(stream_);
+        const c10::InferenceMode inference;
+        kernels_->head() = HeadState(heads, first_);
+        if (host_low_)
+            check_cuda(cudaMemcpyAsync(own_low_.data(), host_low_, own_low_.bytes(), cudaMemcpyHostToDevice,
+                                       stream_),
+                       "low-resolution strands");
+        // The first run warms libraries up, which may not happen while launches are captured; the second is
+        // captured.
+        if (!warm_) {
+            frame();
+            warm_ = true;
+        } else {
+            if (!graph_) {
+                graph_.emplace();
+                graph_->capture_begin();
+                frame();
+                graph_->capture_end();
+            }
+            graph_->replay();
+        }
+        if (host_out_)
+            check_cuda(cudaMemcpyAsync(host_out_, own_out_.data(), own_out_.bytes(), cudaMemcpyDeviceToHost,
+                                       stream_),
+                       "wet strands");
+        check_cuda(cudaStreamSynchronize(stream_), "frame");
+        first_ = false;
+    }
+
+    void restart() override { first_ = true; }
+
+    // The base lies under what the network added: B less D c.
+    Strands base(const Pose& head) override {
+        const c10::cuda::CUDAGuard guard(device_);
+        const c10::cuda::CUDAStreamGuard on_stream(stream_);
+        const c10::InferenceMode inference;
+        add_offsets(-1);
+        DeviceBuffer<Vec3f> world(size_t(kernels_->high_strands()) * kernels_->particles());
+        kernels_->head().rotation = cast<float>(head.rotation);
+        kernels_->head().translation = cast<float>(head.translation);
+        kernels_->take_head(stream_);
+        kernels_->place(world.data(), stream_);
+        add_offsets(1);
+        check_cuda(cudaStreamSynchronize(stream_), "base");
+        Strands out(kernels_->high_strands(), kernels_->particles());
+        world.download(out.points.data());
+        return out;
+    }
+
+  private:
+    void frame() {
+        const long S = kernels_->pixels();
+        kernels_->take_head(stream_);
+        kernels_->depart(low_, stream_);
+        for (long a = 0; a < 3; ++a) {
+            Tensor to = moved_[a];
+            torch::mm_out(to, cores_, departed_[a]);
+        }
+        kernels_->carry(stream_);
+        for (long a = 0; a < 3; ++a) {
+            Tensor to = base_amplitudes_.narrow(0, a * dct_kept, dct_kept);
+            torch::mm_out(to, amplitudes_, base_[a]);
+        }
+        kernels_->describe(stream_);
+        const Tensor answer = model_->forward(image_);  // (1, 72, H, W), a pixel's amplitudes side by side
+        answer_ = to_rows(answer).view({S, 3, dct_kept}).permute({1, 2, 0});  // (3, 24, S)
+        add_offsets(1);
+        kernels_->place(out_, stream_);
+    }
+
+    // B += sign D c.
+    void add_offsets(double sign) {
+        for (long a = 0; a < 3; ++a) base_[a].addmm_(offsets_, answer_[a], 1, sign);
+    }
+
+    torch::Device device_;
+    c10::cuda::CUDAStream stream_;
+    int height_, width_;
+    std::optional<StrandKernels> kernels_;
+    ModelCard card_;
+    std::shared_ptr<Model> model_;
+    Tensor cores_, amplitudes_, offsets_, departed_, moved_, base_, image_, base_amplitudes_, answer_;
+    const Vec3f *low_ = nullptr, *host_low_ = nullptr;
+    Vec3f *out_ = nullptr, *host_out_ = nullptr;
+    DeviceBuffer<Vec3f> own_low_, own_out_;
+    std::optional<at::cuda::CUDAGraph> graph_;
+    bool warm_ = false, first_ = true;
+};
+
+}  // namespace
+
+std::unique_ptr<LearnedStrands> device_strands(const std::string& path, const std::string& device,
+                                               const StrandCodec& codec, const Groom& low, bool half) {
+    return std::make_unique<OnDevice>(path, device, codec, low, half);
+}
+
+}  // namespace wetcurl

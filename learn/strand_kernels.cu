@@ -1,0 +1,247 @@
+// The strand codec on a CUDA device.
+// Ours.
+#include <algorithm>
+
+#include "learn/strand_kernels.h"
+
+namespace wetcurl {
+
+namespace {
+
+constexpr int threads = 128, tile = 32, rest_numbers = 10;
+constexpr int slots = history_lags.back() + 1, modes = 3 * history_modes;
+
+unsigned blocks_of(int count) { return unsigned((count + threads - 1) / threads); }
+
+void check_launch(const char* what) { check_cuda(cudaGetLastError(), what); }
+
+__global__ void depart_kernel(const HeadState* head, const Vec3f* p, const Vec3f* rest, int low, int n,
+                              float* x) {
+    const int k = int(blockIdx.x) * threads + int(threadIdx.x);
+    if (k >= low * n) return;
+    const int s = k % low, i = k / low;
+    const size_t at = size_t(s) * n;
+    const Vec3f d = rotate(conjugate(head->rotation), p[at + i] - p[at]) - rest[at + i];
+    const size_t plane = size_t(n) * low;
+    x[k] = d.x, x[plane + k] = d.y, x[2 * plane + k] = d.z;
+}
+
+__global__ void carry_kernel(int pixels, int low, int n, int width, const int* strand, const float* rest,
+                             const int* from, const float* weight, const Quatf* turn, const float* moved,
+                             float* base) {
+    constexpr int most = 4;  // of a stencil
+    const int s = int(blockIdx.x) * threads + int(threadIdx.x);
+    if (s >= pixels || strand[s] < 0) return;
+    int neighbour[most];
+    float share[most];
+    for (int k = 0; k < most; ++k) {
+        neighbour[k] = k < width ? from[k * pixels + s] : 0;
+        share[k] = k < width ? weight[k * pixels + s] : 0;
+    }
+    const Quatf to_root = conjugate(turn[s]);
+    const size_t plane = size_t(n) * low, out = size_t(n) * pixels;
+    carry_rest(
+        n,
+        [&](int i) {
+            const float* r = rest + size_t(i) * rest_numbers * pixels + s;
+            auto number = [&](int k) { return r[size_t(k) * pixels]; };
+            return RestParticle{{number(0), number(1), number(2)},
+                                number(3),
+                                {number(4), number(5), number(6)},
+                                {number(7), number(8), number(9)}};
+        },
+        [&](int i) {
+            Vec3f sum{0, 0, 0};
+            const float* m = moved + size_t(i) * low;
+#pragma unroll
+            for (int k = 0; k < most; ++k)
+                sum +=
+                    share[k] * Vec3f{m[neighbour[k]], m[plane + neighbour[k]], m[2 * plane + neighbour[k]]};
+            return rotate(to_root, sum);
+        },
+        [&](int i, const Vec3f& x) {
+            const size_t at = size_t(i) * pixels + s;
+            base[at] = x.x, base[out + at] = x.y, base[2 * out + at] = x.z;
+        });
+}
+
+__global__ void describe_kernel(const HeadState* head, int pixels, const int* strand, const Quatf* turn,
+                                const Vec3f* root, float* past, float* dynamic) {
+    const int s = int(blockIdx.x) * threads + int(threadIdx.x);
+    if (s >= pixels || strand[s] < 0) return;
+    const Quatf to_root = conjugate(turn[s]);
+    const Vec3f x = root[s];
+    const Vec3f g = rotate(to_root, head->gravity), w = rotate(to_root, head->turning),
+                a = rotate(to_root, head->pull + x.x * head->pull_x[0] + x.y * head->pull_x[1] +
+                                        x.z * head->pull_x[2]);
+    const float moves[6] = {w.x, w.y, w.z, a.x, a.y, a.z};
+    float* at = dynamic + size_t(strand_coefficients) * pixels + s;
+    auto put = [&](float value) {
+        *at = value;
+        at += pixels;
+    };
+    put(g.x), put(g.y), put(g.z);
+    for (float m : moves) put(m);
+    auto then = [&](int lag, int m) -> float& {
+        return past[(size_t(lag) * history_numbers + m) * pixels + s];
+    };
+    for (int m = 0; m < history_numbers; ++m) {
+        const float now = m < modes
+                              ? dynamic[size_t(m / history_modes * dct_kept + m % history_modes) * pixels + s]
+                              : moves[m - modes];
+        float earlier[slots];
+        for (int lag = slots - 1; lag > 0; --lag) {
+            earlier[lag] = head->first ? now : then(lag - 1, m);
+            then(lag, m) = earlier[lag];
+        }
+        then(0, m) = now;
+        constexpr int lags[] = {history_lags[0], history_lags[1], history_lags[2], history_lags[3]};
+        static_assert(sizeof lags / sizeof lags[0] == history_lags.size());
+        for (int l = 0; l < int(sizeof lags / sizeof lags[0]); ++l) {
+            const float before = earlier[lags[l]];
+            const int channel = strand_coefficients + motion_channels + l * history_numbers + m;
+            dynamic[size_t(channel) * pixels + s] = m < modes ? now - before : before;
+        }
+    }
+}
+
+// A block: `tile` strands of a row of the grid by `tile` particles, turned over in shared memory so that both
+// sides are read and written in order.
+__global__ void place_kernel(const HeadState* head, int pixels, int n, const int* strand, const Quatf* turn,
+                             const Vec3f* root, const float* base, Vec3f* out) {
+    __shared__ float near[tile][3 * tile + 1];
+    const int first = int(blockIdx.x) * tile, s = first + int(threadIdx.x), begin = int(blockIdx.y) * tile;
+    const size_t plane = size_t(n) * pixels;
+    if (s < pixels && strand[s] >= 0) {
+        const Quatf to_world = head->rotation * turn[s];
+        const Vec3f at_root = head->translation + rotate(head->rotation, root[s]);
+        for (int i = int(threadIdx.y); i < tile && begin + i < n; i += int(blockDim.y)) {
+            const size_t k = size_t(begin + i) * pixels + s;
+            const Vec3f p = at_root + rotate(to_world, Vec3f{base[k], base[plane + k], base[2 * plane + k]});
+            float* to = &near[threadIdx.x][3 * i];
+            to[0] = p.x, to[1] = p.y, to[2] = p.z;
+        }
+    }
+    __syncthreads();
+    const int floats = 3 * (n - begin < tile ? n - begin : tile);
+    for (int row = int(threadIdx.y); row < tile && first + row < pixels; row += int(blockDim.y)) {
+        const int to = strand[first + row];
+        if (to < 0) continue;
+        float* p = &out[size_t(to) * n + begin].x;
+        for (int k = int(threadIdx.x); k < floats; k += tile) p[k] = near[row][k];
+    }
+}
+
+}  // namespace
+
+HeadState::HeadState(const HeadWindow& heads, bool first)
+    : rotation(cast<float>(heads.now.rotation)),
+      translation(cast<float>(heads.now.translation)),
+      first(first) {
+    const Quatd to_head = conjugate(heads.now.rotation);
+    auto in_head = [&](const Vec3d& v) { return cast<float>(rotate(to_head, v)); };
+    gravity = in_head(heads.gravity), turning = in_head(heads.angular_velocity());
+    const Vec3d at_origin = heads.acceleration({0, 0, 0});
+    pull = in_head(at_origin);
+    const Vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int a = 0; a < 3; ++a) pull_x[a] = in_head(heads.acceleration(axes[a]) - at_origin);
+}
+
+StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
+    : n_(codec.particles()),
+      low_(low.rest.count),
+      high_(codec.roots().count()),
+      pixels_(int(codec.pixels())),
+      width_(codec.stencil().width) {
+    const size_t n = size_t(n_), S = size_t(pixels_), width = size_t(width_);
+    std::vector<Vec3f> low_rest(low.rest.points);
+    for (int s = 0; s < low_; ++s)
+        for (int i = n_ - 1; i >= 0; --i) low_rest[size_t(s) * n + i] = low.rest.at(s, i) - low.rest.at(s, 0);
+    low_rest_ = DeviceBuffer<Vec3f>(low_rest);
+
+    std::vector<float> rest(n * rest_numbers * S, 0), weight(width * S, 0);
+    std::vector<int> from(width * S, 0), strand(S, -1);
+    std::vector<Quatf> turn(S, Quatf::identity());
+    std::vector<Vec3f> root(S, Vec3f{0, 0, 0});
+    for (size_t s = 0; s < size_t(high_); ++s) {
+        const size_t pixel = size_t(codec.pixel_of()[s]);
+        strand[pixel] = int(s), turn[pixel] = codec.roots().rotation[s], root[pixel] = codec.roots().root[s];
+        for (size_t k = 0; k < width; ++k) {
+            from[k * S + pixel] = codec.stencil().from[s * width + k];
+            weight[k * S + pixel] = codec.stencil().weight[s * width + k];
+        }
+        for (size_t i = 0; i < n; ++i) {
+            const RestParticle& p = codec.carrier().rest()[s * n + i];
+            const float numbers[rest_numbers] = {p.edge.x,   p.edge.y,   p.edge.z,   p.length,   p.curled.x,
+                                                 p.curled.y, p.curled.z, p.detail.x, p.detail.y, p.detail.z};
+            for (size_t k = 0; k < rest_numbers; ++k) rest[(i * rest_numbers + k) * S + pixel] = numbers[k];
+        }
+    }
+    rest_ = DeviceBuffer<float>(rest), weight_ = DeviceBuffer<float>(weight);
+    from_ = DeviceBuffer<int>(from), strand_ = DeviceBuffer<int>(strand);
+    turn_ = DeviceBuffer<Quatf>(turn), root_ = DeviceBuffer<Vec3f>(root);
+    past_ = DeviceBuffer<float>(size_t(slots) * history_numbers * S);
+
+    // What unit strands give, column by column.
+    std::vector<float> cores(n * n, 0), amplitudes(dct_kept * n, 0), offsets(n * dct_kept, 0);
+    for (size_t j = 0; j < n; ++j) {
+        std::vector<Vec3f> unit(n, Vec3f{0, 0, 0}), core(n);
+        unit[j].x = 1;
+        if (j > 0) {  // X is 0 at the root
+            core_of(unit.data(), n_, core_beta(n_), core.data());
+            for (size_t i = 0; i < n; ++i) cores[i * n + j] = core[i].x;
+        }
+        float c[strand_coefficients];
+        codec.dct().encode(unit.data(), c);
+        for (size_t k = 0; k < dct_kept; ++k) amplitudes[k * n + j] = c[k];
+    }
+    for (size_t k = 0; k < dct_kept; ++k) {
+        std::vector<Vec3f> rise(n);
+        float c[strand_coefficients] = {};
+        c[k] = 1;
+        codec.dct().decode(c, rise.data());
+        for (size_t i = 0; i < n; ++i) offsets[i * dct_kept + k] = rise[i].x;
+    }
+    cores_ = DeviceBuffer<float>(cores), amplitudes_ = DeviceBuffer<float>(amplitudes);
+    offsets_ = DeviceBuffer<float>(offsets);
+    departed_ = DeviceBuffer<float>(3 * n * size_t(low_)), moved_ = DeviceBuffer<float>(3 * n * size_t(low_));
+    base_ = DeviceBuffer<float>(std::vector<float>(3 * n * S, 0));
+    std::vector<float> image(size_t(static_channels + dynamic_channels) * S, 0);
+    std::copy(codec.fixed().begin(), codec.fixed().end(), image.begin());
+    image_ = DeviceBuffer<float>(image);
+}
+
+void StrandKernels::take_head(cudaStream_t stream) const {
+    check_cuda(
+        cudaMemcpyAsync(head_.data(), head_host_.data(), sizeof(HeadState), cudaMemcpyHostToDevice, stream),
+        "the head's motion");
+}
+
+void StrandKernels::depart(const Vec3f* low, cudaStream_t stream) const {
+    depart_kernel<<<blocks_of(low_ * n_), threads, 0, stream>>>(head_.data(), low, low_rest_.data(), low_, n_,
+                                                                departed_.data());
+    check_launch("departure from rest");
+}
+
+void StrandKernels::carry(cudaStream_t stream) const {
+    carry_kernel<<<blocks_of(pixels_), threads, 0, stream>>>(pixels_, low_, n_, width_, strand_.data(),
+                                                             rest_.data(), from_.data(), weight_.data(),
+                                                             turn_.data(), moved_.data(), base_.data());
+    check_launch("rest shapes carried");
+}
+
+void StrandKernels::describe(cudaStream_t stream) const {
+    describe_kernel<<<blocks_of(pixels_), threads, 0, stream>>>(
+        head_.data(), pixels_, strand_.data(), turn_.data(), root_.data(), past_.data(),
+        image_.data() + size_t(static_channels) * pixels_);
+    check_launch("features of motion");
+}
+
+void StrandKernels::place(Vec3f* out, cudaStream_t stream) const {
+    const dim3 blocks(unsigned((pixels_ + tile - 1) / tile), unsigned((n_ + tile - 1) / tile));
+    place_kernel<<<blocks, dim3(tile, 8), 0, stream>>>(head_.data(), pixels_, n_, strand_.data(),
+                                                       turn_.data(), root_.data(), base_.data(), out);
+    check_launch("placement in the world");
+}
+
+}  // namespace wetcurl

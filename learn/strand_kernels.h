@@ -1,0 +1,74 @@
+// The strand codec on a CUDA device, what of it is no matrix product. No torch here.
+// Ours. The same formulas as learn/carried_rest.h and learn/strand_codec.cpp; what is linear there (cores,
+// amplitudes) is left to matrix products between the kernels: cores = F X, amplitudes = E B, B += D c.
+//
+// A strand is a pixel of the root grid, S of them; one that holds none has only zeros. Interleaved:
+// neighbours in memory are neighbours on the grid.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include "base/device_buffer.h"
+#include "learn/strand_codec.h"
+
+namespace wetcurl {
+
+// What a frame brings, but for the strands; in the head's frame, but for the pose.
+struct HeadState {
+    Quatf rotation;          // head to world
+    Vec3f translation;       // [m]
+    Vec3f gravity, turning;  // [m/s^2], [rad/s]
+    Vec3f pull, pull_x[3];   // acceleration of the point x: pull + sum_a pull_x[a] x_a [m/s^2]
+    int first;               // whether there is no frame before
+    HeadState() = default;
+    HeadState(const HeadWindow& heads, bool first);
+};
+
+class StrandKernels {
+  public:
+    // Copies what it needs to the current device.
+    StrandKernels(const StrandCodec& codec, const Groom& low);
+
+    int particles() const { return n_; }
+    int low_strands() const { return low_; }
+    int high_strands() const { return high_; }
+    int pixels() const { return pixels_; }
+
+    // Of the matrix products, on the device: F (n, n), E (24, n), D (n, 24), row-major.
+    const float* cores() const { return cores_.data(); }
+    const float* amplitudes() const { return amplitudes_.data(); }
+    const float* offsets() const { return offsets_.data(); }
+    // X (3, n, low): how far the low strands are from rest; M (3, n, low) = F X: how far their cores are.
+    float* departed() const { return departed_.data(); }
+    float* moved() const { return moved_.data(); }
+    // B (3, n, S): the base, offsets in root frames.
+    float* base() const { return base_.data(); }
+    // (235, S): the network's input, its static channels filled.
+    float* image() const { return image_.data(); }
+    // Of the frame; the host writes it before each.
+    HeadState& head() const { return head_host_[0]; }
+
+    // In this order, all on `stream`: the head to the device; X from world positions; (M = F X); B; (E B into
+    // the image); the other dynamic channels; (the network; B += D c); B to world positions (high, n).
+    void take_head(cudaStream_t stream) const;
+    void depart(const Vec3f* low, cudaStream_t stream) const;
+    void carry(cudaStream_t stream) const;
+    void describe(cudaStream_t stream) const;
+    void place(Vec3f* out, cudaStream_t stream) const;
+
+  private:
+    int n_, low_, high_, pixels_, width_;
+    PinnedBuffer<HeadState> head_host_{1};
+    DeviceBuffer<HeadState> head_{1};
+    DeviceBuffer<Vec3f> low_rest_;  // (low, n) offsets from the root, in the head's frame
+    DeviceBuffer<float> rest_;      // (n, 10, S): RestParticle
+    DeviceBuffer<int> from_;        // (width, S)
+    DeviceBuffer<float> weight_;    // (width, S)
+    DeviceBuffer<Quatf> turn_;      // (S): root frame to the head's
+    DeviceBuffer<Vec3f> root_;      // (S): in the head's frame
+    DeviceBuffer<int> strand_;      // (S): of the pixel, or -1
+    DeviceBuffer<float> past_;      // (9, 18, S): by lag
+    DeviceBuffer<float> cores_, amplitudes_, offsets_, departed_, moved_, base_, image_;
+};
+
+}  // namespace wetcurl

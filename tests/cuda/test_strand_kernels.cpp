@@ -1,0 +1,112 @@
+// The strand codec on the device against the one on the host. Its matrix products, which LibTorch computes
+// there, are computed here on the host in between. Ours.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "learn/strand_kernels.h"
+#include "tests/learn/hair.h"
+
+namespace wetcurl {
+namespace {
+
+using testing::curly_groom;
+
+bool has_device() {
+    int devices = 0;
+    return cudaGetDeviceCount(&devices) == cudaSuccess && devices > 0;
+}
+
+std::vector<float> downloaded(const float* data, size_t count) {
+    std::vector<float> out(count);
+    check_cuda(cudaMemcpy(out.data(), data, count * sizeof(float), cudaMemcpyDeviceToHost), "download");
+    return out;
+}
+void upload(float* to, const std::vector<float>& from) {
+    check_cuda(cudaMemcpy(to, from.data(), from.size() * sizeof(float), cudaMemcpyHostToDevice), "upload");
+}
+
+// (m, k) (3, k, s) to (3, m, s).
+std::vector<float> product(const std::vector<float>& a, const std::vector<float>& b, size_t m, size_t k,
+                           size_t s) {
+    std::vector<float> out(3 * m * s, 0);
+    for (size_t axis = 0; axis < 3; ++axis)
+        for (size_t i = 0; i < m; ++i)
+            for (size_t j = 0; j < k; ++j)
+                for (size_t p = 0; p < s; ++p)
+                    out[(axis * m + i) * s + p] += a[i * k + j] * b[(axis * k + j) * s + p];
+    return out;
+}
+
+// A groom with a hole, whose low-resolution strands sway under a head that turns and drifts.
+TEST(StrandKernels, give_the_features_and_strands_of_the_host) {
+    if (!has_device()) GTEST_SKIP() << "SKIP: no CUDA device";
+    Groom high = curly_groom({});
+    high.grid.width = 9;
+    std::vector<int> wider;
+    for (int row = 0; row < 8; ++row) {
+        for (int column = 0; column < 8; ++column) wider.push_back(row * 8 + column);
+        wider.push_back(-1);
+    }
+    high.grid.strand = wider;
+    const Groom low = coarsened(high, 2);
+    std::vector<float> saturation(high.rest.points.size(), 0.7f);
+    StrandCodec codec(high, low, saturation);
+    StrandKernels kernels(codec, low);
+    const size_t n = size_t(codec.particles()), S = codec.pixels(), l = size_t(low.rest.count);
+    ASSERT_EQ(size_t(kernels.pixels()), S);
+    const auto F = downloaded(kernels.cores(), n * n), E = downloaded(kernels.amplitudes(), dct_kept * n),
+               D = downloaded(kernels.offsets(), n * dct_kept);
+    DeviceBuffer<Vec3f> low_there(low.rest.points.size()), out_there(high.rest.points.size());
+    const size_t channels = size_t(static_channels + dynamic_channels);
+    std::vector<float> dynamic(size_t(dynamic_channels) * S), answer(size_t(strand_coefficients) * S);
+    for (size_t k = 0; k < answer.size(); ++k)
+        answer[k] = codec.mask()[k % S] ? 1e-3f * float(std::sin(0.1 * double(k))) : 0;
+    for (int f = 0; f < 12; ++f) {
+        Strands dry = low.rest;
+        for (int s = 0; s < dry.count; ++s)
+            for (int i = 0; i < dry.particles; ++i)
+                dry.at(s, i) += Vec3f{2e-3f * float(i) * float(std::sin(0.5 * f + s)), 1e-3f * float(i), 0};
+        HeadWindow heads;
+        heads.before = testing::head_at(f - 1), heads.now = testing::head_at(f),
+        heads.after = testing::head_at(f + 1), heads.inner = f > 0;
+        dry = testing::moved(dry, heads.now);
+        codec.dynamic(dry, heads, dynamic.data());
+        Strands decoded;
+        codec.decode(answer.data(), heads.now, decoded);
+
+        low_there.upload(dry.points.data(), dry.points.size());
+        kernels.head() = HeadState(heads, f == 0);
+        kernels.take_head(nullptr);
+        kernels.depart(low_there.data(), nullptr);
+        upload(kernels.moved(), product(F, downloaded(kernels.departed(), 3 * n * l), n, n, l));
+        kernels.carry(nullptr);
+        auto base = downloaded(kernels.base(), 3 * n * S);
+        upload(kernels.image() + size_t(static_channels) * S, product(E, base, dct_kept, n, S));
+        kernels.describe(nullptr);
+        const auto image = downloaded(kernels.image(), channels * S);
+        double largest = 0;
+        for (size_t c = 0; c < channels; ++c)
+            for (size_t p = 0; p < S; ++p) {
+                const float expected = c < size_t(static_channels)
+                                           ? codec.fixed()[c * S + p]
+                                           : dynamic[(c - size_t(static_channels)) * S + p];
+                largest = std::max(largest, std::abs(double(expected)));
+                // Rounding of offsets of 0.2 m, of accelerations of 1e2 m/s^2 by differences of poses.
+                ASSERT_NEAR(image[c * S + p], expected, 2e-6 + 1e-5 * std::abs(expected))
+                    << "frame " << f << ", channel " << c << ", pixel " << p;
+            }
+        EXPECT_GT(largest, 1);
+        const auto rise = product(D, answer, n, dct_kept, S);
+        for (size_t k = 0; k < base.size(); ++k) base[k] += rise[k];
+        upload(kernels.base(), base);
+        kernels.place(out_there.data(), nullptr);
+        Strands placed(high.rest.count, high.rest.particles);
+        out_there.download(placed.points.data());
+        EXPECT_LT(testing::largest_distance(placed, decoded), 5e-6) << f;
+        EXPECT_GT(testing::largest_distance(placed, codec.base(heads.now)), 1e-3);
+    }
+}
+
+}  // namespace
+}  // namespace wetcurl

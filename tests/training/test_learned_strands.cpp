@@ -1,0 +1,145 @@
+// Learned strands: codec and network behind one object, on the CPU and on the GPU.
+// Ours.
+#include <gtest/gtest.h>
+#include <torch/cuda.h>
+#include <torch/utils.h>
+
+#include "learn/inference.h"
+#include "learn/learned_strands.h"
+#include "models/model_file.h"
+#include "models/registry.h"
+#include "tests/learn/hair.h"
+#ifdef WETCURL_DEVICE_STRANDS
+#include "learn/device_strands.h"
+#endif
+
+namespace wetcurl {
+namespace {
+
+using testing::curly_groom;
+using testing::expect_error;
+using testing::Scratch;
+
+// A network of small random weights that moves strands by some millimetres.
+std::string made_model(const std::string& path, const char* architecture, int inputs) {
+    ModelCard card;
+    card.codec = "strand", card.architecture = architecture, card.target = "strands";
+    card.width = 0.25, card.particles = 50;
+    card.input_channels = inputs, card.output_channels = strand_coefficients;
+    card.arrays["input_mean"].assign(size_t(inputs), 0);
+    card.arrays["input_std"].assign(size_t(inputs), 1);
+    card.arrays["output_scale"].assign(strand_coefficients, 2e-3f);
+    torch::manual_seed(4);
+    auto model = make_model(card);
+    {
+        const torch::NoGradGuard no_grad;
+        for (auto& p : model->parameters()) p.add_(0.05 * torch::randn_like(p));
+    }
+    save_model(path, card, *model, true);
+    return path;
+}
+
+struct Swaying {
+    Groom high = curly_groom({}), low = coarsened(high, 2);
+    std::vector<float> saturation = std::vector<float>(high.rest.points.size(), 0.7f);
+    Strands in = low.rest, out = high.rest;
+
+    StrandCodec codec() const { return StrandCodec(high, low, saturation); }
+    // The low-resolution strands of a frame, at their place.
+    HeadWindow take(int f) {
+        HeadWindow heads;
+        heads.before = testing::head_at(f - 1), heads.now = testing::head_at(f),
+        heads.after = testing::head_at(f + 1), heads.inner = f > 0;
+        Strands swayed = low.rest;
+        for (int s = 0; s < in.count; ++s)
+            for (int i = 0; i < in.particles; ++i)
+                swayed.at(s, i) += Vec3f{2e-3f * float(i) * float(std::sin(0.5 * f + s)), 0, 0};
+        const Strands placed = testing::moved(swayed, heads.now);
+        std::copy(placed.points.begin(), placed.points.end(), in.points.begin());  // which is bound
+        return heads;
+    }
+};
+
+constexpr int inputs = static_channels + dynamic_channels;
+
+TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
+    Scratch scratch;
+    const std::string model = made_model(scratch.path("m.h5"), "strand_depthwise", inputs);
+    Swaying hair;
+    auto learned = learned_strands(load_network(model, "cpu", 1), hair.codec());
+    auto network = load_network(model, "cpu", 1);
+    StrandCodec codec = hair.codec();
+    learned->bind(hair.in.points.data(), hair.out.points.data());
+    std::vector<float> input(size_t(inputs) * codec.pixels()),
+        answer(size_t(strand_coefficients) * codec.pixels());
+    std::copy(codec.fixed().begin(), codec.fixed().end(), input.begin());
+    std::vector<Strands> shown;
+    for (int f = 0; f < 4; ++f) {
+        const HeadWindow heads = hair.take(f);
+        learned->run(heads);
+        codec.dynamic(hair.in, heads, input.data() + codec.fixed().size());
+        network->run(input.data(), {1, inputs, codec.height(), codec.width()}, answer.data());
+        Strands expected;
+        codec.decode(answer.data(), heads.now, expected);
+        EXPECT_EQ(testing::largest_distance(hair.out, expected), 0) << f;
+        EXPECT_GT(testing::largest_distance(learned->base(heads.now), expected), 1e-3);
+        shown.push_back(hair.out);
+    }
+    // A new run begins without a past.
+    learned->restart();
+    learned->run(hair.take(0));
+    EXPECT_EQ(testing::largest_distance(hair.out, shown[0]), 0);
+    expect_error([&] { learned->bind(nullptr, nullptr, true); }, {"CUDA", "CPU"});
+    expect_error(
+        [&] {
+            learned_strands(load_network(made_model(scratch.path("old.h5"), "strand_mlp", 163), "cpu", 1),
+                            hair.codec());
+        },
+        {"strand_mlp", "163", std::to_string(inputs)});
+}
+
+TEST(LearnedStrands, OnTheDeviceAreThoseOfTheHost) {
+#ifdef WETCURL_DEVICE_STRANDS
+    if (!torch::cuda::is_available()) GTEST_SKIP() << "SKIP: no CUDA device";
+    Scratch scratch;
+    for (const char* architecture : {"strand_mlp", "strand_depthwise", "strand_linear"}) {
+        const std::string model = made_model(scratch.path("m.h5"), architecture, inputs);
+        Swaying host, device, half;
+        auto on_host = learned_strands(load_network(model, "cpu", 1), host.codec());
+        auto on_device = device_strands(model, "cuda", device.codec(), device.low, false);
+        auto in_half = device_strands(model, "cuda", half.codec(), half.low, true);
+        on_host->bind(host.in.points.data(), host.out.points.data());
+        on_device->bind(device.in.points.data(), device.out.points.data());
+        // What lies on the device is used where it lies.
+        DeviceBuffer<Vec3f> low(half.in.points.size()), out(half.out.points.size());
+        in_half->bind(low.data(), out.data(), true);
+        for (int f = 0; f < 6; ++f) {  // the first warms up, the second is captured
+            const HeadWindow heads = host.take(f);
+            on_host->run(heads);
+            on_device->run(device.take(f));
+            half.take(f);
+            low.upload(half.in.points.data(), half.in.points.size());
+            in_half->run(heads);
+            out.download(half.out.points.data());
+            EXPECT_LT(testing::largest_distance(device.out, host.out), 2e-5) << architecture << " " << f;
+            const Strands base = on_host->base(heads.now);
+            EXPECT_LT(testing::largest_distance(on_device->base(heads.now), base), 1e-5) << architecture;
+            double moved = 0, apart = 0;
+            for (size_t k = 0; k < base.points.size(); ++k) {
+                moved += norm(host.out.points[k] - base.points[k]);
+                apart += norm(half.out.points[k] - host.out.points[k]);
+            }
+            EXPECT_GT(moved / double(base.points.size()), 1e-3) << architecture;
+            EXPECT_LT(apart, 0.01 * moved) << architecture << " " << f;  // bfloat16 within 1 %
+        }
+        on_device->restart(), on_host->restart();
+        on_host->run(host.take(0)), on_device->run(device.take(0));
+        EXPECT_LT(testing::largest_distance(device.out, host.out), 2e-5) << architecture;
+    }
+#else
+    GTEST_SKIP() << "SKIP: built without CUDA, or LibTorch is";
+#endif
+}
+
+}  // namespace
+}  // namespace wetcurl
