@@ -15,8 +15,19 @@ namespace fs = std::filesystem;
 constexpr const char* library_name = "libwetcurl_networks.so";
 constexpr const char* entry_name = "wetcurl_network_module";
 
+// The folder of what holds this code: the program, or a library that a program links.
+fs::path own_folder() {
+    const fs::path program = "/proc/self/exe";
+    Dl_info info{};
+    std::error_code none;
+    if (dladdr(reinterpret_cast<void*>(&network_module), &info) && info.dli_fname &&
+        fs::exists(info.dli_fname, none) && !fs::equivalent(info.dli_fname, program, none))
+        return fs::canonical(info.dli_fname).parent_path();
+    return fs::read_symlink(program).parent_path();
+}
+
 std::string library_path() {
-    const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+    const fs::path folder = own_folder();
     const fs::path beside = folder / library_name, installed = folder.parent_path() / "lib" / library_name;
     for (const auto& path : {beside, installed})
         if (fs::exists(path)) return path;

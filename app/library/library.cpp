@@ -1,0 +1,144 @@
+// The library that other programs link.
+// Ours.
+#include <omp.h>
+
+#include <cmath>
+#include <optional>
+
+#include "app/library/wetcurl.h"
+#include "base/error.h"
+#include "learn/network_module.h"
+#include "solver/display.h"
+#include "solver/rest_state.h"
+
+using namespace wetcurl;
+
+struct wetcurl_hair {
+    int threads;
+    Scene scene;
+    Groom low;
+    std::unique_ptr<LearnedStrands> learned;
+    std::optional<Display> display;  // where Eq 10 follows the network
+    Strands shown;                   // room for it
+    float* high = nullptr;
+    bool on_device = false;
+    long frames = 0;
+};
+
+namespace {
+
+thread_local std::string last_error;
+
+// What `act` returns, or `otherwise` where it throws.
+template <class Value, class Act>
+Value guarded(Value otherwise, Act act) noexcept {
+    try {
+        last_error.clear();
+        return act();
+    } catch (const std::exception& e) {
+        last_error = e.what();
+    } catch (...) {
+        last_error = "an error of no known kind";
+    }
+    return otherwise;
+}
+
+Pose pose_of(const double* p) {
+    const Quatd q{p[3], p[4], p[5], p[6]};
+    const double size = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+    if (!(std::abs(size - 1) < 1e-3))
+        throw Error("pose: found a quaternion of length " + std::to_string(std::sqrt(size)) +
+                    ", allowed 1 (x y z, then w x y z)");
+    return {normalized(q), {p[0], p[1], p[2]}};
+}
+
+const char* text_of(const char* text, const char* what) {
+    if (!text) throw Error(std::string("wetcurl_open: ") + what + " is NULL");
+    return text;
+}
+
+}  // namespace
+
+const char* wetcurl_error(void) { return last_error.c_str(); }
+
+wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char* device, int threads) {
+    return guarded<wetcurl_hair*>(nullptr, [&] {
+        if (threads < 0)
+            throw Error("wetcurl_open: found " + std::to_string(threads) + " threads, allowed 0 or more");
+        const int count = threads > 0 ? threads : omp_get_num_procs();
+        omp_set_num_threads(count);
+        Scene scene = load_scene(text_of(scene_file, "scene"));
+        if (scene.saturation.empty())
+            throw Error(std::string(scene_file) + ": has no [wetness], which is what the network predicts for");
+        if (scene.flow)
+            throw Error(std::string(scene_file) +
+                        ": its water moves ([wetness.flow]), allowed is wetness that stays");
+        const Strands shape = shape_at_rest(scene);
+        Groom low = coarsened(scene.groom, 2);
+        StrandCodec codec(scene.groom, low, scene.saturation, &shape);
+        auto learned = network_module().load_strands(text_of(model, "model"), std::move(codec), low,
+                                                     text_of(device, "device"), count);
+        auto hair = std::make_unique<wetcurl_hair>(
+            wetcurl_hair{count, std::move(scene), std::move(low), std::move(learned), {}, {}});
+        if (hair->learned->card().target != "displayed" && hair->scene.cohesion) {
+            if (hair->scene.has_deforming_solid())
+                throw Error(std::string(scene_file) +
+                            ": its solids deform, which cohesion after a network cannot follow here");
+            hair->display.emplace(hair->scene);
+            hair->shown = hair->scene.groom.rest;
+        }
+        return hair.release();
+    });
+}
+
+void wetcurl_close(wetcurl_hair* hair) { delete hair; }
+
+int wetcurl_low_strands(const wetcurl_hair* hair) { return hair->low.rest.count; }
+int wetcurl_high_strands(const wetcurl_hair* hair) { return hair->scene.groom.rest.count; }
+int wetcurl_particles(const wetcurl_hair* hair) { return hair->low.rest.particles; }
+void wetcurl_low_at_rest(const wetcurl_hair* hair, float* low) {
+    for (const Vec3f& p : hair->low.rest.points) *low++ = p.x, *low++ = p.y, *low++ = p.z;
+}
+
+int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_device) {
+    static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+    return guarded(-1, [&] {
+        if (!low || !high) throw Error("wetcurl_bind: found NULL, allowed memory for the strands");
+        if (on_device && hair->display)
+            throw Error("wetcurl_bind: cohesion follows this model, which predicts strands before it; on a device "
+                        "only models of displayed strands run");
+        Vec3f* out = hair->display ? hair->shown.points.data() : reinterpret_cast<Vec3f*>(high);
+        hair->learned->bind(reinterpret_cast<const Vec3f*>(low), out, on_device != 0);
+        hair->high = high, hair->on_device = on_device != 0;
+        return 0;
+    });
+}
+
+int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7], const double after[7]) {
+    return guarded(-1, [&] {
+        if (!hair->high) throw Error("wetcurl_run: nothing is bound; wetcurl_bind comes first");
+        if (!now) throw Error("wetcurl_run: the pose now is NULL");
+        omp_set_num_threads(hair->threads);
+        HeadWindow heads;
+        heads.fps = hair->scene.fps, heads.gravity = hair->scene.integrator.gravity;
+        heads.now = pose_of(now);
+        heads.inner = before && after;
+        heads.before = before ? pose_of(before) : heads.now;
+        heads.after = after ? pose_of(after) : heads.now;
+        hair->learned->run(heads);
+        if (hair->display) {
+            hair->display->apply(hair->shown, heads.now, double(hair->frames) / hair->scene.fps, nullptr);
+            for (size_t k = 0; k < hair->shown.points.size(); ++k) {
+                const Vec3f& p = hair->shown.points[k];
+                hair->high[3 * k] = p.x, hair->high[3 * k + 1] = p.y, hair->high[3 * k + 2] = p.z;
+            }
+        }
+        ++hair->frames;
+        return 0;
+    });
+}
+
+void wetcurl_restart(wetcurl_hair* hair) {
+    hair->learned->restart();
+    hair->frames = 0;
+}
