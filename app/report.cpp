@@ -43,22 +43,21 @@ void check(const ReportOptions& o) {
 Json read_stability(const std::string& path) {
     if (path.empty()) return nullptr;
     std::ifstream in(path);
-    const Json json = Json::parse(in, nullptr, false);
-    const auto fail = [&](const std::string& where, const std::string& needed) {
-        throw Error(path + where + " is needed: " + needed + "; `wetcurl stability --json` writes it");
-    };
     if (!in) throw Error(path + ": cannot be read");
+    const Json json = Json::parse(in, nullptr, false);
+    const auto fail = [&](const std::string& found, const std::string& needed) {
+        throw Error(path + ": found " + found + ", " + needed +
+                    " is needed; `wetcurl stability --json` writes it");
+    };
     if (!json.is_object() || !json.contains("cases") || !json["cases"].is_array() || json["cases"].empty())
-        fail(": found no list of cases, it", "cases: [{id, method, passed, …}]");
+        fail("no cases", "a list of cases");
     for (size_t k = 0; k < json["cases"].size(); ++k) {
         const Json& c = json["cases"][k];
-        const auto text = [&](const char* key) {
-            return c.is_object() && c.contains(key) && c[key].is_string();
-        };
-        if (!text("id") || !text("method") || !text("integrator") || !c.contains("passed") ||
-            !c["passed"].is_boolean())
-            fail(fmt::format(": cases[{}]: found it without id, method, integrator or passed, each", k),
-                 "three texts, and true or false");
+        for (const char* key : {"id", "method", "integrator"})
+            if (!c.is_object() || !c.contains(key) || !c[key].is_string())
+                fail(fmt::format("cases[{}] without a text '{}'", k, key), "one");
+        if (!c.contains("passed") || !c["passed"].is_boolean())
+            fail(fmt::format("cases[{}] without 'passed'", k), "true or false");
     }
     return json;
 }

@@ -28,10 +28,8 @@ size_t letters_of(const std::string& text) {
 }
 
 std::string begin_svg(const std::string& title) {
-    return fmt::format(
-        "<svg class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\" "
-        "xmlns=\"http://www.w3.org/2000/svg\">\n",
-        width, height, escaped(title));
+    return fmt::format("<svg class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n", width,
+                       height, escaped(title));
 }
 std::string line(const char* kind, double x0, double y0, double x1, double y1) {
     return fmt::format("<line class=\"{}\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>\n", kind,

@@ -101,9 +101,10 @@ double badness(Best best, double x) {
 
 std::string heading(const std::string& name, const std::string& unit, const std::string& meaning) {
     return fmt::format(
-        "<th scope=\"col\" title=\"{}\" aria-sort=\"none\"><button type=\"button\">{}<br>"
-        "<small>{}</small></button></th>",
-        escaped(meaning), name.empty() ? "&nbsp;" : escaped(name), escaped(unit));
+        "<th scope=\"col\"{} aria-sort=\"none\"><button "
+        "type=\"button\">{}<br><small>{}</small></button></th>",
+        meaning.empty() ? "" : " title=\"" + escaped(meaning) + "\"", name.empty() ? "&nbsp;" : escaped(name),
+        escaped(unit));
 }
 
 std::string remarks(const Row& row) {
@@ -339,8 +340,10 @@ std::string stability_section(const Json& stability) {
                 if (c["id"] != id || c["method"] != method) continue;
                 ++all, passed += c["passed"].get<bool>();
                 for (const auto& [key, name] : stability_numbers)
-                    if (const Json value = c.value(key, Json()); value.is_number())
-                        most[name] = std::max(most.emplace(name, 0).first->second, value.get<double>());
+                    if (const Json value = c.value(key, Json()); value.is_number()) {
+                        double& largest = most.emplace(name, value.get<double>()).first->second;
+                        largest = std::max(largest, value.get<double>());
+                    }
             }
             std::string numbers;
             for (const auto& [name, value] : most)

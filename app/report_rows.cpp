@@ -63,8 +63,8 @@ Json taken_like(const Json& like, const Json& entry, const std::string& where) {
 
 Json read_entry(const fs::path& file) {
     std::ifstream in(file);
-    const Json json = Json::parse(in, nullptr, false);
     if (!in) throw Error(file.string() + ": cannot be read");
+    const Json json = Json::parse(in, nullptr, false);
     if (json.is_discarded()) fail(file.string(), "what is no JSON", "a comparison");
     if (!json.is_object() || !json.contains("others") || !json["others"].is_array())
         fail(file.string() + ": others", found(json, "others"), "a list of one run");
