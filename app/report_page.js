@@ -83,7 +83,8 @@ function startPlayer(data) {
     function project(positions, from, count, canvas, x, y, depth) {
         const cy = Math.cos(view.yaw), sy = Math.sin(view.yaw), cp = Math.cos(view.pitch), sp = Math.sin(view.pitch);
         const radius = Math.hypot(...middle), eye = 3.4 * radius;
-        const fit = view.zoom * 1.1 * Math.min(canvas.width / Math.hypot(middle[0], middle[2]), canvas.height / middle[1]) / 2;
+        // Hair is round: the corners of its box are empty.
+        const fit = view.zoom * 0.47 * Math.min(canvas.width / (1.12 * Math.max(middle[0], middle[2])), canvas.height / middle[1]);
         for (let k = 0, at = 3 * from; k < count; ++k, at += 3) {
             const px = positions[at] * step[0] - middle[0], py = positions[at + 1] * step[1] - middle[1],
                   pz = positions[at + 2] * step[2] - middle[2];

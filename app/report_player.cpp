@@ -15,7 +15,7 @@ namespace wetcurl {
 namespace {
 
 constexpr size_t positions_at_once = 80000;  // of all runs, in a frame
-constexpr int solid_points = 300;
+constexpr int solid_points = 300, most_frames = 72;
 constexpr float comparable = 2.5f;  // a solid larger than that many times the hair is a floor, and not drawn
 
 // Particles to keep, root and tip among them.
@@ -75,24 +75,23 @@ std::string quantised(const std::vector<Vec3f>& points, const Box& box) {
 }  // namespace
 
 Kept kept_of(int runs, int frames, int strands, int particles, size_t bytes) {
-    Kept kept{strands, particles, 1, frames};
-    const auto in_a_frame = [&] { return size_t(runs) * size_t(kept.strands) * size_t(kept.particles); };
-    while (6 * in_a_frame() * size_t(kept.frames) > bytes || in_a_frame() > positions_at_once) {
-        const bool frames_help = in_a_frame() <= positions_at_once;
-        const double beyond_strands = kept.strands / 400.0, beyond_particles = kept.particles / 32.0,
-                     beyond_frames = frames_help ? kept.frames / 60.0 : 0;
-        if (beyond_frames > std::max(beyond_strands, beyond_particles))
-            kept.frames = (frames + kept.frame_step) / (kept.frame_step + 1), ++kept.frame_step;
-        else if (kept.strands > 1 && (beyond_strands >= beyond_particles || kept.particles <= 2))
-            kept.strands = std::max(1, kept.strands - std::max(1, kept.strands / 16));
-        else if (kept.particles > 2)
-            kept.particles = std::max(2, kept.particles - std::max(1, kept.particles / 16));
-        else if (kept.frames > 1)
-            kept.frames = (frames + kept.frame_step) / (kept.frame_step + 1), ++kept.frame_step;
-        else
-            break;
+    for (int step = (frames + most_frames - 1) / most_frames;; ++step) {
+        Kept kept{strands, particles, step, (frames + step - 1) / step};
+        const auto in_a_frame = [&] { return size_t(runs) * size_t(kept.strands) * size_t(kept.particles); };
+        const auto fits = [&] {
+            return in_a_frame() <= positions_at_once && 6 * in_a_frame() * size_t(kept.frames) <= bytes;
+        };
+        while (!fits() && (kept.strands > 1 || kept.particles > 2)) {
+            const bool too_many = kept.strands / 300.0 >= kept.particles / 48.0;
+            if (kept.strands > 1 && (too_many || kept.particles == 2))
+                kept.strands -= std::max(1, kept.strands / 32);
+            else
+                kept.particles -= std::max(1, kept.particles / 32);
+        }
+        const bool enough =
+            kept.strands >= std::min(strands, 200) && kept.particles >= std::min(particles, 36);
+        if ((enough && fits()) || kept.frames == 1 || (kept.frames <= 24 && fits())) return kept;
     }
-    return kept;
 }
 
 std::vector<int> strands_kept(int count, int kept) {
@@ -117,7 +116,12 @@ Json player_of(const std::vector<std::string>& paths, const std::vector<std::str
     }
     const RunHeader& header = runs[0]->header();
     const Strands& rest = header.groom.rest;
-    const Kept kept = kept_of(int(runs.size()), frames, rest.count, rest.particles);
+    // Water that flows is a seventh byte.
+    const bool flows = std::any_of(runs.begin(), runs.end(), [&](const auto& run) {
+        return !run->frame(first_frame).saturation.empty();
+    });
+    const Kept kept =
+        kept_of(int(runs.size()), frames, rest.count, rest.particles, flows ? 12'000'000 : 14'000'000);
     const auto strands = strands_kept(rest.count, kept.strands),
                particles = particles_kept(rest.particles, kept.particles);
 

@@ -16,8 +16,9 @@ struct Kept {
 };
 
 // Of `runs` runs of that many frames, strands and particles: as much as `bytes` of 6 a position hold and as
-// many positions in a frame as a browser draws. What is the furthest beyond 400 strands, 32 particles and 60
-// frames is thinned out first.
+// many positions in a frame as a browser draws. Strands above 300 and particles above 48, which curls need,
+// are thinned out first; frames where there are more than 72 and where 200 strands of 36 particles would not
+// be left.
 Kept kept_of(int runs, int frames, int strands, int particles, size_t bytes = 14'000'000);
 
 // Strands to keep, rising: spread over all of them, in no step that a grid of roots has.
