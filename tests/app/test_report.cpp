@@ -377,8 +377,9 @@ TEST_F(Report, misuse_says_what_is_needed) {
 
 TEST_F(Report, of_runs_holds_rows_player_and_nothing_from_elsewhere) {
     make_runs();
+    fs::copy(scratch.path("quad.h5"), scratch.path("<script>copy.h5"));
     ReportOptions o = options();
-    o.runs = {scratch.path("wet.h5"), scratch.path("quad.h5")};
+    o.runs = {scratch.path("wet.h5"), scratch.path("quad.h5"), scratch.path("<script>copy.h5")};
     o.first_frame = 1;
     EXPECT_EQ(report_command(o), 0);
     const std::string html = page();
@@ -390,14 +391,16 @@ TEST_F(Report, of_runs_holds_rows_player_and_nothing_from_elsewhere) {
           "(1 s a frame, 100 mm)",
           "id=\"player-data\"", "all 64 strands", "wet.h5", "frames 1 to 3"})
         expect_in(html, part);
-    for (const char* part : {"http:", "https:", " src=", " href=", "@import", "url(", "alert(1)</script>"})
+    for (const char* part :
+         {"http:", "https:", " src=", " href=", "@import", "url(", "alert(1)</script>", "<script>copy"})
         expect_not_in(html, part);
 
     // Data of the player: 3 frames, 64 strands, 10 particles; where they say the run's are.
     const size_t begin = html.find("id=\"player-data\">") + 17;
     const Json data = Json::parse(html.substr(begin, html.find("</script>", begin) - begin));
     EXPECT_EQ(data["frames"], 3);
-    EXPECT_EQ(data["runs"].size(), 2u);
+    EXPECT_EQ(data["runs"].size(), 3u);
+    EXPECT_EQ(data["runs"][2]["name"], "<script>copy");
     EXPECT_EQ(data["solids"].size(), 1u);
     EXPECT_TRUE(data["runs"][0]["saturation"].is_string());
     const auto bytes = bytes_of_base64(data["runs"][1]["positions"].get<std::string>());
