@@ -180,6 +180,8 @@ std::string cost_chart(const Rows& rows) {
     std::string marks;
     for (const Row& row : rows.all) {
         const double px = x.at(took(row.seconds())), py = y.at(shown(row.mm()));
+        if (row.seeds)
+            marks += line("seeds", px, y.at(shown(row.seeds->most_mm)), px, y.at(shown(row.seeds->least_mm)));
         marks += fmt::format("<g><title>{}: {:.3g} mm, {}{}</title>", escaped(row.name), row.mm(),
                              time_text(row.seconds()), row.of_all_scenes() ? "" : ", of other scenes") +
                  mark(row.kind, px, py, !row.of_all_scenes()) + "</g>\n";

@@ -10,8 +10,8 @@
 namespace wetcurl {
 
 // Error against run time, both on logarithmic axes: a labelled mark for each row, the front as a staircase,
-// the time of the references themselves as a line. Rows of other scenes than most are hollow. An error below
-// best_cost's (learn/front.h) stands at that.
+// the range of seeds as a stroke, the time of the references themselves as a line. Rows of other scenes than
+// most are hollow. An error below best_cost's (learn/front.h) stands at that.
 std::string cost_chart(const Rows& rows);
 
 struct ErrorCurve {

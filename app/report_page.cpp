@@ -38,61 +38,58 @@ std::optional<double> ratio(const Json& means, const char* a, const char* b) {
 
 // ---------------------------------------------------------------- the table
 
-enum class Best { least, most, nearest_one, none };
+enum class Best { least, most, nearest_one };
 
-// A column of numbers: two lines of heading, what it means, which value is the best.
+// A column of numbers: two lines of heading, what it means, which value is the best, and where it is in a
+// row's means: a number times `factor`, over another one where `over` names it; or what `own` takes from the
+// row.
 struct Column {
     const char *name, *unit, *meaning;
     Best best;
-    std::optional<double> (*value)(const Row&);
-};
+    const char* number;
+    double factor = 1;
+    const char* over = "";
+    double (*own)(const Row&) = nullptr;
 
-#define WETCURL_MEAN(pointer, factor)                         \
-    [](const Row& r) -> std::optional<double> {               \
-        const auto x = at(r.means, pointer);                  \
-        return x ? std::optional(factor * *x) : std::nullopt; \
+    std::optional<double> value(const Row& row) const {
+        if (own) return own(row);
+        const auto x = *over ? ratio(row.means, number, over) : at(row.means, number);
+        return x ? std::optional(factor * *x) : std::nullopt;
     }
+};
 
 const Column columns[] = {
     {"time", "ms / frame", "run time of a frame, the low-resolution run included", Best::least,
-     WETCURL_MEAN("/seconds_per_frame", 1e3)},
-    {"error", "mean mm", "distance of equal particles", Best::least, WETCURL_MEAN("/position_mm/mean", 1)},
-    {"", "95 % mm", "that 95 % of the distances stay below", Best::least,
-     WETCURL_MEAN("/position_mm/p95", 1)},
-    {"", "max mm", "largest distance", Best::least, WETCURL_MEAN("/position_mm/max", 1)},
-    {"", "% length", "mean distance over the strand's length", Best::least,
-     WETCURL_MEAN("/position_rel", 100)},
-    {"worst", "scene mm", "largest of the scenes' mean errors", Best::least,
-     [](const Row& r) { return std::optional(r.worst_mm); }},
+     "/seconds_per_frame", 1e3},
+    {"error", "mean mm", "distance of equal particles", Best::least, "/position_mm/mean"},
+    {"", "95 % mm", "that 95 % of the distances stay below", Best::least, "/position_mm/p95"},
+    {"", "max mm", "largest distance", Best::least, "/position_mm/max"},
+    {"", "% length", "mean distance over the strand's length", Best::least, "/position_rel", 100},
+    {"worst", "scene mm", "largest of the scenes' mean errors", Best::least, "", 1, "",
+     [](const Row& r) { return r.worst_mm; }},
     {"shared", "mm", "error of strands that the low-resolution run has", Best::least,
-     WETCURL_MEAN("/position_shared_mm/mean", 1)},
-    {"new", "mm", "error of strands that it has not", Best::least, WETCURL_MEAN("/position_new_mm/mean", 1)},
-    {"static", "mm", "error that stands still in the head's frame", Best::least,
-     WETCURL_MEAN("/position_static_mm", 1)},
-    {"dynamic", "mm", "root mean square of the error that swings", Best::least,
-     WETCURL_MEAN("/position_dynamic_mm", 1)},
+     "/position_shared_mm/mean"},
+    {"new", "mm", "error of strands that it has not", Best::least, "/position_new_mm/mean"},
+    {"static", "mm", "error that stands still in the head's frame", Best::least, "/position_static_mm"},
+    {"dynamic", "mm", "root mean square of the error that swings", Best::least, "/position_dynamic_mm"},
     {"F1", "2 mm 20°",
      "points found within that distance and direction: harmonic mean of precision and recall", Best::most,
-     WETCURL_MEAN("/f1_2mm_20deg", 1)},
-    {"", "3 mm 30°", "the same, wider", Best::most, WETCURL_MEAN("/f1_3mm_30deg", 1)},
-    {"", "4 mm 40°", "the same, wider still", Best::most, WETCURL_MEAN("/f1_4mm_40deg", 1)},
-    {"curvature", "error", "mean error of 1/R over mean 1/R", Best::least,
-     WETCURL_MEAN("/curvature_error", 1)},
-    {"curl radius", "kept", "mean curl radius over the reference's", Best::nearest_one,
-     WETCURL_MEAN("/curl_radius_ratio", 1)},
+     "/f1_2mm_20deg"},
+    {"", "3 mm 30°", "the same, wider", Best::most, "/f1_3mm_30deg"},
+    {"", "4 mm 40°", "the same, wider still", Best::most, "/f1_4mm_40deg"},
+    {"curvature", "error", "mean error of 1/R over mean 1/R", Best::least, "/curvature_error"},
+    {"curl radius", "kept", "mean curl radius over the reference's", Best::nearest_one, "/curl_radius_ratio"},
     {"tip", "spread", "distance of neighbouring tips over the reference's", Best::nearest_one,
-     WETCURL_MEAN("/tip_spread_ratio", 1)},
-    {"clumps", "/ reference", "groups of tips over the reference's", Best::nearest_one,
-     [](const Row& r) { return ratio(r.means, "/clumps", "/clumps_reference"); }},
+     "/tip_spread_ratio"},
+    {"clumps", "/ reference", "groups of tips over the reference's", Best::nearest_one, "/clumps", 1,
+     "/clumps_reference"},
     {"in solids", "%", "share of particles deeper than 0.1 mm in a solid", Best::least,
-     WETCURL_MEAN("/penetration/fraction", 100)},
-    {"", "max mm", "deepest particle", Best::least, WETCURL_MEAN("/penetration/max_mm", 1)},
+     "/penetration/fraction", 100},
+    {"", "max mm", "deepest particle", Best::least, "/penetration/max_mm"},
     {"jitter", "/ reference",
      "third difference over frames while the head stands still, over the reference's", Best::nearest_one,
-     [](const Row& r) { return ratio(r.means, "/jitter_mm", "/jitter_reference_mm"); }},
+     "/jitter_mm", 1, "/jitter_reference_mm"},
 };
-
-#undef WETCURL_MEAN
 
 // How far from the best, the less the better.
 double badness(Best best, double x) {
@@ -169,8 +166,8 @@ std::string metrics_table(const Rows& rows, bool many_scenes) {
                 html += "<td>–</td>";
                 continue;
             }
-            const bool is_best = used[c]->best != Best::none && row.of_all_scenes() && rows.all.size() > 1 &&
-                                 badness(used[c]->best, *x) <= best[c];
+            const bool is_best =
+                row.of_all_scenes() && rows.all.size() > 1 && badness(used[c]->best, *x) <= best[c];
             const bool worst = std::string(used[c]->name) == "worst";
             html +=
                 fmt::format("<td data-value=\"{:.9g}\"{}>{}{}</td>", *x, is_best ? " class=\"best\"" : "",
