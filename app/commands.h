@@ -50,6 +50,11 @@ struct CompareOptions : CommonOptions {
     std::vector<std::string> others;
     int first_frame = 0;  // frames before this one are left out (those that training saw)
 };
+struct ReportOptions : CommonOptions {
+    std::vector<std::string> runs;  // the reference, then what is compared with it; none: a table alone
+    std::string table, stability, output;  // folder of comparisons, the battery's JSON, the page; "": none
+    int first_frame = 0;                   // of the runs, as for compare
+};
 struct RenderOptions : CommonOptions {
     std::vector<std::string> runs;  // side by side
     std::string output;
@@ -88,6 +93,7 @@ int dataset_command(const DatasetOptions&);
 int train_command(const TrainOptions&);
 int infer_command(const InferOptions&);
 int compare_command(const CompareOptions&);
+int report_command(const ReportOptions&);
 int render_command(const RenderOptions&);
 int plot_command(const PlotOptions&);
 int import_command(const ImportOptions&);

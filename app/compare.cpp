@@ -7,50 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
-#include "app/results.h"
-#include "app/run_solids.h"
-#include "base/log.h"
-#include "learn/metrics.h"
+#include "app/comparison.h"
 
 namespace wetcurl {
 
 namespace {
-
-Json json_of(const Spread& s) { return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}}; }
-Json json_of(const std::optional<double>& x) { return x ? Json(*x) : Json(nullptr); }
-
-Json json_of(const Comparison& c) {
-    return {{"file", c.file},
-            {"method", c.method},
-            {"frames", c.frames},
-            {"seconds_per_frame", c.seconds_per_frame},
-            {"position_mm", json_of(c.position_mm)},
-            {"position_rel", c.position_rel},
-            {"position_shared_mm", json_of(c.shared_mm)},
-            {"position_new_mm", json_of(c.new_mm)},
-            {"position_static_mm", c.static_mm},
-            {"position_dynamic_mm", c.dynamic_mm},
-            {"f1_2mm_20deg", c.f1[0]},
-            {"f1_3mm_30deg", c.f1[1]},
-            {"f1_4mm_40deg", c.f1[2]},
-            {"curvature_error", c.curvature_error},
-            {"curl_radius_ratio", c.curl_radius_ratio},
-            {"stretch_max", c.stretch_max},
-            {"stretch_max_reference", c.stretch_max_reference},
-            {"penetration",
-             {{"fraction", c.penetration_fraction},
-              {"mean_mm", c.penetration_mean_mm},
-              {"max_mm", c.penetration_max_mm}}},
-            {"solid_distance_mm", json_of(c.solid_distance_mm)},
-            {"tip_spread_mm", c.tip_spread_mm},
-            {"tip_spread_reference_mm", c.tip_spread_reference_mm},
-            {"tip_spread_ratio", c.tip_spread_ratio},
-            {"clumps", c.clumps},
-            {"clumps_reference", c.clumps_reference},
-            {"jitter_mm", json_of(c.jitter_mm)},
-            {"jitter_reference_mm", json_of(c.jitter_reference_mm)},
-            {"velocity_error_m_per_s", c.velocity_error}};
-}
 
 // One column of the table: its heading over two lines, and a cell.
 struct Column {
@@ -110,22 +71,12 @@ int compare_command(const CompareOptions& options) {
     check_files(options, "", inputs);
     refuse_scene_options(options, "compare");
     refuse_device(options, "compare");
-    const RunReader reference(options.reference);
-    const auto solid = solid_distance_of(reference.header());
-    std::vector<Comparison> others;
+    const auto others = compare_runs(options.reference, options.others, options.first_frame);
     Json json{{"reference", options.reference}, {"others", Json::array()}};
-    for (const auto& path : options.others) {
-        const RunReader other(path);
-        others.push_back(compare(reference, other, options.first_frame, solid));
-        if (other.frames() != reference.frames())
-            log_warning(fmt::format("{} has {} frames, {} has {}: frames {} to {} are compared", path,
-                                    other.frames(), options.reference, reference.frames(),
-                                    options.first_frame, options.first_frame + others.back().frames - 1));
-        json["others"].push_back(json_of(others.back()));
-    }
+    for (const auto& other : others) json["others"].push_back(json_of(other));
     if (options.json != "-") {
         const std::string heading =
-            fmt::format("against {} ({})\n", options.reference, reference.header().method);
+            fmt::format("against {} ({})\n", options.reference, RunReader(options.reference).header().method);
         std::fputs((heading + table_of(others)).c_str(), stdout);
     }
     write_json(json, options.json);

@@ -161,6 +161,18 @@ int main(int argc, char** argv) {
     c->add_option("--first-frame", compare.first_frame, "leave out the frames before this one")
         ->check(CLI::NonNegativeNumber);
 
+    ReportOptions report;
+    c = command("report", "learned beside simulated hair: one HTML file to open", report, report_command);
+    c->add_option("runs", report.runs, "REFERENCE.h5 OTHER.h5...");
+    c->add_option(
+        "--table", report.table,
+        "comparisons over many scenes: FOLDER/ROW/SCENE.json, of compare --json; ROW@1, ROW@2: seeds of "
+        "one training");
+    c->add_option("--stability", report.stability, "what stability --json wrote");
+    c->add_option("--first-frame", report.first_frame, "leave out the frames before this one")
+        ->check(CLI::NonNegativeNumber);
+    c->add_option("-o,--output", report.output, "report.html");
+
     RenderOptions render;
     c = command("render", "draw runs, side by side, without a window", render, render_command);
     c->add_option("runs", render.runs, "RUN.h5")->required();
@@ -232,9 +244,9 @@ int main(int argc, char** argv) {
             throw Misuse("found command '" + name + "', allowed: " + CLI::detail::join(known, ", ") +
                          did_you_mean(name, known));
         app.parse(argc, argv);
-        for (CommonOptions* o :
-             std::initializer_list<CommonOptions*>{&simulate, &encode, &dataset, &train, &infer, &compare,
-                                                   &render, &plot, &import, &inspect, &stability, &bench})
+        for (CommonOptions* o : std::initializer_list<CommonOptions*>{
+                 &simulate, &encode, &dataset, &train, &infer, &compare, &report, &render, &plot, &import,
+                 &inspect, &stability, &bench})
             apply(shared, *o);
         return flushed(run());
     } catch (const CLI::ParseError& e) {

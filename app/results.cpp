@@ -53,14 +53,7 @@ void refuse_device(const CommonOptions& o, const std::string& who) {
     if (o.device != "cpu") throw Misuse("--device " + o.device + ": " + who + " runs on the CPU alone");
 }
 
-void write_json(const Json& json, const std::string& path) {
-    if (path.empty()) return;
-    const std::string text = json.dump(2) + "\n";
-    if (path == "-") {
-        std::fputs(text.c_str(), stdout);
-        return;
-    }
-    // A device or a pipe is written to, never replaced.
+void write_text(const std::string& text, const std::string& path) {
     if (fs::exists(path) && !fs::is_regular_file(path)) {
         std::ofstream out(path);
         out << text << std::flush;
@@ -74,6 +67,15 @@ void write_json(const Json& json, const std::string& path) {
         if (!out) throw Error(path + ": cannot be written");
     }
     fs::rename(partial, path);
+}
+
+void write_json(const Json& json, const std::string& path) {
+    if (path.empty()) return;
+    const std::string text = json.dump(2) + "\n";
+    if (path == "-")
+        std::fputs(text.c_str(), stdout);
+    else
+        write_text(text, path);
 }
 
 Json time_statistics(std::vector<double> t) {

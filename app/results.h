@@ -11,6 +11,9 @@ namespace wetcurl {
 
 using Json = nlohmann::ordered_json;
 
+// To `path`, whole or not at all; a device or a pipe is written to, never replaced. Throws Error where it
+// cannot be written.
+void write_text(const std::string& text, const std::string& path);
 // To `path`, "-" for standard output, "" for nowhere.
 void write_json(const Json& json, const std::string& path);
 

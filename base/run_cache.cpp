@@ -28,6 +28,13 @@ const float* floats(const Strands& s) { return &s.points.data()->x; }
 
 }  // namespace
 
+std::string kind_of(const RunHeader& header) {
+    if (header.method.starts_with("simulated"))
+        return header.method.ends_with("learned") ? "learned" : "simulated";
+    // What is inferred names its dry run and, where there is one, the model.
+    return header.inputs.size() < 2 ? "interpolated" : "learned";
+}
+
 struct RunWriter::Body {
     H5Writer file;
     size_t strands, particles, energies, stages;
@@ -112,6 +119,7 @@ RunReader::RunReader(const std::string& path)
     h.inputs = split_lines(f.text("inputs"));
     h.terms_present = f.text("terms_present");
     h.terms_absent = f.text("terms_absent");
+    if (f.has_attribute("build")) h.build = f.text("build");
     if (!(h.fps > 0)) throw Error(path + ": fps must be positive");
     const auto points = f.shape("groom/points");
     if (points.size() != 3 || points[0] == 0 || points[1] < 2 || points[2] != 3 || points[0] > 100'000'000 ||

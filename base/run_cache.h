@@ -31,7 +31,12 @@ struct RunHeader {
     std::vector<std::string> stages;          // names of the columns of `stage_seconds`
     std::vector<std::string> inputs;          // "file hash" of what it was made from
     std::string terms_present, terms_absent;  // comma-separated
+    std::string build;                        // of the program that wrote it; read only
 };
+
+// What made a run's strands: "simulated" by physics alone, "interpolated" from a dry run, or "learned": by a
+// network, be it one in the place of a single force.
+std::string kind_of(const RunHeader& header);
 
 struct RunFrame {
     Pose head;                  // of the head (and what is attached to it) at this frame

@@ -232,6 +232,7 @@ class PositionError {
     }
     void add(const Strands& a, const Strands& b, const Pose& head, const std::string& where) {
         const Quatd to_head = conjugate(head.rotation);
+        Mean frame;
         for (int s = 0; s < a.count; ++s)
             for (int i = 0; i < a.particles; ++i) {
                 const Vec3d e = cast<double>(b.at(s, i) - a.at(s, i));
@@ -240,21 +241,23 @@ class PositionError {
                     throw Error(where + ": strand " + std::to_string(s) + ", particle " + std::to_string(i) +
                                 ": position is not finite");
                 all_.add(float(r));
+                frame.add(r);
                 (shared_[size_t(s)] ? low_ : new_).add(float(r));
                 relative_.add(r / length_[size_t(s)]);
                 square_.add(r * r);
                 still_[size_t(s) * a.particles + i] += rotate(to_head, e);
             }
-        ++frames_;
+        mm_per_frame_.push_back(1e3 * frame.value());
     }
     void tell(Comparison& out) const {
         out.position_mm = all_.millimetres();
         out.shared_mm = low_.millimetres();
         out.new_mm = new_.millimetres();
         out.position_rel = relative_.value();
+        out.mm_per_frame = mm_per_frame_;
         Mean length, square;
         for (const Vec3d& sum : still_) {
-            const Vec3d mean = (1.0 / frames_) * sum;
+            const Vec3d mean = (1.0 / double(mm_per_frame_.size())) * sum;
             length.add(norm(mean));
             square.add(dot(mean, mean));
         }
@@ -268,7 +271,7 @@ class PositionError {
     std::vector<Vec3d> still_;  // sum of errors in the head's frame
     Distances all_, low_, new_;
     Mean relative_, square_;
-    int frames_ = 0;
+    std::vector<double> mm_per_frame_;
 };
 
 // Of particles and solids: how deep the other run's are, and how far from the reference's.
@@ -327,6 +330,14 @@ void add_velocity(const Shape& a, const Shape& b, double fps, Mean& error) {
 }
 
 double ratio(double a, double b) { return b > 0 ? a / b : 0; }
+
+// Mean over the frames [first, end) but frame 0, a state that nothing was computed for.
+double seconds_per_frame(const RunReader& run, int first, int end) {
+    const auto seconds = run.seconds();
+    Mean time;
+    for (int f = std::max(first, 1); f < end; ++f) time.add(seconds[size_t(f)]);
+    return time.value();
+}
 
 void require_comparable(const RunReader& reference, const RunReader& other, int first_frame) {
     const RunHeader &a = reference.header(), &b = other.header();
@@ -410,6 +421,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
     Comparison out;
     out.file = other.path();
     out.method = other.header().method;
+    out.kind = kind_of(other.header());
     out.frames = end - first_frame;
 
     Shape shape_a(reference), shape_b(other);
@@ -438,11 +450,8 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
         }
     }
 
-    const auto seconds = other.seconds();
-    Mean time;
-    // Frame 0 is a state that nothing was computed for.
-    for (int f = std::max(first_frame, 1); f < end; ++f) time.add(seconds[size_t(f)]);
-    out.seconds_per_frame = time.value();
+    out.seconds_per_frame = seconds_per_frame(other, first_frame, end);
+    out.seconds_per_frame_reference = seconds_per_frame(reference, first_frame, end);
     position.tell(out);
     solid_error.tell(out);
     for (size_t t = 0; t < 3; ++t) out.f1[t] = f1[t].value();

@@ -21,13 +21,15 @@ struct Spread {
 };
 
 struct Comparison {
-    std::string file, method;
-    int frames = 0;                // compared
-    double seconds_per_frame = 0;  // mean over the compared frames but frame 0
+    std::string file, method, kind;  // kind: as kind_of says (base/run_cache.h)
+    int frames = 0;                  // compared
+    // Mean over the compared frames but frame 0.
+    double seconds_per_frame = 0, seconds_per_frame_reference = 0;
     // Distance of equal particles [mm]; shared: strands of even pixels (the low-resolution ones), the rest
     // new.
     Spread position_mm, shared_mm, new_mm;
-    double position_rel = 0;  // mean distance over the strand's rest length
+    double position_rel = 0;           // mean distance over the strand's rest length
+    std::vector<double> mm_per_frame;  // (compared frame) mean distance of equal particles [mm]
     // The mean over time of the error in the head's frame, and the root mean square of what that leaves [mm].
     double static_mm = 0, dynamic_mm = 0;
     // Harmonic mean of precision and recall of points with a counterpart within (2, 3, 4 mm) and (20, 30, 40

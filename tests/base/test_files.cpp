@@ -344,6 +344,18 @@ TEST(RunCache, bad_content_is_an_error_that_says_what) {
     expect_bad([](RunHeader& h) { h.saturation[3] = HUGE_VALF; }, {"'saturation'", "finite"});
 }
 
+TEST(RunCache, its_kind_says_whether_a_network_made_it) {
+    RunHeader h;
+    h.method = "simulated dry";
+    EXPECT_EQ(kind_of(h), "simulated");
+    h.method = "simulated wet, adhesion learned";  // a network in Eq 11's place
+    EXPECT_EQ(kind_of(h), "learned");
+    h.method = "rest interpolation, Eq 9, Eq 10", h.inputs = {"dry.h5"};
+    EXPECT_EQ(kind_of(h), "interpolated");
+    h.method = "strand_mlp", h.inputs = {"dry.h5", "model.h5"};
+    EXPECT_EQ(kind_of(h), "learned");
+}
+
 TEST(RunCache, a_position_that_is_not_finite_names_frame_and_strand) {
     const Scratch scratch;
     {

@@ -40,6 +40,9 @@ TEST(Compare, a_run_against_itself_is_perfect) {
     EXPECT_GT(r.tip_spread_mm, 1);
     EXPECT_NEAR(r.stretch_max, 0, 1e-4);
     EXPECT_DOUBLE_EQ(r.seconds_per_frame, 0.5);
+    EXPECT_DOUBLE_EQ(r.seconds_per_frame_reference, 0.5);
+    EXPECT_EQ(r.mm_per_frame, std::vector<double>(frames, 0));
+    EXPECT_EQ(r.kind, "simulated");
 }
 
 TEST(Compare, a_rigid_shift_of_a_millimetre_is_a_millimetre) {
@@ -59,6 +62,19 @@ TEST(Compare, a_rigid_shift_of_a_millimetre_is_a_millimetre) {
     EXPECT_NEAR(r.dynamic_mm, 0, 1e-2);
     EXPECT_NEAR(r.f1[0], 1, 1e-12);
     EXPECT_NEAR(r.curl_radius_ratio, 1, 1e-4);
+}
+
+TEST(Compare, the_error_of_each_frame_is_told_apart) {
+    Case c;
+    // A millimetre more each frame; frame 0 is left out.
+    const Comparison r = c.compared(
+        none,
+        [](int, int, int f) {
+            return Vec3d{0, 1e-3 * f, 0};
+        },
+        head_at, 1);
+    ASSERT_EQ(r.mm_per_frame.size(), size_t(frames - 1));
+    for (size_t k = 0; k < r.mm_per_frame.size(); ++k) EXPECT_NEAR(r.mm_per_frame[k], double(k + 1), 1e-3);
 }
 
 TEST(Compare, shared_and_new_roots_are_told_apart) {

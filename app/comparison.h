@@ -1,0 +1,20 @@
+// Comparisons with a reference, made and written as JSON: what `compare` and `report` share. Ours.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/results.h"
+#include "learn/metrics.h"
+
+namespace wetcurl {
+
+// What `compare --json` says of one run: an entry of its `others`.
+Json json_of(const Comparison& comparison);
+
+// Each of `others` against `reference`, frames from `first_frame` on, solids as the reference's scene has
+// them. Warns of runs of another length. Throws Error as `compare` does (learn/metrics.h).
+std::vector<Comparison> compare_runs(const std::string& reference, const std::vector<std::string>& others,
+                                     int first_frame);
+
+}  // namespace wetcurl
