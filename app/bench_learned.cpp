@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "app/bench.h"
+#include "app/head_shapes.h"
 #include "learn/network_module.h"
 #include "solver/plan.h"
 #include "solver/rest_state.h"
@@ -48,6 +49,8 @@ Line learned_frame(const Workload& w, const std::string& model, const std::strin
     const Strands shape = shape_at_rest(high);
     const auto learned = network_module().load_strands(
         model, StrandCodec(high.groom, low, high.saturation, &shape), low, device, threads);
+    if (const HeadShapes head = head_shapes_of(high, model); !head.shapes.empty())
+        learned->keep_outside(head);
     const Frame frame(*learned, low.rest, shape.points.size(), device != "cpu");
     const HeadWindow heads;
     learned->run(heads);  // the second one captures

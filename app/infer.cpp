@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/head_shapes.h"
 #include "app/results.h"
 #include "base/interrupt.h"
 #include "base/log.h"
@@ -195,6 +196,9 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
         auto learned = network_module().load_strands(
             o.model, StrandCodec(scene.groom, low.groom, scene.saturation, &shape), low.groom, o.device,
             o.threads);
+        if (card.target == "displayed")
+            if (const HeadShapes head = head_shapes_of(scene, o.input); !head.shapes.empty())
+                learned->keep_outside(head);
         return std::make_unique<StrandMethod>(std::move(learned), o.model, shape.count, shape.particles);
     }
     if (low.saturation.empty())

@@ -50,6 +50,13 @@ class OnDevice final : public LearnedStrands {
 
     const ModelCard& card() const override { return card_; }
 
+    void keep_outside(const HeadShapes& head) override {
+        const c10::cuda::CUDAGuard guard(device_);
+        kernels_->keep_outside(head);
+        graph_.reset();
+        warm_ = false;
+    }
+
     void bind(const Vec3f* low, Vec3f* out, bool on_device) override {
         const c10::cuda::CUDAGuard guard(device_);
         const size_t reads = size_t(kernels_->low_strands()) * kernels_->particles(),

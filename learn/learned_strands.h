@@ -4,16 +4,28 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "base/geometry/shapes.h"
 #include "learn/network.h"
 #include "learn/strand_codec.h"
 
 namespace wetcurl {
 
+// What is attached to the head, in its frame, and how deep each particle may lie in it, (high strand,
+// particle) [m]: 0 or as deep as at rest, below 0.
+struct HeadShapes {
+    std::vector<Shape> shapes;
+    std::vector<float> depth;
+};
+
 class LearnedStrands {
   public:
     virtual ~LearnedStrands() = default;
     virtual const ModelCard& card() const = 0;
+    // From now on strands are moved out of these; roots stay. For networks of displayed strands: after others
+    // Eq 10 follows, and moves them out itself. Throws Error where the depths are not one a particle.
+    virtual void keep_outside(const HeadShapes& head) = 0;
     // Where the frames lie: low (low strands, particles) world positions of the dry low-resolution strands
     // [m], out (high strands, particles) the wet ones; both in the host's memory, or both in that of the CUDA
     // device it runs on, where nothing is copied then. Throws Error where the device is another's.
@@ -30,6 +42,8 @@ class LearnedStrands {
 // On the CPU; the network alone may run elsewhere. Throws Error where network and codec do not fit.
 std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec);
 
+// Throws Error unless there is a depth for each of so many particles.
+void require_depths(const HeadShapes& head, size_t particles);
 // Throws Error unless the card's network takes the codec's inputs.
 void require_inputs_of_codec(const ModelCard& card);
 

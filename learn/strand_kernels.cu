@@ -108,16 +108,18 @@ __global__ void describe_kernel(const HeadState* head, int pixels, const int* st
 // A block: `tile` strands of a row of the grid by `tile` particles, turned over in shared memory so that both
 // sides are read and written in order.
 __global__ void place_kernel(const HeadState* head, int pixels, int n, const int* strand, const Quatf* turn,
-                             const Vec3f* root, const float* base, Vec3f* out) {
+                             const Vec3f* root, const float* base, const ShapeView* shapes, int shape_count,
+                             const float* depth, Vec3f* out) {
     __shared__ float near[tile][3 * tile + 1];
     const int first = int(blockIdx.x) * tile, s = first + int(threadIdx.x), begin = int(blockIdx.y) * tile;
     const size_t plane = size_t(n) * pixels;
     if (s < pixels && strand[s] >= 0) {
-        const Quatf to_world = head->rotation * turn[s];
-        const Vec3f at_root = head->translation + rotate(head->rotation, root[s]);
+        const Quatf to_head = turn[s];
         for (int i = int(threadIdx.y); i < tile && begin + i < n; i += int(blockDim.y)) {
             const size_t k = size_t(begin + i) * pixels + s;
-            const Vec3f p = at_root + rotate(to_world, Vec3f{base[k], base[plane + k], base[2 * plane + k]});
+            Vec3f x = root[s] + rotate(to_head, Vec3f{base[k], base[plane + k], base[2 * plane + k]});
+            for (int h = 0; h < shape_count && begin + i > 0; ++h) x = pushed_out(shapes[h], x, depth[k]);
+            const Vec3f p = head->translation + rotate(head->rotation, x);
             float* to = &near[threadIdx.x][3 * i];
             to[0] = p.x, to[1] = p.y, to[2] = p.z;
         }
@@ -211,6 +213,29 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     image_ = DeviceBuffer<float>(image);
 }
 
+void StrandKernels::keep_outside(const HeadShapes& head) {
+    require_depths(head, size_t(high_) * n_);
+    grids_.clear();
+    std::vector<ShapeView> shapes;
+    for (const Shape& shape : head.shapes) {
+        ShapeView& view = shapes.emplace_back(view_of(shape));
+        if (view.kind != ShapeView::Kind::grid) continue;
+        DistanceGrid& grid = view.grid;
+        const size_t nodes = size_t(grid.nx) * grid.ny * grid.nz;
+        grids_.emplace_back(std::vector<float>(grid.phi, grid.phi + nodes));
+        grid.phi = grids_.back().data();
+    }
+    shapes_ = DeviceBuffer<ShapeView>(shapes);
+    std::vector<int> strand(size_t(pixels_), -1);
+    strand_.download(strand.data());
+    std::vector<float> depth(size_t(n_) * pixels_, 0);
+    for (int i = 0; i < n_; ++i)
+        for (int s = 0; s < pixels_; ++s)
+            if (strand[size_t(s)] >= 0)
+                depth[size_t(i) * pixels_ + s] = head.depth[size_t(strand[size_t(s)]) * n_ + i];
+    depth_ = DeviceBuffer<float>(depth);
+}
+
 void StrandKernels::take_head(cudaStream_t stream) const {
     check_cuda(
         cudaMemcpyAsync(head_.data(), head_host_.data(), sizeof(HeadState), cudaMemcpyHostToDevice, stream),
@@ -239,8 +264,9 @@ void StrandKernels::describe(cudaStream_t stream) const {
 
 void StrandKernels::place(Vec3f* out, cudaStream_t stream) const {
     const dim3 blocks(unsigned((pixels_ + tile - 1) / tile), unsigned((n_ + tile - 1) / tile));
-    place_kernel<<<blocks, dim3(tile, 8), 0, stream>>>(head_.data(), pixels_, n_, strand_.data(),
-                                                       turn_.data(), root_.data(), base_.data(), out);
+    place_kernel<<<blocks, dim3(tile, 8), 0, stream>>>(
+        head_.data(), pixels_, n_, strand_.data(), turn_.data(), root_.data(), base_.data(), shapes_.data(),
+        int(shapes_.size()), depth_.data(), out);
     check_launch("placement in the world");
 }
 

@@ -9,7 +9,7 @@
 #include <cuda_runtime.h>
 
 #include "base/device_buffer.h"
-#include "learn/strand_codec.h"
+#include "learn/learned_strands.h"
 
 namespace wetcurl {
 
@@ -48,6 +48,9 @@ class StrandKernels {
     // Of the frame; the host writes it before each.
     HeadState& head() const { return head_host_[0]; }
 
+    // Strands are moved out of these from now on.
+    void keep_outside(const HeadShapes& head);
+
     // In this order, all on `stream`: the head to the device; X from world positions; (M = F X); B; (E B into
     // the image); the other dynamic channels; (the network; B += D c); B to world positions (high, n).
     void take_head(cudaStream_t stream) const;
@@ -60,14 +63,17 @@ class StrandKernels {
     int n_, low_, high_, pixels_, width_;
     PinnedBuffer<HeadState> head_host_{1};
     DeviceBuffer<HeadState> head_{1};
-    DeviceBuffer<Vec3f> low_rest_;  // (low, n) offsets from the root, in the head's frame
-    DeviceBuffer<float> rest_;      // (n, 10, S): RestParticle
-    DeviceBuffer<int> from_;        // (width, S)
-    DeviceBuffer<float> weight_;    // (width, S)
-    DeviceBuffer<Quatf> turn_;      // (S): root frame to the head's
-    DeviceBuffer<Vec3f> root_;      // (S): in the head's frame
-    DeviceBuffer<int> strand_;      // (S): of the pixel, or -1
-    DeviceBuffer<float> past_;      // (9, 18, S): by lag
+    DeviceBuffer<Vec3f> low_rest_;            // (low, n) offsets from the root, in the head's frame
+    DeviceBuffer<float> rest_;                // (n, 10, S): RestParticle
+    DeviceBuffer<int> from_;                  // (width, S)
+    DeviceBuffer<float> weight_;              // (width, S)
+    DeviceBuffer<Quatf> turn_;                // (S): root frame to the head's
+    DeviceBuffer<Vec3f> root_;                // (S): in the head's frame
+    DeviceBuffer<int> strand_;                // (S): of the pixel, or -1
+    std::vector<DeviceBuffer<float>> grids_;  // of level sets
+    DeviceBuffer<ShapeView> shapes_;          // attached to the head
+    DeviceBuffer<float> depth_;               // (n, S)
+    DeviceBuffer<float> past_;                // (9, 18, S): by lag
     DeviceBuffer<float> cores_, amplitudes_, offsets_, departed_, moved_, base_, image_;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "app/head_shapes.h"
 #include "app/library/wetcurl.h"
 #include "base/error.h"
 #include "learn/network_module.h"
@@ -69,7 +70,8 @@ wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char
         omp_set_num_threads(count);
         Scene scene = load_scene(text_of(scene_file, "scene"));
         if (scene.saturation.empty())
-            throw Error(std::string(scene_file) + ": has no [wetness], which is what the network predicts for");
+            throw Error(std::string(scene_file) +
+                        ": has no [wetness], which is what the network predicts for");
         if (scene.flow)
             throw Error(std::string(scene_file) +
                         ": its water moves ([wetness.flow]), allowed is wetness that stays");
@@ -80,7 +82,10 @@ wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char
                                                      text_of(device, "device"), count);
         auto hair = std::make_unique<wetcurl_hair>(
             wetcurl_hair{count, std::move(scene), std::move(low), std::move(learned), {}, {}});
-        if (hair->learned->card().target != "displayed" && hair->scene.cohesion) {
+        if (hair->learned->card().target == "displayed") {
+            const HeadShapes head = head_shapes_of(hair->scene, scene_file);
+            if (!head.shapes.empty()) hair->learned->keep_outside(head);
+        } else if (hair->scene.cohesion) {
             if (hair->scene.has_deforming_solid())
                 throw Error(std::string(scene_file) +
                             ": its solids deform, which cohesion after a network cannot follow here");
@@ -105,8 +110,9 @@ int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_devic
     return guarded(-1, [&] {
         if (!low || !high) throw Error("wetcurl_bind: found NULL, allowed memory for the strands");
         if (on_device && hair->display)
-            throw Error("wetcurl_bind: cohesion follows this model, which predicts strands before it; on a device "
-                        "only models of displayed strands run");
+            throw Error(
+                "wetcurl_bind: cohesion follows this model, which predicts strands before it; on a device "
+                "only models of displayed strands run");
         Vec3f* out = hair->display ? hair->shown.points.data() : reinterpret_cast<Vec3f*>(high);
         hair->learned->bind(reinterpret_cast<const Vec3f*>(low), out, on_device != 0);
         hair->high = high, hair->on_device = on_device != 0;

@@ -17,7 +17,8 @@ using PoseArray = std::array<double, 7>;  // x y z of the head's origin [m], qua
 class Hair {
   public:
     // As of wetcurl_open.
-    Hair(const std::string& scene, const std::string& model, const std::string& device = "cpu", int threads = 0)
+    Hair(const std::string& scene, const std::string& model, const std::string& device = "cpu",
+         int threads = 0)
         : hair_(wetcurl_open(scene.c_str(), model.c_str(), device.c_str(), threads), wetcurl_close) {
         if (!hair_) throw std::runtime_error(wetcurl_error());
     }

@@ -125,6 +125,12 @@ WETCURL_HD DistanceSample<S> distance(const ShapeView& shape, const Vec3<S>& x) 
     }
 }
 
+// x, moved out to where its distance to the shape is `allowed` [m], at most 0, if it is deeper.
+WETCURL_HD inline Vec3f pushed_out(const ShapeView& shape, const Vec3f& x, float allowed) {
+    const DistanceSample<float> d = distance(shape, x);
+    return d.phi < allowed ? x + (allowed - d.phi) * d.normal : x;
+}
+
 // For drawing: round shapes with `around` corners a turn, inscribed; a plane as a quad of 1 m; a level set as
 // the mesh that it was made from. Triangles turn anticlockwise seen from outside.
 Mesh triangulated(const Shape& shape, int around = 48);

@@ -106,6 +106,32 @@ TEST(StrandKernels, give_the_features_and_strands_of_the_host) {
         EXPECT_LT(testing::largest_distance(placed, decoded), 5e-6) << f;
         EXPECT_GT(testing::largest_distance(placed, codec.base(heads.now)), 1e-3);
     }
+
+    // A ball at the head's origin, 2 cm wider than the cap that the roots lie on: what hangs within it comes
+    // to its surface, but for roots.
+    HeadShapes head{{Sphere{0.12}}, std::vector<float>(high.rest.points.size(), 0)};
+    Strands inside(high.rest.count, high.rest.particles), out = inside;
+    kernels.place(out_there.data(), nullptr);
+    out_there.download(inside.points.data());
+    kernels.keep_outside(head);
+    kernels.place(out_there.data(), nullptr);
+    out_there.download(out.points.data());
+    const Pose pose = testing::head_at(11);
+    int moved = 0;
+    for (int s = 0; s < out.count; ++s)
+        for (int i = 0; i < out.particles; ++i) {
+            const Vec3d before = pose.inverse(cast<double>(inside.at(s, i))),
+                        after = pose.inverse(cast<double>(out.at(s, i)));
+            if (i > 0 && norm(before) < 0.12) {
+                EXPECT_NEAR(norm(after), 0.12, 1e-5);
+                ++moved;
+            } else {
+                EXPECT_LT(norm(after - before), 1e-6);
+            }
+        }
+    EXPECT_GT(moved, 100);
+    head.depth.pop_back();
+    testing::expect_error([&] { kernels.keep_outside(head); }, {"3199", "3200"});
 }
 
 }  // namespace

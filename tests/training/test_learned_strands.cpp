@@ -89,6 +89,20 @@ TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
     learned->restart();
     learned->run(hair.take(0));
     EXPECT_EQ(testing::largest_distance(hair.out, shown[0]), 0);
+    // Out of what is attached to the head, roots apart.
+    const HeadShapes head{{Sphere{0.12}}, std::vector<float>(hair.high.rest.points.size(), 0)};
+    learned->keep_outside(head);
+    const HeadWindow heads = hair.take(1);
+    learned->run(heads);
+    int held = 0;
+    for (int s = 0; s < hair.out.count; ++s)
+        for (int i = 1; i < hair.out.particles; ++i) {
+            const double away = norm(heads.now.inverse(cast<double>(hair.out.at(s, i))));
+            EXPECT_GT(away, 0.12 - 1e-5);
+            held += away < 0.12 + 1e-5;
+        }
+    EXPECT_GT(held, 100);
+    expect_error([&] { learned->keep_outside({{Sphere{0.1}}, {0, 0}}); }, {"2 depths", "3200"});
     expect_error([&] { learned->bind(nullptr, nullptr, true); }, {"CUDA", "CPU"});
     expect_error(
         [&] {
