@@ -10,6 +10,7 @@
 #include "models/registry.h"
 #include "tests/learn/hair.h"
 #ifdef WETCURL_DEVICE_STRANDS
+#include "base/device_buffer.h"
 #include "learn/device_strands.h"
 #endif
 
