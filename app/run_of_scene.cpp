@@ -1,4 +1,4 @@
-// Headers of run caches.
+// Between scenes and run caches.
 #include "app/run_of_scene.h"
 
 #include <fmt/format.h>
@@ -24,6 +24,14 @@ RunHeader header_of(const Scene& scene, const Simulation& simulation, const std:
     h.terms_present = fmt::format("{}", fmt::join(presence.present, ", "));
     h.terms_absent = fmt::format("{}", fmt::join(presence.absent, ", "));
     return h;
+}
+
+Scene scene_of_file(const std::string& path, const SceneOptions& options) {
+    if (!path.ends_with(".h5")) return load_scene(path, options);
+    const RunReader run(path);
+    Scene scene = parse_scene(run.header().scene, path, run.header().scene_folder, options);
+    scene.files.push_back(path);
+    return scene;
 }
 
 }  // namespace wetcurl

@@ -1,4 +1,4 @@
-// What a run cache says of the scene it was made from. Ours.
+// Between scenes and run caches. Ours.
 #pragma once
 
 #include "base/run_cache.h"
@@ -6,6 +6,11 @@
 
 namespace wetcurl {
 
+// What a run cache says of the scene it was made from.
 RunHeader header_of(const Scene& scene, const Simulation& simulation, const std::string& method);
+
+// The scene of a file: TOML, or that of a run (.h5), with its relative paths where they were. Throws as
+// load_scene and RunReader do.
+Scene scene_of_file(const std::string& path, const SceneOptions& options);
 
 }  // namespace wetcurl

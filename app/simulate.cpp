@@ -28,7 +28,7 @@ int simulate_command(const SimulateOptions& o) {
     options.strands = o.strands;
     options.seed = o.seed;
     options.groom = o.groom;
-    Scene scene = load_scene(o.scene, options);
+    Scene scene = scene_of_file(o.scene, options);
     check_files(o, o.output, scene.files);
     if (o.dry) make_dry(scene);
     const std::string precision = trusted_precision(scene, o.precision);

@@ -140,6 +140,25 @@ TEST_F(Commands, encode_and_simulate_keep_their_inputs) {
     EXPECT_EQ(bytes_of(e.inputs[0]), "dry");
 }
 
+TEST_F(Commands, a_run_is_simulated_again_to_the_bit) {
+    SimulateOptions first = simulation("first.h5", 16);
+    simulate_command(first);
+    SimulateOptions again = first;
+    again.scene = first.output, again.output = scratch.path("again.h5");
+    simulate_command(again);
+    const RunReader a(first.output), b(again.output);
+    ASSERT_EQ(a.frames(), b.frames());
+    for (int f = 0; f < a.frames(); ++f)
+        for (size_t k = 0; k < a.frame(f).positions.points.size(); ++k)
+            ASSERT_EQ(norm(a.frame(f).positions.points[k] - b.frame(f).positions.points[k]), 0);
+    // With other options it is another.
+    again.output = scratch.path("other.h5"), again.set = {"integrator.substeps=2"};
+    simulate_command(again);
+    EXPECT_GT(norm(RunReader(again.output).frame(2).positions.at(3, 9) - a.frame(2).positions.at(3, 9)), 0);
+    again.output = again.scene, again.overwrite = true;
+    expect_error<Misuse>([&] { simulate_command(again); }, {"first.h5", "destroy"});
+}
+
 TEST_F(Commands, three_roots_give_other_strands_than_four) {
     simulate_command(simulation("low.h5", 16));
     for (const std::string kind : {"quad", "core", "rest"}) {

@@ -1,8 +1,7 @@
 // The same as hair.c in C++: hair_in_cpp SCENE.toml MODEL.h5 [DEVICE].
-#include <wetcurl.hpp>
-
 #include <cmath>
 #include <cstdio>
+#include <wetcurl.hpp>
 
 static wetcurl::PoseArray head_at(int frame) {
     const double angle = 0.02 * frame;
