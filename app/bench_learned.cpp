@@ -5,10 +5,9 @@
 #include <filesystem>
 
 #include "app/bench.h"
-#include "app/head_shapes.h"
+#include "app/learned_hair.h"
 #include "learn/network_module.h"
 #include "solver/plan.h"
-#include "solver/rest_state.h"
 #ifdef WETCURL_HAVE_CUDA
 #include "base/device_buffer.h"
 #endif
@@ -46,11 +45,8 @@ Line learned_frame(const Workload& w, const std::string& model, const std::strin
                    const std::string& device, int threads) {
     const Scene high = scene_of(w, true);
     const Groom low = coarsened(high.groom, 2);
-    const Strands shape = shape_at_rest(high);
-    const auto learned = network_module().load_strands(
-        model, StrandCodec(high.groom, low, high.saturation, &shape), low, device, threads);
-    if (const HeadShapes head = head_shapes_of(high, model); !head.shapes.empty())
-        learned->keep_outside(head);
+    const auto learned = learned_strands_of(model, high, high.title, low, device, threads);
+    const Strands& shape = high.groom.rest;
     const Frame frame(*learned, low.rest, shape.points.size(), device != "cpu");
     const HeadWindow heads;
     learned->run(heads);  // the second one captures

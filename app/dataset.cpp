@@ -268,7 +268,7 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
     for (Codec codec : codecs_of(recipe))
         for (const auto& split : dataset_splits) {
             std::unique_ptr<PairsWriter> out;
-            std::map<std::string, double> floors;
+            std::map<std::string, std::pair<double, long>> floors;  // sum, of how many scenes
             double radius = 0;
             long runs = 0;
             for (const auto& m : recipe.members) {
@@ -279,7 +279,8 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
                     out = std::make_unique<PairsWriter>(to.whole(split, codec), codec, reader.particles(),
                                                         true);
                 for (const char* floor : {"floor_mm", "floor_displayed_mm"})
-                    if (reader.has_attribute(floor)) floors[floor] += reader.number(floor);
+                    if (reader.has_attribute(floor))
+                        floors[floor].first += reader.number(floor), ++floors[floor].second;
                 if (codec == Codec::root && runs == 0) {
                     radius = reader.number("support_radius");
                     out->box(&recipe.box.lower.x, &recipe.box.upper.x);
@@ -296,8 +297,8 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
             }
             if (!out) continue;
             for (const auto& [floor, sum] : floors) {
-                out->attribute(floor, sum / double(runs));
-                manifest[floor + "_" + split] = sum / double(runs);
+                out->attribute(floor, sum.first / double(sum.second));
+                manifest[floor + "_" + split] = sum.first / double(sum.second);
             }
             out->commit();
         }

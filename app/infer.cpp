@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
-#include "app/head_shapes.h"
+#include "app/learned_hair.h"
 #include "app/results.h"
 #include "base/interrupt.h"
 #include "base/log.h"
@@ -182,24 +182,14 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
             throw Misuse("--reconstruct is for models of the root codec; this one predicts whole strands");
         if (o.roots == 3)
             throw Misuse("--roots 3 is for models of the root codec; this one predicts whole strands");
-        // Amplitudes do not know how many particles they come of, as long as these carry them all.
-        if (scene.groom.rest.particles < dct_kept)
-            throw Error(
-                fmt::format("{}: predicts {} amplitudes an axis, the run has {} particles a strand; "
-                            "allowed {} or more",
-                            o.model, dct_kept, scene.groom.rest.particles, dct_kept));
         if (card.particles != scene.groom.rest.particles)
             log_warning(fmt::format("{}: learned from strands of {} particles, the run has {}", o.model,
                                     card.particles, scene.groom.rest.particles));
         if (scene.saturation.empty()) scene.saturation = profile_of(card, scene.groom);
-        const Strands shape = shape_at_rest(scene);
-        auto learned = network_module().load_strands(
-            o.model, StrandCodec(scene.groom, low.groom, scene.saturation, &shape), low.groom, o.device,
-            o.threads);
-        if (card.target == "displayed")
-            if (const HeadShapes head = head_shapes_of(scene, o.input); !head.shapes.empty())
-                learned->keep_outside(head);
-        return std::make_unique<StrandMethod>(std::move(learned), o.model, shape.count, shape.particles);
+        auto learned = learned_strands_of(o.model, scene, o.wetness.empty() ? o.input : o.wetness, low.groom,
+                                          o.device, o.threads);
+        return std::make_unique<StrandMethod>(std::move(learned), o.model, scene.groom.rest.count,
+                                              scene.groom.rest.particles);
     }
     if (low.saturation.empty())
         throw Error(o.input + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
@@ -285,8 +275,11 @@ int infer_command(const InferOptions& given) {
             o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
         if (o.wetness.empty()) require_named(o, low);
         take_learned(o, low);
-        if (!o.model.empty() && network_module().card(o.model).codec == "adhesion")
-            return simulate_with(o, low);
+        if (!o.model.empty()) {
+            const ModelCard card = network_module().card(o.model);
+            if (card.codec == "adhesion") return simulate_with(o, low);
+            require_solids_for(card, low, o.input);
+        }
         simulate_low(o, low);
     } else if (o.wetness.empty()) {
         refuse_scene_options(o, "infer from a run without --wetness");

@@ -84,7 +84,10 @@ int main(int argc, char** argv) {
 
     SimulateOptions simulate;
     auto* c = command("simulate", "run the physics of a scene into a run cache", simulate, simulate_command);
-    c->add_option("scene", simulate.scene, "scene file (TOML), or a run (HDF5) whose scene to run again")
+    c->add_option(
+         "scene", simulate.scene,
+         "scene file (TOML), or a run (HDF5): the scene it was made from, whole and wet unless other options "
+         "say so")
         ->required();
     c->add_option("-o,--output", simulate.output, "run cache (HDF5)")->required();
     c->add_option("--frames", simulate.frames, "frames in place of the scene's")

@@ -1,4 +1,4 @@
-// Memory of a CUDA device behind owners, and checks of its calls. For .cu files alone. Ours.
+// Memory of a CUDA device behind owners, and checks of its calls. For what is built with CUDA alone. Ours.
 #pragma once
 
 #include <cuda_runtime.h>

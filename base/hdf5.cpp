@@ -192,7 +192,8 @@ void H5Writer::commit() {
     check(!error, path_, "cannot be renamed from " + partial_ + ": " + error.message());
 }
 
-H5Reader::H5Reader(const std::string& path, const std::string& format, int version) : path_(path) {
+H5Reader::H5Reader(const std::string& path, const std::string& format, int version, int oldest)
+    : path_(path) {
     const Turn turn;
     if (!fs::exists(path)) throw Error(path + ": no such file");
     if (fs::is_directory(path)) throw Error(path + ": found a folder, a '" + format + "' file is needed");
@@ -206,9 +207,11 @@ H5Reader::H5Reader(const std::string& path, const std::string& format, int versi
         const std::string found = text("format");
         check(found == format, path, "found a '" + found + "' file, a '" + format + "' file is needed");
         const int v = int(number("version"));
-        check(v >= 1 && v <= version, path,
-              "found version " + std::to_string(v) + ", allowed 1 to " + std::to_string(version) +
-                  " (made by a newer wetcurl?)");
+        check(
+            v >= oldest && v <= version, path,
+            "found version " + std::to_string(v) + ", allowed " + std::to_string(oldest) + " to " +
+                std::to_string(version) +
+                (v < oldest ? " (made by an older wetcurl: make it again)" : " (made by a newer wetcurl?)"));
     } catch (...) {
         H5Fclose(file_);
         throw;

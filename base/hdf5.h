@@ -47,9 +47,9 @@ class H5Writer {
 
 class H5Reader {
   public:
-    // Throws Error where the file is missing, empty, cut short, foreign, of another format or a newer
-    // version.
-    H5Reader(const std::string& path, const std::string& format, int version);
+    // Throws Error where the file is missing, empty, cut short, foreign, of another format, or of a version
+    // newer than `version` or older than `oldest`.
+    H5Reader(const std::string& path, const std::string& format, int version, int oldest = 1);
     ~H5Reader();
     H5Reader(const H5Reader&) = delete;
     H5Reader& operator=(const H5Reader&) = delete;

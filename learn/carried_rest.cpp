@@ -54,6 +54,10 @@ RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom&
 void RestCarrier::apply(const Stencil& stencil, const RootFrames& roots, const Strands& low, const Pose& head,
                         Strands& out) {
     const int n = low.particles, width = stencil.width;
+    if (low.count != moved_.count || n != moved_.particles)
+        throw Error("interpolation: found " + std::to_string(low.count) + " low-resolution strands of " +
+                    std::to_string(n) + " particles, allowed " + std::to_string(moved_.count) + " of " +
+                    std::to_string(moved_.particles));
     if (out.count != stencil.count() || out.particles != n) out = Strands(stencil.count(), n);
     const float beta = core_beta(n);
     const Quatf to_head = cast<float>(conjugate(head.rotation));

@@ -34,7 +34,7 @@ class OnDevice final : public LearnedStrands {
         const c10::cuda::CUDAGuard guard(device_);
         kernels_.emplace(codec, low);
         std::tie(card_, model_) = load_model(path);
-        require_inputs_of_codec(card_);
+        require_fit(card_, codec);
         model_->to(device_);
         model_->body = half ? torch::kBFloat16 : torch::kFloat;
         const long n = kernels_->particles(), S = kernels_->pixels(), l = kernels_->low_strands();
@@ -53,23 +53,22 @@ class OnDevice final : public LearnedStrands {
     void keep_outside(const HeadShapes& head) override {
         const c10::cuda::CUDAGuard guard(device_);
         kernels_->keep_outside(head);
-        graph_.reset();
-        warm_ = false;
+        begin_anew();
     }
 
     void bind(const Vec3f* low, Vec3f* out, bool on_device) override {
         const c10::cuda::CUDAGuard guard(device_);
         const size_t reads = size_t(kernels_->low_strands()) * kernels_->particles(),
                      writes = size_t(kernels_->high_strands()) * kernels_->particles();
-        host_low_ = nullptr, host_out_ = nullptr;
-        if (!on_device) {
-            own_low_ = DeviceBuffer<Vec3f>(reads), own_out_ = DeviceBuffer<Vec3f>(writes);
-            host_low_ = low, host_out_ = out;
-            low = own_low_.data(), out = own_out_.data();
+        if (on_device) {
+            require_here(low), require_here(out);
+            host_low_ = nullptr, host_out_ = nullptr, low_ = low, out_ = out;
+        } else {
+            if (!own_low_.size())
+                own_low_ = DeviceBuffer<Vec3f>(reads), own_out_ = DeviceBuffer<Vec3f>(writes);
+            host_low_ = low, host_out_ = out, low_ = own_low_.data(), out_ = own_out_.data();
         }
-        low_ = low, out_ = out;
-        graph_.reset();
-        warm_ = false;
+        begin_anew();
     }
 
     void run(const HeadWindow& heads) override {
@@ -77,22 +76,19 @@ class OnDevice final : public LearnedStrands {
         const c10::cuda::CUDAStreamGuard on_stream(stream_);
         const c10::InferenceMode inference;
         kernels_->head() = HeadState(heads, first_);
-        if (host_low_)
+        if (host_low_) {
+            require_finite(host_low_, own_low_.size(), kernels_->particles());
             check_cuda(cudaMemcpyAsync(own_low_.data(), host_low_, own_low_.bytes(), cudaMemcpyHostToDevice,
                                        stream_),
                        "low-resolution strands");
+        }
         // The first run warms libraries up, which may not happen while launches are captured; the second is
         // captured.
         if (!warm_) {
             frame();
             warm_ = true;
         } else {
-            if (!graph_) {
-                graph_.emplace();
-                graph_->capture_begin();
-                frame();
-                graph_->capture_end();
-            }
+            if (!graph_) capture();
             graph_->replay();
         }
         if (host_out_)
@@ -115,7 +111,7 @@ class OnDevice final : public LearnedStrands {
         kernels_->head().rotation = cast<float>(head.rotation);
         kernels_->head().translation = cast<float>(head.translation);
         kernels_->take_head(stream_);
-        kernels_->place(world.data(), stream_);
+        kernels_->place(world.data(), stream_, /*within_shapes=*/true);
         add_offsets(1);
         check_cuda(cudaStreamSynchronize(stream_), "base");
         Strands out(kernels_->high_strands(), kernels_->particles());
@@ -124,6 +120,35 @@ class OnDevice final : public LearnedStrands {
     }
 
   private:
+    // Whatever was captured is of other memory; what was uploaded is there.
+    void begin_anew() {
+        graph_.reset();
+        warm_ = false;
+        check_cuda(cudaDeviceSynchronize(), "device");
+    }
+
+    void require_here(const void* memory) const {
+        cudaPointerAttributes found{};
+        const cudaError_t status = cudaPointerGetAttributes(&found, memory);
+        cudaGetLastError();  // an unknown pointer is no failure of what follows
+        if (status != cudaSuccess || found.type != cudaMemoryTypeDevice || found.device != device_.index())
+            throw Error("learned strands: found memory that is not of CUDA device " +
+                        std::to_string(device_.index()) + ", where this one runs");
+    }
+
+    void capture() {
+        auto graph = std::make_unique<at::cuda::CUDAGraph>();
+        graph->capture_begin();
+        try {
+            frame();
+        } catch (...) {
+            graph->capture_end();
+            throw;
+        }
+        graph->capture_end();
+        graph_ = std::move(graph);
+    }
+
     void frame() {
         const long S = kernels_->pixels();
         kernels_->take_head(stream_);
@@ -159,7 +184,7 @@ class OnDevice final : public LearnedStrands {
     const Vec3f *low_ = nullptr, *host_low_ = nullptr;
     Vec3f *out_ = nullptr, *host_out_ = nullptr;
     DeviceBuffer<Vec3f> own_low_, own_out_;
-    std::optional<at::cuda::CUDAGraph> graph_;
+    std::unique_ptr<at::cuda::CUDAGraph> graph_;
     bool warm_ = false, first_ = true;
 };
 

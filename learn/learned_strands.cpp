@@ -3,17 +3,33 @@
 #include "learn/learned_strands.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 
 namespace wetcurl {
 
-void require_inputs_of_codec(const ModelCard& card) {
+void require_fit(const ModelCard& card, const StrandCodec& codec) {
     constexpr int inputs = static_channels + dynamic_channels;
-    if (card.codec == "strand" && card.input_channels == inputs) return;
-    throw Error("network " + card.architecture + ": found " + std::to_string(card.input_channels) +
-                " inputs of codec " + card.codec + ", allowed " + std::to_string(inputs) +
-                " of codec strand (trained by another wetcurl? train it again)");
+    const std::string network = "network " + card.architecture + ": ";
+    if (card.codec != "strand")
+        throw Error(network + "found one of codec " + card.codec + ", allowed is codec strand");
+    if (card.input_channels != inputs)
+        throw Error(network + "found " + std::to_string(card.input_channels) + " inputs, allowed " +
+                    std::to_string(inputs) + " (made by another wetcurl? encode and train again)");
+    // Amplitudes do not know how many particles they come of, as long as these carry them all.
+    if (codec.particles() < dct_kept)
+        throw Error(network + "predicts " + std::to_string(dct_kept) + " amplitudes an axis, the hair has " +
+                    std::to_string(codec.particles()) + " particles a strand; allowed " +
+                    std::to_string(dct_kept) + " or more");
+}
+
+void require_finite(const Vec3f* low, size_t count, int particles) {
+    for (size_t k = 0; k < count; ++k)
+        if (!std::isfinite(low[k].x + low[k].y + low[k].z))
+            throw Error("learned strands: found low-resolution strand " + std::to_string(k / particles) +
+                        ", particle " + std::to_string(k % particles) +
+                        " at no finite position, allowed are finite ones");
 }
 
 void require_depths(const HeadShapes& head, size_t particles) {
@@ -32,7 +48,7 @@ class OnHost final : public LearnedStrands {
           codec_(std::move(codec)),
           input_(size_t(static_channels + dynamic_channels) * codec_.pixels()),
           answer_(size_t(strand_coefficients) * codec_.pixels()) {
-        require_inputs_of_codec(network_->card());
+        require_fit(network_->card(), codec_);
         std::copy(codec_.fixed().begin(), codec_.fixed().end(), input_.begin());
         low_ = Strands(codec_.low_strands(), codec_.particles());
     }
@@ -47,6 +63,7 @@ class OnHost final : public LearnedStrands {
         from_ = low, to_ = out;
     }
     void run(const HeadWindow& heads) override {
+        require_finite(from_, low_.points.size(), low_.particles);
         std::copy_n(from_, low_.points.size(), low_.points.begin());
         codec_.dynamic(low_, heads, input_.data() + codec_.fixed().size());
         network_->run(input_.data(), {1, static_channels + dynamic_channels, codec_.height(), codec_.width()},
@@ -65,7 +82,8 @@ class OnHost final : public LearnedStrands {
 #pragma omp parallel for schedule(static)
         for (size_t k = 0; k < head_.depth.size(); ++k) {
             if (k % n == 0) continue;
-            const Vec3f x = rotate(back, to_[k] - place), out = pushed_out(shape, x, head_.depth[k]);
+            const Vec3f x = rotate(back, to_[k] - place),
+                        out = pushed_out(x, distance(shape, x), head_.depth[k]);
             if (norm(out - x) > 0) to_[k] = place + rotate(turn, out);
         }
     }

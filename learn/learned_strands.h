@@ -30,12 +30,15 @@ class LearnedStrands {
     // [m], out (high strands, particles) the wet ones; both in the host's memory, or both in that of the CUDA
     // device it runs on, where nothing is copied then. Throws Error where the device is another's.
     virtual void bind(const Vec3f* low, Vec3f* out, bool on_device = false) = 0;
-    // One frame, from `low` to `out`; returns when it is there. For every frame of a run, in order. Nothing
-    // is allocated from the second frame on (CUDA; on the CPU LibTorch keeps what it needs for itself).
+    // One frame, from `low` to `out`; returns when it is there. For every frame of a run, in order, at the
+    // rate that the network learned from. Throws Error where `low` is not finite in the host's memory; on a
+    // device what writes it must be through. Nothing is allocated from the third frame on (CUDA; on the CPU
+    // LibTorch keeps what it needs for itself).
     virtual void run(const HeadWindow& heads) = 0;
     // The next frame is the first of another run.
     virtual void restart() = 0;
-    // The frame run last, had the network said nothing: (high strands, particles), world [m].
+    // The frame run last, had the network said nothing, wherever the head is: (high strands, particles),
+    // world [m].
     virtual Strands base(const Pose& head) = 0;
 };
 
@@ -44,7 +47,9 @@ std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network
 
 // Throws Error unless there is a depth for each of so many particles.
 void require_depths(const HeadShapes& head, size_t particles);
-// Throws Error unless the card's network takes the codec's inputs.
-void require_inputs_of_codec(const ModelCard& card);
+// Throws Error unless the card's network takes what the codec gives.
+void require_fit(const ModelCard& card, const StrandCodec& codec);
+// Throws Error, naming strand and particle, where one of `count` positions is not finite.
+void require_finite(const Vec3f* low, size_t count, int particles);
 
 }  // namespace wetcurl

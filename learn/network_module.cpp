@@ -3,6 +3,7 @@
 #include "learn/network_module.h"
 
 #include <dlfcn.h>
+#include <link.h>
 
 #include <filesystem>
 
@@ -17,18 +18,20 @@ constexpr const char* entry_name = "wetcurl_network_module";
 
 // The folder of what holds this code: the program, or a library that a program links.
 fs::path own_folder() {
-    const fs::path program = "/proc/self/exe";
     Dl_info info{};
-    std::error_code none;
-    if (dladdr(reinterpret_cast<void*>(&network_module), &info) && info.dli_fname &&
-        fs::exists(info.dli_fname, none) && !fs::equivalent(info.dli_fname, program, none))
-        return fs::canonical(info.dli_fname).parent_path();
-    return fs::read_symlink(program).parent_path();
+    link_map* map = nullptr;
+    // Of the program itself the loader's map names no file.
+    if (dladdr1(reinterpret_cast<void*>(&network_module), &info, reinterpret_cast<void**>(&map),
+                RTLD_DL_LINKMAP) &&
+        map && map->l_name && *map->l_name)
+        return fs::canonical(map->l_name).parent_path();
+    return fs::read_symlink("/proc/self/exe").parent_path();
 }
 
 std::string library_path() {
     const fs::path folder = own_folder();
-    const fs::path beside = folder / library_name, installed = folder.parent_path() / "lib" / library_name;
+    const fs::path beside = folder / library_name,
+                   installed = folder.parent_path() / WETCURL_LIBRARY_FOLDER / library_name;
     for (const auto& path : {beside, installed})
         if (fs::exists(path)) return path;
     throw Error(std::string(library_name) + ": not found in " + beside.parent_path().string() + " nor in " +

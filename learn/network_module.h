@@ -50,8 +50,8 @@ struct NetworkModule {
     virtual void train(const TrainRequest& request) = 0;
 };
 
-// Opens libwetcurl_networks on first use: beside the program or the library that holds this code, else in
-// ../lib. Throws Error where it is not there or does not load. The module, and so every Network, lives until
+// Opens libwetcurl_networks on first use: beside the program or the library that holds this code, else
+// where it is installed. Throws Error where it is not there or does not load. The module, and so every Network, lives until
 // the program ends.
 NetworkModule& network_module();
 

@@ -85,7 +85,8 @@ void PairsWriter::box(const double lower[3], const double upper[3]) {
     file_.write("b_max", upper, {3});
 }
 
-PairsReader::PairsReader(const std::string& path) : file_(path, pairs_format, pairs_version) {
+PairsReader::PairsReader(const std::string& path)
+    : file_(path, pairs_format, pairs_version, oldest_pairs_version) {
     codec_ = codec_named(file_.text("codec"));
     particles_ = file_.integer("particles", 2, 1 << 24);
     runs_ = file_.has("runs") ? int(file_.list("runs").size()) : 0;

@@ -26,7 +26,7 @@
 namespace wetcurl {
 
 inline constexpr const char* pairs_format = "wetcurl pairs";
-inline constexpr int pairs_version = 2;
+inline constexpr int pairs_version = 2, oldest_pairs_version = 2;  // 1: other channels
 
 enum class Codec { strand, root, adhesion };
 std::string name_of(Codec codec);

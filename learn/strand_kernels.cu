@@ -118,7 +118,8 @@ __global__ void place_kernel(const HeadState* head, int pixels, int n, const int
         for (int i = int(threadIdx.y); i < tile && begin + i < n; i += int(blockDim.y)) {
             const size_t k = size_t(begin + i) * pixels + s;
             Vec3f x = root[s] + rotate(to_head, Vec3f{base[k], base[plane + k], base[2 * plane + k]});
-            for (int h = 0; h < shape_count && begin + i > 0; ++h) x = pushed_out(shapes[h], x, depth[k]);
+            for (int h = 0; h < shape_count && begin + i > 0; ++h)
+                x = pushed_out(x, distance(shapes[h], x), depth[k]);
             const Vec3f p = head->translation + rotate(head->rotation, x);
             float* to = &near[threadIdx.x][3 * i];
             to[0] = p.x, to[1] = p.y, to[2] = p.z;
@@ -262,11 +263,11 @@ void StrandKernels::describe(cudaStream_t stream) const {
     check_launch("features of motion");
 }
 
-void StrandKernels::place(Vec3f* out, cudaStream_t stream) const {
+void StrandKernels::place(Vec3f* out, cudaStream_t stream, bool within_shapes) const {
     const dim3 blocks(unsigned((pixels_ + tile - 1) / tile), unsigned((n_ + tile - 1) / tile));
     place_kernel<<<blocks, dim3(tile, 8), 0, stream>>>(
         head_.data(), pixels_, n_, strand_.data(), turn_.data(), root_.data(), base_.data(), shapes_.data(),
-        int(shapes_.size()), depth_.data(), out);
+        within_shapes ? 0 : int(shapes_.size()), depth_.data(), out);
     check_launch("placement in the world");
 }
 

@@ -57,7 +57,8 @@ class StrandKernels {
     void depart(const Vec3f* low, cudaStream_t stream) const;
     void carry(cudaStream_t stream) const;
     void describe(cudaStream_t stream) const;
-    void place(Vec3f* out, cudaStream_t stream) const;
+    // `within_shapes`: where they are, even in what is attached to the head.
+    void place(Vec3f* out, cudaStream_t stream, bool within_shapes = false) const;
 
   private:
     int n_, low_, high_, pixels_, width_;

@@ -44,6 +44,8 @@ ModelCard card_of(const H5Reader& file) {
     card.particles = count_in(file, "particles", 0, 1 << 20);
     card.parameters = count_in(file, "parameters", 1, 2000000000);
     if (file.has_attribute("target")) card.target = file.text("target");
+    if (card.target != "" && card.target != "strands" && card.target != "displayed")
+        throw Error(file.path() + ": target: found '" + card.target + "', allowed strands, displayed");
     card.recipe = file.text("recipe");
     card.inputs = file.text("inputs");
     for (const auto& name : file.list("numbers"))

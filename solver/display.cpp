@@ -35,7 +35,7 @@ void Display::apply(Strands& p, const Pose& head, double time, const MovingGrid*
             Vec3f& x = p.points[k];
             const auto d = distance_in_world(posed, x);
             const float allowed = solid.attached ? rest_depth_[k] : 0.f;
-            if (d.phi < allowed) x += (allowed - d.phi) * d.normal;
+            x = pushed_out(x, d, allowed);
         }
     };
     for (const auto& solid : scene_.solids)

@@ -5,17 +5,16 @@
 #include <cmath>
 #include <optional>
 
-#include "app/head_shapes.h"
+#include "app/learned_hair.h"
 #include "app/library/wetcurl.h"
 #include "base/error.h"
-#include "learn/network_module.h"
 #include "solver/display.h"
-#include "solver/rest_state.h"
 
 using namespace wetcurl;
 
 struct wetcurl_hair {
     int threads;
+    std::string device;
     Scene scene;
     Groom low;
     std::unique_ptr<LearnedStrands> learned;
@@ -44,7 +43,23 @@ Value guarded(Value otherwise, Act act) noexcept {
     return otherwise;
 }
 
+constexpr int most_threads = 4096;
+
+// Of OpenMP in the caller's thread, which has its own number back afterwards.
+class Threads {
+  public:
+    explicit Threads(int count) : before_(omp_get_max_threads()) { omp_set_num_threads(count); }
+    ~Threads() { omp_set_num_threads(before_); }
+    Threads(const Threads&) = delete;
+
+  private:
+    int before_;
+};
+
 Pose pose_of(const double* p) {
+    for (int k = 0; k < 7; ++k)
+        if (!std::isfinite(p[k]))
+            throw Error("pose: number " + std::to_string(k) + " of 7 is not finite (x y z, then w x y z)");
     const Quatd q{p[3], p[4], p[5], p[6]};
     const double size = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
     if (!(std::abs(size - 1) < 1e-3))
@@ -64,10 +79,11 @@ const char* wetcurl_error(void) { return last_error.c_str(); }
 
 wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char* device, int threads) {
     return guarded<wetcurl_hair*>(nullptr, [&] {
-        if (threads < 0)
-            throw Error("wetcurl_open: found " + std::to_string(threads) + " threads, allowed 0 or more");
+        if (threads < 0 || threads > most_threads)
+            throw Error("wetcurl_open: found " + std::to_string(threads) + " threads, allowed 0 to " +
+                        std::to_string(most_threads));
         const int count = threads > 0 ? threads : omp_get_num_procs();
-        omp_set_num_threads(count);
+        const Threads own(count);
         Scene scene = load_scene(text_of(scene_file, "scene"));
         if (scene.saturation.empty())
             throw Error(std::string(scene_file) +
@@ -75,17 +91,12 @@ wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char
         if (scene.flow)
             throw Error(std::string(scene_file) +
                         ": its water moves ([wetness.flow]), allowed is wetness that stays");
-        const Strands shape = shape_at_rest(scene);
         Groom low = coarsened(scene.groom, 2);
-        StrandCodec codec(scene.groom, low, scene.saturation, &shape);
-        auto learned = network_module().load_strands(text_of(model, "model"), std::move(codec), low,
-                                                     text_of(device, "device"), count);
+        auto learned = learned_strands_of(text_of(model, "model"), scene, scene_file, low,
+                                          text_of(device, "device"), count);
         auto hair = std::make_unique<wetcurl_hair>(
-            wetcurl_hair{count, std::move(scene), std::move(low), std::move(learned), {}, {}});
-        if (hair->learned->card().target == "displayed") {
-            const HeadShapes head = head_shapes_of(hair->scene, scene_file);
-            if (!head.shapes.empty()) hair->learned->keep_outside(head);
-        } else if (hair->scene.cohesion) {
+            wetcurl_hair{count, device, std::move(scene), std::move(low), std::move(learned), {}, {}});
+        if (hair->learned->card().target != "displayed" && hair->scene.cohesion) {
             if (hair->scene.has_deforming_solid())
                 throw Error(std::string(scene_file) +
                             ": its solids deform, which cohesion after a network cannot follow here");
@@ -109,7 +120,7 @@ int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_devic
     static_assert(sizeof(Vec3f) == 3 * sizeof(float));
     return guarded(-1, [&] {
         if (!low || !high) throw Error("wetcurl_bind: found NULL, allowed memory for the strands");
-        if (on_device && hair->display)
+        if (on_device && hair->display && hair->device != "cpu")
             throw Error(
                 "wetcurl_bind: cohesion follows this model, which predicts strands before it; on a device "
                 "only models of displayed strands run");
@@ -124,7 +135,7 @@ int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7],
     return guarded(-1, [&] {
         if (!hair->high) throw Error("wetcurl_run: nothing is bound; wetcurl_bind comes first");
         if (!now) throw Error("wetcurl_run: the pose now is NULL");
-        omp_set_num_threads(hair->threads);
+        const Threads own(hair->threads);
         HeadWindow heads;
         heads.fps = hair->scene.fps, heads.gravity = hair->scene.integrator.gravity;
         heads.now = pose_of(now);

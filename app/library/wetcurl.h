@@ -24,7 +24,8 @@ WETCURL_API const char* wetcurl_error(void);
 
 /* scene: TOML, the hair to predict at full resolution, and how wet it is; the dry strands are every second
  * root of its grid each way. model: HDF5, of codec strand. device: "cpu", "cuda" or "cuda:1". threads: 0
- * takes all. NULL where it failed. One hair is for one thread at a time. */
+ * takes all. NULL where it failed. One hair is for one thread at a time; the threads of networks are the
+ * process's, those of the hair opened last. */
 WETCURL_API wetcurl_hair* wetcurl_open(const char* scene, const char* model, const char* device, int threads);
 WETCURL_API void wetcurl_close(wetcurl_hair* hair);
 
@@ -35,8 +36,9 @@ WETCURL_API int wetcurl_particles(const wetcurl_hair* hair); /* of a strand */
 WETCURL_API void wetcurl_low_at_rest(const wetcurl_hair* hair, float* low);
 
 /* Where each frame is read, [low strands][particles][3], and written, [high strands][particles][3].
- * on_device: both are memory of the hair's CUDA device, and nothing is copied; only for models of what is
- * displayed, since cohesion (Eq 10), which follows the others, is computed on the host. */
+ * on_device: both are memory of the hair's CUDA device, and nothing is copied (what writes `low` must be
+ * through before wetcurl_run); only for models of what is displayed, since cohesion (Eq 10), which follows
+ * the others, is computed on the host. */
 WETCURL_API int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_device);
 
 /* One frame of the scene's rate; for every frame of a shot, in order. The head's pose one frame before, now

@@ -125,9 +125,8 @@ WETCURL_HD DistanceSample<S> distance(const ShapeView& shape, const Vec3<S>& x) 
     }
 }
 
-// x, moved out to where its distance to the shape is `allowed` [m], at most 0, if it is deeper.
-WETCURL_HD inline Vec3f pushed_out(const ShapeView& shape, const Vec3f& x, float allowed) {
-    const DistanceSample<float> d = distance(shape, x);
+// x, of that sample, moved out to where its distance is `allowed` [m], at most 0, if it is deeper.
+WETCURL_HD inline Vec3f pushed_out(const Vec3f& x, const DistanceSample<float>& d, float allowed) {
     return d.phi < allowed ? x + (allowed - d.phi) * d.normal : x;
 }
 

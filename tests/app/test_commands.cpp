@@ -159,6 +159,25 @@ TEST_F(Commands, a_run_is_simulated_again_to_the_bit) {
     expect_error<Misuse>([&] { simulate_command(again); }, {"first.h5", "destroy"});
 }
 
+// Networks of displayed strands run without what would keep hair out of a shoulder.
+TEST_F(Commands, a_displayed_network_refuses_a_solid_that_is_not_the_heads_before_anything_is_simulated) {
+    const std::string model = WETCURL_SOURCE_DIR "/models/weights/displayed_s.h5";
+    InferOptions o;
+    o.model = model;
+    o.output = scratch.path("learned.h5");
+    o.input =
+        scratch.file("shoulder.toml", wet_scene + "[[solid]]\nname = \"shoulder\"\nshape = \"plane\"\n");
+    o.threads = 1;
+    expect_error([&] { infer_command(o); }, {"shoulder.toml", "'shoulder'", "not attached to the head"});
+    EXPECT_FALSE(fs::exists(scratch.path("learned.h5.dry.h5")));
+    o.input = scratch.file("free.toml", wet_scene);
+    infer_command(o);
+    const RunReader run(o.output);
+    EXPECT_EQ(run.header().method, "strand_depthwise displayed_s");
+    EXPECT_EQ(run.frame(2).displayed.count, 0);  // Eq 10 is in the network
+    for (const Vec3f& p : run.frame(3).positions.points) EXPECT_LT(norm(p), 1);
+}
+
 TEST_F(Commands, three_roots_give_other_strands_than_four) {
     simulate_command(simulation("low.h5", 16));
     for (const std::string kind : {"quad", "core", "rest"}) {

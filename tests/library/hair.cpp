@@ -26,6 +26,31 @@ int main(int argc, char** argv) try {
         else
             hair.run(head_at(frame - 1), head_at(frame), head_at(frame + 1));
     }
+    // Another shot begins as the first did, and what is no position or no pose is refused, not computed with.
+    const std::vector<float> fourth = high;
+    hair.restart();
+    low = rest;
+    hair.run(head_at(0));
+    const std::vector<float> first = high;
+    hair.restart();
+    hair.run(head_at(0));
+    if (high != first || high == fourth)
+        throw std::runtime_error("a shot does not begin as the one before did");
+    auto refused = [&](auto act) {
+        try {
+            act();
+        } catch (const std::runtime_error& e) {
+            std::fprintf(stderr, "refused: %s\n", e.what());
+            return;
+        }
+        throw std::runtime_error("something that is not finite was computed with");
+    };
+    refused([&] { hair.run({0, NAN, 0, 1, 0, 0, 0}); });
+    refused([&] { hair.run({0, 0, 0, 2, 0, 0, 0}); });
+    low[7] = NAN;
+    refused([&] { hair.run(head_at(0)); });
+    high = fourth;
+
     double sum = 0;
     for (size_t s = 0; s < strands; ++s) {
         const float *root = &high[3 * n * s], *tip = root + 3 * (n - 1);

@@ -1,0 +1,21 @@
+// A strand network on the hair of a scene: what `infer`, `bench` and the library for other programs share.
+// Ours.
+#pragma once
+
+#include "learn/learned_strands.h"
+#include "solver/scene.h"
+
+namespace wetcurl {
+
+// Throws Error, naming `file`, where the model (its card) predicts displayed strands, which run without Eq
+// 10, and a solid of the scene is not attached to the head or deforms: nothing would keep strands out of it.
+void require_solids_for(const ModelCard& card, const Scene& scene, const std::string& file);
+
+// The model of that file with the codec of the scene's hair, kept out of what is attached to the head where
+// it predicts displayed strands. scene: of `scene_file`, at the resolution to predict, its saturation known;
+// low: the groom of the dry run. Throws Error where these do not fit, Misuse for a device's name.
+std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
+                                                   const std::string& scene_file, const Groom& low,
+                                                   const std::string& device, int threads);
+
+}  // namespace wetcurl
