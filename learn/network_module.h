@@ -51,8 +51,8 @@ struct NetworkModule {
 };
 
 // Opens libwetcurl_networks on first use: beside the program or the library that holds this code, else
-// where it is installed. Throws Error where it is not there or does not load. The module, and so every Network, lives until
-// the program ends.
+// where it is installed. Throws Error where it is not there or does not load. The module, and so every
+// Network, lives until the program ends.
 NetworkModule& network_module();
 
 }  // namespace wetcurl

@@ -103,7 +103,9 @@ class NeighborGrid {
     };
 
   private:
-    static int whole(float cell, int most) { return !(cell >= -2) ? -2 : cell > float(most) ? most : int(cell); }
+    static int whole(float cell, int most) {
+        return !(cell >= -2) ? -2 : cell > float(most) ? most : int(cell);
+    }
     int cell(float x, float origin) const { return whole(std::floor((x - origin) * inverse_), 1 << 20); }
     int column(float x) const { return whole(std::floor((x - origin_.x) * per_column_), most_columns); }
     size_t row_of(const Vec3f& p) const {
