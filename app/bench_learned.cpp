@@ -51,7 +51,8 @@ Line learned_frame(const Workload& w, const std::string& model, const std::strin
     const HeadWindow heads;
     learned->run(heads);  // the second one captures
     Line line;
-    line.name = name, line.item = "particle", line.items = double(shape.points.size());
+    line.name = name, line.series = name.substr(0, name.find(',')) + name.substr(name.rfind(','));
+    line.size = shape.count, line.item = "particle", line.items = double(shape.points.size());
     line.bytes = line.items * sizeof(Vec3f) + double(low.rest.points.size()) * sizeof(Vec3f);
     line.operations = 2.0 * double(learned->card().parameters) * shape.count;
     line.strands = shape.count, line.particles = shape.particles;

@@ -64,13 +64,16 @@ class InterpolationMethod final : public Method {
 
 class StrandMethod final : public Method {
   public:
-    explicit StrandMethod(std::unique_ptr<LearnedStrands> learned, const std::string& model, int strands,
-                          int particles)
+    // `cohesion`: Eq 10 follows even a network of displayed strands.
+    StrandMethod(std::unique_ptr<LearnedStrands> learned, const std::string& model, bool cohesion,
+                 int strands, int particles)
         : learned_(std::move(learned)),
-          name_(learned_->card().architecture + " " + std::filesystem::path(model).stem().string()),
+          name_(learned_->card().architecture + " " + std::filesystem::path(model).stem().string() +
+                (cohesion ? ", Eq 10" : "")),
+          cohesion_(cohesion),
           out_(strands, particles) {}
     std::string name() const override { return name_; }
-    bool before_cohesion() const override { return learned_->card().target != "displayed"; }
+    bool before_cohesion() const override { return cohesion_; }
     void apply(const RunFrame& low, const HeadWindow& heads, Strands& p) override {
         if (low_.points.empty()) {
             low_ = low.positions;
@@ -85,6 +88,7 @@ class StrandMethod final : public Method {
   private:
     std::unique_ptr<LearnedStrands> learned_;
     std::string name_;
+    bool cohesion_;
     Strands low_, out_;
 };
 
@@ -188,9 +192,11 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
         if (scene.saturation.empty()) scene.saturation = profile_of(card, scene.groom);
         auto learned = learned_strands_of(o.model, scene, o.wetness.empty() ? o.input : o.wetness, low.groom,
                                           o.device, o.threads);
-        return std::make_unique<StrandMethod>(std::move(learned), o.model, scene.groom.rest.count,
-                                              scene.groom.rest.particles);
+        return std::make_unique<StrandMethod>(std::move(learned), o.model,
+                                              o.cohesion || card.target != "displayed",
+                                              scene.groom.rest.count, scene.groom.rest.particles);
     }
+    if (o.cohesion) throw Misuse("--cohesion is for --interpolate and models of the strand codec");
     if (low.saturation.empty())
         throw Error(o.input + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
     const double radius = scene.cohesion ? scene.cohesion->h_c : 0.012;
@@ -265,8 +271,6 @@ int infer_command(const InferOptions& given) {
     if (!o.interpolate.empty()) refuse_device(o, "interpolation");
     if (o.wet_shape && o.interpolate != "rest")
         throw Misuse("--wet-shape is for --interpolate rest, which alone starts from a shape at rest");
-    if (o.cohesion && o.interpolate.empty())
-        throw Misuse("--cohesion is for --interpolate; a model says itself whether Eq 10 follows");
     if (o.interpolate == "nearest" && o.roots == 3)
         throw Misuse("--roots 3 is for quad and core; nearest copies the strand of one root");
     check_files(o, o.output, {o.input, o.model, o.wetness});
@@ -298,6 +302,9 @@ int infer_command(const InferOptions& given) {
     require_nested(scene.groom, low.groom);
     std::optional<Display> display;
     std::optional<DeformingSolids> surfaces;
+    if (o.passes && !(method->before_cohesion() && scene.cohesion))
+        throw Misuse("--passes: no Eq 10 follows here, whose passes these could be; --cohesion adds it");
+    if (o.passes) scene.cohesion->passes = *o.passes;
     if (method->before_cohesion() && scene.cohesion) {
         display.emplace(scene);
         if (scene.has_deforming_solid()) surfaces.emplace(scene);

@@ -154,7 +154,9 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     c->add_flag("--wet-shape", infer.wet_shape,
                 "for --interpolate rest: the strand at rest as its water curls it (Eq 9), not as drawn");
-    c->add_flag("--cohesion", infer.cohesion, "for --interpolate: then draw wet strands together (Eq 10)");
+    c->add_flag("--cohesion", infer.cohesion,
+                "for --interpolate and models of displayed strands: then draw wet strands together (Eq 10)");
+    c->add_option("--passes", infer.passes, "of Eq 10, in place of the scene's")->check(CLI::Range(1, 1000));
     c->add_option("--wetness", infer.wetness, "scene whose wetness and cohesion to predict for");
     c->add_option("-o,--output", infer.output, "run cache (HDF5)")->required();
 

@@ -175,6 +175,20 @@ TEST_F(Commands, a_displayed_network_refuses_a_solid_that_is_not_the_heads_befor
     const RunReader run(o.output);
     EXPECT_EQ(run.header().method, "strand_depthwise displayed_s");
     EXPECT_EQ(run.frame(2).displayed.count, 0);  // Eq 10 is in the network
+    // It follows where asked for, in as many passes.
+    const Vec3f alone = run.frame(3).seen().at(20, 24);
+    InferOptions more = o;
+    more.input = o.output + ".dry.h5", more.cohesion = true, more.overwrite = true;
+    std::vector<Vec3f> tips;
+    for (int passes : {1, 6}) {
+        more.output = scratch.path("more" + std::to_string(passes) + ".h5"), more.passes = passes;
+        infer_command(more);
+        tips.push_back(RunReader(more.output).frame(3).seen().at(20, 24));
+    }
+    EXPECT_GT(norm(tips[0] - alone), 1e-6);
+    EXPECT_GT(norm(tips[1] - tips[0]), 1e-6);
+    more.cohesion = false;
+    expect_error<Misuse>([&] { infer_command(more); }, {"--passes", "--cohesion"});
     for (const Vec3f& p : run.frame(3).positions.points) EXPECT_LT(norm(p), 1);
 }
 
@@ -260,7 +274,7 @@ TEST_F(Commands, water_that_nothing_takes_up_is_refused) {
     model.wet_shape = true;
     expect_error<Misuse>([&] { infer_command(model); }, {"--wet-shape", "--interpolate rest"});
     model.wet_shape = false, model.cohesion = true;
-    expect_error<Misuse>([&] { infer_command(model); }, {"--cohesion", "--interpolate", "model"});
+    expect_error<Misuse>([&] { infer_command(model); }, {"--cohesion", "[cohesion]"});
     for (const std::string kind : {"quad", "rest"}) {
         InferOptions o = inference(kind, 4);
         o.cohesion = true;
