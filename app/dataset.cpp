@@ -123,8 +123,9 @@ class MemberRun {
                                             diverged->strand));
             dry_->snapshot(low);
             auto at = [&](int frame) { return high_.motion.at(frame / high_.fps); };
-            heads.before = at(f - 1), heads.now = at(f), heads.after = at(f + 1);
-            heads.inner = f > 0 && f + 1 < high_.frames;
+            heads.before = at(f - 1), heads.now = at(f),
+            heads.after = f + 1 < high_.frames ? at(f + 1) : gone_on(heads.before, heads.now);
+            heads.inner = f > 0;
             if (strands) strands->take_up(low.positions, heads);
             const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every == 0;
             if (!kept && !keeps_runs()) continue;

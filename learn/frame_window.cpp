@@ -38,6 +38,11 @@ FrameWindow::FrameWindow(const RunReader& run) : run_(run) {
     heads_.gravity = gravity_of(run.header());
 }
 
+Pose gone_on(const Pose& before, const Pose& now) {
+    return {normalized(now.rotation * conjugate(before.rotation) * now.rotation),
+            2.0 * now.translation - before.translation};
+}
+
 bool FrameWindow::advance() {
     if (index_ + 1 >= run_.frames()) return false;
     ++index_;
@@ -48,8 +53,10 @@ bool FrameWindow::advance() {
     if (!last) {
         next_ = run_.frame(index_ + 1);
         heads_.after = next_.head;
+    } else if (!first) {
+        heads_.after = gone_on(heads_.before, heads_.now);
     }
-    heads_.inner = !first && !last;
+    heads_.inner = !first;
     return true;
 }
 

@@ -9,7 +9,9 @@ namespace wetcurl {
 // The head around one frame: what learning knows about motion.
 struct HeadWindow {
     Pose before, now, after;
-    bool inner = false;  // whether there is a frame on both sides; velocity and acceleration are 0 where not
+    // Whether there is a frame on both sides; velocity and acceleration are 0 where not. After a run's last
+    // frame the head goes on as it has moved.
+    bool inner = false;
     double fps = 24;
     Vec3d gravity{0, -9.81, 0};  // [m/s^2]
 
@@ -18,6 +20,9 @@ struct HeadWindow {
     // Of the point x of the head (head's frame) [m/s^2], world axes, by second difference: affine in x.
     Vec3d acceleration(const Vec3d& x) const;
 };
+
+// The pose a frame later, as the head has moved in the frame before.
+Pose gone_on(const Pose& before, const Pose& now);
 
 class FrameWindow {
   public:
