@@ -19,7 +19,7 @@ static Strands cores_of(const Strands& strands) {
 }
 
 RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom& low, const Strands* shape)
-    : rest_(high.rest.points.size()),
+    : particles_(high.rest.particles),
       low_rest_cores_(cores_of(low.rest)),
       moved_(low.rest.count, low.rest.particles) {
     auto size = [](const Strands& s) {
@@ -34,25 +34,43 @@ RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom&
                     " strands, allowed one for all " + std::to_string(high.rest.count));
     const Strands drawn_cores = cores_of(high.rest), curled_cores = cores_of(curled);
     const RootFrames roots = root_frames(high);
-    const int n = high.rest.particles;
+    const int n = particles_, blocks = (high.rest.count + S::lanes - 1) / S::lanes;
+    const Vec3<S> none{S(0), S(0), S(0)};
+    rest_.assign(size_t(blocks) * n, {none, S(1), none, none});
+    to_root_.assign(size_t(blocks), Quat<S>::identity());
+    auto set = [](Vec3<S>& to, int lane, const Vec3f& x) {
+        to.x.set(lane, x.x), to.y.set(lane, x.y), to.z.set(lane, x.z);
+    };
 #pragma omp parallel for schedule(static)
-    for (int s = 0; s < high.rest.count; ++s) {
-        const Quatf to_root = conjugate(roots.rotation[size_t(s)]);
-        const Vec3f *drawn = drawn_cores.strand(s), *core = curled_cores.strand(s), *p = curled.strand(s);
-        for (int i = 0; i < n; ++i) {
-            RestParticle& out = rest_[size_t(s) * n + i];
-            out = {{0, 0, 0}, 1, {0, 0, 0}, rotate(to_root, p[i] - core[i])};
-            if (i + 1 == n) continue;
-            const Vec3f edge = drawn[i + 1] - drawn[i], along = core[i + 1] - core[i];
-            out.length = norm(along) / std::max(norm(edge), tiny_length<float>);
-            out.edge = rotate(to_root, out.length * edge);
-            out.curled = rotate(to_root, along);
+    for (int block = 0; block < blocks; ++block)
+        for (int s = block * S::lanes; s < std::min(high.rest.count, (block + 1) * S::lanes); ++s) {
+            const int lane = s % S::lanes;
+            const Quatf to_root = conjugate(roots.rotation[size_t(s)]);
+            Quat<S>& q = to_root_[size_t(block)];
+            q.w.set(lane, to_root.w), q.x.set(lane, to_root.x);
+            q.y.set(lane, to_root.y), q.z.set(lane, to_root.z);
+            const Vec3f *drawn = drawn_cores.strand(s), *core = curled_cores.strand(s), *p = curled.strand(s);
+            for (int i = 0; i < n; ++i) {
+                RestParticle<S>& out = rest_[size_t(block) * n + i];
+                set(out.detail, lane, rotate(to_root, p[i] - core[i]));
+                if (i + 1 == n) continue;
+                const Vec3f edge = drawn[i + 1] - drawn[i], along = core[i + 1] - core[i];
+                const float length = norm(along) / std::max(norm(edge), tiny_length<float>);
+                out.length.set(lane, length);
+                set(out.edge, lane, rotate(to_root, length * edge));
+                set(out.curled, lane, rotate(to_root, along));
+            }
         }
-    }
 }
 
-void RestCarrier::apply(const Stencil& stencil, const RootFrames& roots, const Strands& low, const Pose& head,
-                        Strands& out) {
+RestParticle<float> RestCarrier::rest(int strand, int particle) const {
+    const RestParticle<S>& p = rest_[size_t(strand / S::lanes) * particles_ + particle];
+    const int lane = strand % S::lanes;
+    auto of = [&](const Vec3<S>& v) { return Vec3f{v.x[lane], v.y[lane], v.z[lane]}; };
+    return {of(p.edge), p.length[lane], of(p.curled), of(p.detail)};
+}
+
+void RestCarrier::apply(const Stencil& stencil, const Strands& low, const Pose& head, Strands& out) {
     const int n = low.particles, width = stencil.width;
     if (low.count != moved_.count || n != moved_.particles)
         throw Error("interpolation: found " + std::to_string(low.count) + " low-resolution strands of " +
@@ -70,21 +88,26 @@ void RestCarrier::apply(const Stencil& stencil, const RootFrames& roots, const S
             moved[i] = rotate(to_head, moved[i] - moved[0]) - (rest[i] - rest[0]);
     }
 #pragma omp parallel for schedule(static)
-    for (int s = 0; s < out.count; ++s) {
-        const int* from = stencil.from.data() + size_t(s) * width;
-        const float* weight = stencil.weight.data() + size_t(s) * width;
-        const Quatf to_root = conjugate(roots.rotation[size_t(s)]);
-        const RestParticle* rest = rest_.data() + size_t(s) * n;
-        Vec3f* p = out.strand(s);
-        carry_rest(
-            n, [&](int i) { return rest[i]; },
+    for (int block = 0; block < int(to_root_.size()); ++block) {
+        const int first = block * S::lanes, lanes = std::min(S::lanes, out.count - first);
+        const int* from = stencil.from.data() + size_t(first) * width;
+        const float* weight = stencil.weight.data() + size_t(first) * width;
+        carry_rest<S>(
+            n, [&](int i) { return rest_[size_t(block) * n + i]; },
             [&](int i) {
-                Vec3f sum{0, 0, 0};
-                for (int k = 0; k < width; ++k)
-                    if (weight[k] != 0) sum += weight[k] * moved_.at(from[k], i);
-                return rotate(to_root, sum);
+                Vec3<S> sum{S(0), S(0), S(0)};
+                for (int lane = 0; lane < lanes; ++lane) {
+                    Vec3f x{0, 0, 0};
+                    for (int k = lane * width; k < (lane + 1) * width; ++k)
+                        if (weight[k] != 0) x += weight[k] * moved_.at(from[k], i);
+                    sum.x.set(lane, x.x), sum.y.set(lane, x.y), sum.z.set(lane, x.z);
+                }
+                return rotate(to_root_[size_t(block)], sum);
             },
-            [&](int i, const Vec3f& x) { p[i] = x; });
+            [&](int i, const Vec3<S>& x) {
+                for (int lane = 0; lane < lanes; ++lane)
+                    out.at(first + lane, i) = {x.x[lane], x.y[lane], x.z[lane]};
+            });
     }
 }
 

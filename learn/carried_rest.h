@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "base/pack.h"
 #include "learn/core_detail.h"
 #include "learn/root_frame.h"
 #include "learn/stencil.h"
@@ -13,25 +14,26 @@
 namespace wetcurl {
 
 // What a rest shape says of one particle; of edges: the one to the next particle, 0 for the tip's.
+template <class S>
 struct RestParticle {
-    Vec3f edge;    // of the drawn strand's core, as long as the curled strand's core is there [m]
-    float length;  // of the curled strand's core's edge over that of the drawn one's
-    Vec3f curled;  // of the curled strand's core [m]
-    Vec3f detail;  // of the curled strand around its core [m]
+    Vec3<S> edge;    // of the drawn strand's core, as long as the curled strand's core is there [m]
+    S length;        // of the curled strand's core's edge over that of the drawn one's
+    Vec3<S> curled;  // of the curled strand's core [m]
+    Vec3<S> detail;  // of the curled strand around its core [m]
 };
 
-// One strand of `n` particles: the drawn core, moved, its edges as much shorter as the curled core's are, and
-// the curled detail around it. `rest(i)` gives a RestParticle, `moved(i)` how far the core's particle i has
-// moved [m], `store(i, offset)` takes the result in order.
-template <class Rest, class Moved, class Store>
+// One strand of `n` particles, or a strand a lane: the drawn core, moved, its edges as much shorter as the
+// curled core's are, and the curled detail around it. `rest(i)` gives a RestParticle, `moved(i)` how far the
+// core's particle i has moved [m], `store(i, offset)` takes the result in order.
+template <class S, class Rest, class Moved, class Store>
 WETCURL_HD void carry_rest(int n, Rest rest, Moved moved, Store store) {
-    CarriedTurn turn;
-    Vec3f at{0, 0, 0}, before = moved(0);
+    CarriedTurn<S> turn;
+    Vec3<S> at{S(0), S(0), S(0)}, before = moved(0);
     for (int i = 0; i < n; ++i) {
-        const RestParticle p = rest(i);
-        Vec3f edge{0, 0, 0};
+        const RestParticle<S> p = rest(i);
+        Vec3<S> edge{S(0), S(0), S(0)};
         if (i + 1 < n) {
-            const Vec3f next = moved(i + 1);
+            const Vec3<S> next = moved(i + 1);
             edge = p.edge + p.length * (next - before);
             before = next;
             turn.follow(p.curled, edge);
@@ -46,16 +48,16 @@ class RestCarrier {
     // `shape` (high strands): how they lie at rest in the head's frame, null: as drawn. Throws Error where it
     // does not fit.
     RestCarrier(const Stencil& stencil, const Groom& high, const Groom& low, const Strands* shape);
-    // low (low strands): world positions [m]; out (high strands): offsets in the root frames [m].
-    void apply(const Stencil& stencil, const RootFrames& roots, const Strands& low, const Pose& head,
-               Strands& out);
-    // (high strand, particle)
-    const std::vector<RestParticle>& rest() const { return rest_; }
-    // Of the low strands, in the head's frame.
-    const Strands& low_rest_cores() const { return low_rest_cores_; }
+    // low (low strands): world positions [m]; out (high strands): offsets in the root frames [m]. Throws
+    // Error for other strands.
+    void apply(const Stencil& stencil, const Strands& low, const Pose& head, Strands& out);
+    RestParticle<float> rest(int strand, int particle) const;
 
   private:
-    std::vector<RestParticle> rest_;
+    using S = Pack<float>;
+    int particles_;
+    std::vector<RestParticle<S>> rest_;  // (block of lanes, particle)
+    std::vector<Quat<S>> to_root_;       // (block): head's frame to the root frames
     Strands low_rest_cores_;
     Strands moved_;  // (low strands) how far their cores are from rest, in the head's frame [m]
 };

@@ -42,13 +42,16 @@ inline void core_of(const Vec3f* p, int n, float beta, Vec3f* core) {
 
 // The turn that takes the edges of one core to those of another. It is carried on from edge to edge, so that
 // it does not flip where the two point opposite ways.
+template <class S>
 struct CarriedTurn {
-    Quatf turn = Quatf::identity();
+    Quat<S> turn = Quat<S>::identity();
     // An edge of each core, in order from the root [m]; one without a direction leaves the turn as it is.
-    WETCURL_HD void follow(const Vec3f& from, const Vec3f& to) {
-        const Vec3f turned = rotate(turn, from);
-        if (norm(turned) > tiny_length<float> && norm(to) > tiny_length<float>)
-            turn = normalized(minimal_rotation(normalized(turned, to), normalized(to, turned)) * turn);
+    WETCURL_HD void follow(const Vec3<S>& from, const Vec3<S>& to) {
+        const Vec3<S> turned = rotate(turn, from);
+        const auto both = minimum(norm(turned), norm(to)) > S(tiny_length<S>);
+        const Quat<S> next =
+            normalized(minimal_rotation(normalized(turned, to), normalized(to, turned)) * turn);
+        turn = select(both, next, turn);
     }
 };
 

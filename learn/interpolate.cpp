@@ -44,7 +44,7 @@ static void weighted_mean(const Strands& strands, const int* from, const float* 
 
 // Adds to the core `out` the detail of strand p around its own core.
 static void add_detail(const Vec3f* p, const Vec3f* core, int n, Vec3f* out) {
-    CarriedTurn turn;
+    CarriedTurn<float> turn;
     // In this order edge i of `out` is still bare core when particle i asks for it; the tip takes the last
     // one's.
     for (int i = 0; i < n; ++i) {
@@ -60,7 +60,7 @@ void Interpolator::apply(const Strands& low, const Pose& head, Strands& out) {
                     " low-resolution strands, allowed " + std::to_string(stencil_.twin.size()));
     if (out.count != stencil_.count() || out.particles != n) out = Strands(stencil_.count(), n);
     if (kind_ == Interpolation::rest) {
-        carrier_->apply(stencil_, roots_, low, head, out);
+        carrier_->apply(stencil_, low, head, out);
         place_in_world(roots_, out, head, out);
         return;
     }

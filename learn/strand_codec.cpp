@@ -55,7 +55,7 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
 
 void StrandCodec::dynamic(const Strands& low, const HeadWindow& heads, float* out) {
     constexpr int slots = history_lags.back() + 1, modes = 3 * history_modes;
-    carrier_.apply(stencil_, roots_, low, heads.now, base_);
+    carrier_.apply(stencil_, low, heads.now, base_);
     project(base_, out);
     const size_t area = pixels(), strands = size_t(roots_.count());
     float* motion = out + size_t(strand_coefficients) * area;

@@ -40,15 +40,15 @@ __global__ void carry_kernel(int pixels, int low, int n, int width, const int* s
     }
     const Quatf to_root = conjugate(turn[s]);
     const size_t plane = size_t(n) * low, out = size_t(n) * pixels;
-    carry_rest(
+    carry_rest<float>(
         n,
         [&](int i) {
             const float* r = rest + size_t(i) * rest_numbers * pixels + s;
             auto number = [&](int k) { return r[size_t(k) * pixels]; };
-            return RestParticle{{number(0), number(1), number(2)},
-                                number(3),
-                                {number(4), number(5), number(6)},
-                                {number(7), number(8), number(9)}};
+            return RestParticle<float>{{number(0), number(1), number(2)},
+                                       number(3),
+                                       {number(4), number(5), number(6)},
+                                       {number(7), number(8), number(9)}};
         },
         [&](int i) {
             Vec3f sum{0, 0, 0};
@@ -174,7 +174,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
             weight[k * S + pixel] = codec.stencil().weight[s * width + k];
         }
         for (size_t i = 0; i < n; ++i) {
-            const RestParticle& p = codec.carrier().rest()[s * n + i];
+            const RestParticle<float> p = codec.carrier().rest(int(s), int(i));
             const float numbers[rest_numbers] = {p.edge.x,   p.edge.y,   p.edge.z,   p.length,   p.curled.x,
                                                  p.curled.y, p.curled.z, p.detail.x, p.detail.y, p.detail.z};
             for (size_t k = 0; k < rest_numbers; ++k) rest[(i * rest_numbers + k) * S + pixel] = numbers[k];
