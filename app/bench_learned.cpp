@@ -67,8 +67,11 @@ std::vector<Entry> learned_entries(const std::vector<std::string>& models, const
     std::vector<Entry> out;
     for (const auto& model : models)
         for (const Workload& w : workloads) {
-            const std::string name = fmt::format("learned frame, {} strands, {}", w.strands(),
-                                                 std::filesystem::path(model).stem().string());
+            // After other networks Eq 10 follows, which is not of this frame.
+            const bool whole = network_module().card(model).target == "displayed";
+            const std::string name =
+                fmt::format("learned frame{}, {} strands, {}", whole ? "" : " before cohesion", w.strands(),
+                            std::filesystem::path(model).stem().string());
             out.push_back({{name},
                            "learned frame",
                            [=](Results& results) {

@@ -21,7 +21,6 @@ struct wetcurl_hair {
     std::optional<Display> display;  // where Eq 10 follows the network
     Strands shown;                   // room for it
     float* high = nullptr;
-    bool on_device = false;
     long frames = 0;
 };
 
@@ -126,7 +125,7 @@ int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_devic
                 "only models of displayed strands run");
         Vec3f* out = hair->display ? hair->shown.points.data() : reinterpret_cast<Vec3f*>(high);
         hair->learned->bind(reinterpret_cast<const Vec3f*>(low), out, on_device != 0);
-        hair->high = high, hair->on_device = on_device != 0;
+        hair->high = high;
         return 0;
     });
 }
