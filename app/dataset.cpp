@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -23,6 +22,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
+#include "base/ranks.h"
 #include "learn/encode_runs.h"
 #include "solver/plan.h"
 #include "solver/rest_state.h"
@@ -195,24 +195,14 @@ class MemberRun {
 };
 
 // Which of how many share the work: --part K/N, or what a launcher of parallel programs says.
-struct Part {
-    long mine = 0, of = 1;
-};
-Part part_of(const std::string& text) {
-    Part part;
-    if (!text.empty()) {
-        long k = 0;
-        char rest = 0;
-        if (std::sscanf(text.c_str(), "%ld/%ld%c", &k, &part.of, &rest) != 2 || k < 1 || k > part.of)
-            throw Misuse("--part: found '" + text + "', allowed K/N with 1 <= K <= N");
-        part.mine = k - 1;
-        return part;
-    }
-    for (const auto& [rank, size] : {std::pair{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
-                                     {"PMI_RANK", "PMI_SIZE"},
-                                     {"SLURM_PROCID", "SLURM_NTASKS"}})
-        if (const char* r = std::getenv(rank), *s = std::getenv(size); r && s && std::atol(s) > 1)
-            return {std::atol(r), std::atol(s)};
+Ranks part_of(const std::string& text) {
+    if (text.empty()) return ranks_of_launcher();
+    Ranks part;
+    long k = 0;
+    char rest = 0;
+    if (std::sscanf(text.c_str(), "%ld/%ld%c", &k, &part.of, &rest) != 2 || k < 1 || k > part.of)
+        throw Misuse("--part: found '" + text + "', allowed K/N with 1 <= K <= N");
+    part.mine = k - 1;
     return part;
 }
 
@@ -319,8 +309,8 @@ int dataset_command(const DatasetOptions& o) {
             fs::equivalent(file, to.of("recipe.toml")))
             throw Misuse(file + ": lies where the data set keeps its own; another folder is needed for -o");
     if (!o.json.empty() && o.json != "-") check_files(o, "", recipe.files);
-    const Part part = part_of(o.part);
-    take_folder(o, to, recipe, part.of > 1);
+    const Ranks part = part_of(o.part);
+    take_folder(o, to, recipe, !part.alone());
 
     std::vector<const DatasetMember*> mine;
     for (size_t k = 0; k < recipe.members.size(); ++k)
