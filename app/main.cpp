@@ -135,6 +135,11 @@ int main(int argc, char** argv) {
         "strand_mlp | strand_depthwise | strand_linear | unet_vgg19 | recursive_residual | adhesion_mlp");
     c->add_option("--width", train.width, "multiplier of the network's width");
     c->add_flag("--resume", train.resume, "go on from OUTPUT.checkpoint");
+    c->footer(
+        "Several processes that mpirun, srun or torchrun starts (or RANK and WORLD_SIZE name) share each "
+        "batch; "
+        "--device cuda: a GPU for each. They meet at MASTER_ADDR (127.0.0.1), MASTER_PORT (29400), and wait "
+        "WETCURL_RENDEZVOUS_SECONDS (300) there. --threads counts for each.");
 
     InferOptions infer;
     c = command("infer", "predict wet high-resolution hair from a dry low-resolution run", infer,

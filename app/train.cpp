@@ -9,6 +9,7 @@
 #include "app/results.h"
 #include "base/log.h"
 #include "base/progress.h"
+#include "base/ranks.h"
 #include "learn/network_module.h"
 
 namespace wetcurl {
@@ -31,14 +32,18 @@ int train_command(const TrainOptions& o) {
     request.threads = o.threads;
     request.overwrite = o.overwrite;
     request.resume = o.resume;
-    request.log = log_info;
+    request.ranks = ranks_of_launcher();
     std::unique_ptr<Progress> bar;  // how many steps there are is known at the first
-    request.progress = [&](long done, long total, const std::string& note) {
-        if (!bar) bar = std::make_unique<Progress>("train", total, "step");
-        bar->update(done, note);
-    };
+    if (request.ranks.first()) {
+        request.log = log_info;
+        request.progress = [&](long done, long total, const std::string& note) {
+            if (!bar) bar = std::make_unique<Progress>("train", total, "step");
+            bar->update(done, note);
+        };
+    }
     network_module().train(request);
     bar.reset();
+    if (!request.ranks.first()) return 0;
 
     const ModelCard card = network_module().card(o.output);
     Json json{{"model", o.output},

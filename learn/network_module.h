@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/ranks.h"
 #include "learn/learned_strands.h"
 #include "learn/network.h"
 
@@ -28,6 +29,7 @@ struct TrainRequest {
     int threads = 0;  // 0: all
     bool overwrite = false;
     bool resume = false;
+    Ranks ranks;  // of several processes the first alone writes; "cuda" is a GPU for each
     // After every step: `done` of this call's `total` steps, and the loss in words. May be empty.
     std::function<void(long done, long total, const std::string& note)> progress;
     // Lines worth a log entry. May be empty.

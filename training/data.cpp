@@ -117,8 +117,7 @@ class StrandData : public TrainingData {
     long steps() const override { return ceil_divide(long(train_.size()), long(recipe_.batch)); }
     Batch batch(long step) const override {
         vector<Place> places;
-        const long first = step * long(recipe_.batch);
-        for (long i = first; i < std::min(first + long(recipe_.batch), long(order_.size())); ++i)
+        for (long i : share(step, recipe_.batch, order_.size()))
             places.push_back(train_[size_t(order_[size_t(i)])]);
         return of(places);
     }
@@ -233,6 +232,7 @@ class StrandData : public TrainingData {
     }
 
     Batch of(const vector<Place>& places) const {
+        if (places.empty()) return {};
         vector<Tensor> inputs, targets, bases;
         for (const Place& place : places) {
             const Run& r = runs_[place.run];
@@ -320,8 +320,7 @@ class RootData : public TrainingData {
     long steps() const override { return ceil_divide(long(samples_.size()), long(recipe_.batch)); }
     Batch batch(long step) const override {
         vector<Batch> patches;
-        const long first = step * long(recipe_.batch);
-        for (long i = first; i < std::min(first + long(recipe_.batch), long(order_.size())); ++i) {
+        for (long i : share(step, recipe_.batch, order_.size())) {
             const auto [y, x] = corners_[size_t(i)];
             patches.push_back(patch(train_[size_t(order_[size_t(i)])], y, x, side(), side()));
         }
@@ -390,6 +389,7 @@ class RootData : public TrainingData {
     }
 
     static Batch joined(const vector<Batch>& patches) {
+        if (patches.empty()) return {};
         vector<Tensor> parts[4];
         for (const auto& p : patches) {
             parts[0].push_back(p.input);
@@ -443,10 +443,10 @@ class AdhesionData : public TrainingData {
     }
     long steps() const override { return ceil_divide(2 * half(), long(recipe_.batch)); }
     Batch batch(long step) const override {
-        const size_t first = size_t(step * long(recipe_.batch)),
-                     last = std::min(first + size_t(recipe_.batch), order_.size());
-        const Tensor chosen =
-            torch::tensor(vector<long>(order_.begin() + long(first), order_.begin() + long(last)));
+        vector<long> samples;
+        for (long i : share(step, recipe_.batch, order_.size())) samples.push_back(order_[size_t(i)]);
+        if (samples.empty()) return {};
+        const Tensor chosen = torch::tensor(samples);
         return {train_.input.index_select(0, chosen),
                 train_.target.index_select(0, chosen),
                 train_.base.index_select(0, chosen),
@@ -489,22 +489,9 @@ class AdhesionData : public TrainingData {
     vector<long> contact_, free_, order_;
 };
 
-}  // namespace
-
-Batch Batch::to(torch::Device device) const {
-    auto moved = [&](const Tensor& t) { return t.defined() ? t.to(device) : t; };
-    return {moved(input), moved(target), moved(base), moved(mask), moved(pixels)};
-}
-
-std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_t trained,
-                                        const Recipe& recipe, torch::Device device) {
-    const PairsReader& first = *pairs.front();
-    for (auto* file : pairs)
-        if (file->codec() != first.codec() || file->particles() != first.particles())
-            throw Error(file->path() + ": found codec " + name_of(file->codec()) + " with " +
-                        std::to_string(file->particles()) + " particles, needed what " + first.path() +
-                        " has: " + name_of(first.codec()) + " with " + std::to_string(first.particles()));
-    switch (first.codec()) {
+std::unique_ptr<TrainingData> open_codec(const vector<PairsReader*>& pairs, size_t trained,
+                                         const Recipe& recipe, torch::Device device) {
+    switch (pairs.front()->codec()) {
         case Codec::strand:
             return std::make_unique<StrandData>(pairs, trained, recipe, device);
         case Codec::root:
@@ -514,6 +501,33 @@ std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_
                 throw Misuse("train adhesion: takes no --validation; the last samples are held out");
             return std::make_unique<AdhesionData>(pairs, recipe);
     }
+}
+
+}  // namespace
+
+vector<long> TrainingData::share(long step, double batch, size_t count) const {
+    const long first = step * long(batch), end = std::min(first + long(batch), long(count));
+    vector<long> places;
+    for (long i = first + ranks.mine; i < end; i += ranks.of) places.push_back(i);
+    return places;
+}
+
+Batch Batch::to(torch::Device device) const {
+    auto moved = [&](const Tensor& t) { return t.defined() ? t.to(device) : t; };
+    return {moved(input), moved(target), moved(base), moved(mask), moved(pixels)};
+}
+
+std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_t trained,
+                                        const Recipe& recipe, torch::Device device, const Ranks& ranks) {
+    const PairsReader& first = *pairs.front();
+    for (auto* file : pairs)
+        if (file->codec() != first.codec() || file->particles() != first.particles())
+            throw Error(file->path() + ": found codec " + name_of(file->codec()) + " with " +
+                        std::to_string(file->particles()) + " particles, needed what " + first.path() +
+                        " has: " + name_of(first.codec()) + " with " + std::to_string(first.particles()));
+    auto data = open_codec(pairs, trained, recipe, device);
+    data->ranks = ranks;
+    return data;
 }
 
 }  // namespace wetcurl

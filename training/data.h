@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/ranks.h"
 #include "learn/pairs.h"
 #include "models/layers.h"
 #include "models/model_card.h"
@@ -24,6 +25,7 @@ struct Batch {
     Tensor mask;    // root alone (B, 1, 2h, 2w): 1 where a strand is
     Tensor pixels;  // strand, whole frames with holes: (P) which of the B H W pixels hold a strand
     Batch to(torch::Device device) const;
+    bool empty() const { return !target.defined(); }
 };
 
 class TrainingData {
@@ -33,18 +35,26 @@ class TrainingData {
     virtual void describe(ModelCard& card) const = 0;
     // Draws the order of an epoch.
     virtual void begin_epoch(long epoch) = 0;
-    virtual long steps() const = 0;               // an epoch
-    virtual Batch batch(long step) const = 0;     // 0 ≤ step < steps()
+    virtual long steps() const = 0;  // an epoch
+    // 0 ≤ step < steps(). Of several processes each sees every so many of the batch's samples, all of them
+    // together what one would see; it may be empty.
+    virtual Batch batch(long step) const = 0;
     virtual long validation_batches() const = 0;  // of held-out data; 0: none is held out
     virtual Batch validation_batch(long i) const = 0;
     // [m]: mean strand length (strand), diagonal of the box (root); 1 (adhesion).
     virtual double unit() const = 0;
+
+    Ranks ranks;
+
+  protected:
+    // Where in an epoch's order of `count` samples this process's share of a step's batch lies.
+    std::vector<long> share(long step, double batch, size_t count) const;
 };
 
 // The first `trained` of the files are trained on; the others are held out, in place of the last frames of
 // each run (codecs strand and root). Throws Error where the files disagree, hold a value that is not finite,
 // or too little to train on.
 std::unique_ptr<TrainingData> open_data(const std::vector<PairsReader*>& pairs, size_t trained,
-                                        const Recipe& recipe, torch::Device device);
+                                        const Recipe& recipe, torch::Device device, const Ranks& ranks = {});
 
 }  // namespace wetcurl

@@ -3,6 +3,7 @@
 #include "training/loop.h"
 
 #include <ATen/Context.h>
+#include <c10/core/DeviceGuard.h>
 #include <torch/utils.h>
 
 #include <chrono>
@@ -16,6 +17,7 @@
 #include "models/registry.h"
 #include "training/checkpoint.h"
 #include "training/data.h"
+#include "training/group.h"
 #include "training/losses.h"
 #include "training/metrics_log.h"
 #include "training/optimiser.h"
@@ -44,27 +46,31 @@ struct Validation {
 
 class Trainer {
   public:
-    explicit Trainer(const TrainRequest& request) : request_(request), device_(torch::kCPU) {}
+    explicit Trainer(const TrainRequest& request)
+        : request_(request), ranks_(request.ranks), device_(torch::kCPU) {}
 
     void run() {
         if (already_done()) return;
         open_inputs();
         make_network();
         if (!resume()) start_anew();
-        MetricsLog log(request_.output + ".jsonl", state_.log_position);
+        // What can fail in one process alone has been done: the others would wait for it.
+        group_ = std::make_unique<Group>(ranks_, device_, work());
+        if (ranks_.first())
+            log_ = std::make_unique<MetricsLog>(request_.output + ".jsonl", state_.log_position);
         InterruptGuard interrupt;
         Stopwatch since_checkpoint;
         for (; state_.epoch < epochs_; ++state_.epoch) {
             data_->begin_epoch(state_.epoch);
             for (; state_.step < data_->steps(); ++state_.step) {
-                if (interrupt.asked()) stop(log);
+                if (ranks_.alone() ? interrupt.asked() : stop_agreed_) stop();
                 if (since_checkpoint.seconds() > recipe_.checkpoint_seconds) {
-                    checkpoint(log);
+                    checkpoint();
                     since_checkpoint.restart();
                 }
-                state_.loss_sum += optimise(data_->batch(state_.step));
+                state_.loss_sum += optimise(data_->batch(state_.step), interrupt.asked());
             }
-            finish_epoch(log);
+            finish_epoch();
         }
         finish();
     }
@@ -113,8 +119,9 @@ class Trainer {
         std::vector<PairsReader*> pointers;
         for (const auto& reader : readers_) pointers.push_back(reader.get());
         set_threads(request_.threads);
-        device_ = device_named(recipe_.device);
-        data_ = open_data(pointers, request_.pairs.size(), recipe_, device_);
+        device_ = device_named(device_of(recipe_.device, ranks_));
+        if (device_.is_cuda()) device_guard_.reset_device(device_);
+        data_ = open_data(pointers, request_.pairs.size(), recipe_, device_, ranks_);
     }
 
     void make_network() {
@@ -138,7 +145,13 @@ class Trainer {
         total_steps_ = epochs_ * data_->steps();
         say(card_.architecture + ", " + std::to_string(card_.parameters) + " parameters, " +
             std::to_string(epochs_) + " epochs of " + std::to_string(data_->steps()) + " steps on " +
-            recipe_.device);
+            recipe_.device + (ranks_.alone() ? "" : ", " + std::to_string(ranks_.of) + " processes"));
+    }
+
+    // What all processes must agree on.
+    std::string work() const {
+        return recipe_.text + inputs_ + "\nfrom epoch " + std::to_string(state_.epoch + 1) + ", step " +
+               std::to_string(state_.step + 1);
     }
 
     bool resume() {
@@ -176,13 +189,40 @@ class Trainer {
         return recipe_.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * done));
     }
 
-    // One step; the loss before it.
-    double optimise(const Batch& host) {
+    // The loss of a batch, its gradient to the optimiser.
+    double differentiate(const Batch& host) {
         const Batch batch = host.to(device_);
-        optimiser_->clear_gradients();
         const Tensor loss = loss_->of(model_->forward(batch.input), batch);
         loss.backward();
-        const double rate = learning_rate(), value = loss.item<double>();
+        return loss.item<double>();
+    }
+
+    // The same of a batch that processes share: sums over each one's samples, added up, over the count of
+    // all.
+    double differentiate_share(const Batch& host, bool asked_to_stop) {
+        const Tensor extra = optimiser_->extra();  // loss, count, how many were asked to stop
+        if (!host.empty()) {
+            const double count = loss_->count(host);  // before the batch is on a GPU, which it would wait for
+            const Batch batch = host.to(device_);
+            const Tensor loss = count * loss_->of(model_->forward(batch.input), batch);
+            loss.backward();
+            extra[0].copy_(loss.detach());
+            extra[1].fill_(count);
+        }
+        extra[2].fill_(asked_to_stop ? 1 : 0);
+        group_->sum(optimiser_->shared);
+        optimiser_->gradient().div_(extra[1].clamp_min(1));
+        const Tensor found = extra.cpu();
+        stop_agreed_ = found[2].item<float>() > 0;
+        return found[0].item<double>() / std::max(found[1].item<double>(), 1.0);
+    }
+
+    // One step; the loss before it.
+    double optimise(const Batch& batch, bool asked_to_stop) {
+        optimiser_->clear_gradients();
+        const double value =
+            ranks_.alone() ? differentiate(batch) : differentiate_share(batch, asked_to_stop);
+        const double rate = learning_rate();
         const double norm = std::isfinite(value) ? optimiser_->step(rate) : 0;
         if (!std::isfinite(value) || !std::isfinite(norm)) fail_diverged(value, norm, rate);
         if (request_.progress) {
@@ -204,29 +244,30 @@ class Trainer {
 
     Validation validate() {
         const torch::NoGradGuard no_grad;
-        Validation sum;
-        double count = 0;
-        for (long i = 0; i < data_->validation_batches(); ++i) {
+        double sums[6] = {};  // loss, base_loss, distance, base_distance, count, batches with positions
+        for (long i = ranks_.mine; i < data_->validation_batches(); i += ranks_.of) {
             const Batch batch = data_->validation_batch(i).to(device_);
             const Tensor output = model_->forward(batch.input), base = loss_->base_output(batch);
             const double weight = loss_->count(batch);
             auto add = [&](double& to, const Tensor& value) { to += weight * value.item<double>(); };
-            add(sum.loss, loss_->of(output, batch));
-            add(sum.base_loss, loss_->of(base, batch));
+            add(sums[0], loss_->of(output, batch));
+            add(sums[1], loss_->of(base, batch));
             if (const Tensor distance = loss_->distance(output, batch); distance.defined()) {
-                add(sum.distance, distance);
-                add(sum.base_distance, loss_->distance(base, batch));
-                sum.positions = true;
+                add(sums[2], distance);
+                add(sums[3], loss_->distance(base, batch));
+                ++sums[5];
             }
-            count += weight;
+            sums[4] += weight;
         }
-        for (double* v : {&sum.loss, &sum.base_loss, &sum.distance, &sum.base_distance})
-            *v /= std::max(count, 1.0);
-        return sum;
+        const Tensor all = torch::tensor(at::ArrayRef<double>(sums), torch::kDouble).to(device_);
+        group_->sum(all);
+        const Tensor found = all.cpu();
+        auto mean = [&](long i) { return found[i].item<double>() / std::max(found[4].item<double>(), 1.0); };
+        return {mean(0), mean(1), mean(2), mean(3), found[5].item<double>() > 0};
     }
 
     // The end of an epoch: its line in the log, a validation where one is due, the best kept.
-    void finish_epoch(MetricsLog& log) {
+    void finish_epoch() {
         const double mean_loss = state_.loss_sum / double(data_->steps());
         std::vector<std::pair<std::string, double>> line = {{"epoch", double(state_.epoch + 1)},
                                                             {"step", double(optimiser_->steps)},
@@ -253,7 +294,7 @@ class Trainer {
         } else if (due) {
             keep_if_best(mean_loss);
         }
-        log.line(line);
+        if (log_) log_->line(line);
         state_.loss_sum = 0;
         state_.step = 0;
     }
@@ -265,17 +306,19 @@ class Trainer {
         state_.best_epoch = state_.epoch;
     }
 
-    void checkpoint(const MetricsLog& log) {
+    void checkpoint() {
+        if (!ranks_.first()) return;
         state_.weights = optimiser_->weights;
         state_.first_moment = optimiser_->first_moment;
         state_.second_moment = optimiser_->second_moment;
         state_.optimiser_steps = optimiser_->steps;
-        state_.log_position = log.position();
+        state_.log_position = log_->position();
         save_checkpoint(checkpoint_path(), state_);
     }
 
-    [[noreturn]] void stop(const MetricsLog& log) {
-        checkpoint(log);
+    [[noreturn]] void stop() {
+        checkpoint();
+        group_->wait();  // a launcher ends all processes once one has ended
         throw Interrupted("interrupted at epoch " + std::to_string(state_.epoch + 1) + "; " +
                           checkpoint_path() + " is left, --resume goes on");
     }
@@ -292,6 +335,11 @@ class Trainer {
         }
         card_.recipe = recipe_.text;
         card_.inputs = inputs_;
+        if (ranks_.first()) save();
+        group_->wait();  // so that the model is there when any process ends
+    }
+
+    void save() const {
         save_model(request_.output, card_, *model_, request_.overwrite || request_.resume);
         fs::remove(checkpoint_path());
         std::ostringstream text;
@@ -302,7 +350,9 @@ class Trainer {
     }
 
     const TrainRequest& request_;
+    Ranks ranks_;
     torch::Device device_;
+    c10::OptionalDeviceGuard device_guard_;
     std::vector<std::unique_ptr<PairsReader>> readers_;
     std::string inputs_;  // "file hash", one a line
     Codec codec_ = Codec::strand;
@@ -314,6 +364,9 @@ class Trainer {
     std::shared_ptr<Model> model_;
     std::unique_ptr<Optimiser> optimiser_;
     std::unique_ptr<Loss> loss_;
+    std::unique_ptr<Group> group_;
+    std::unique_ptr<MetricsLog> log_;  // of the first process
+    bool stop_agreed_ = false;
     TrainingState state_;
     std::string best_note_;
     Stopwatch watch_;

@@ -12,7 +12,8 @@ Optimiser::Optimiser(Model& model, double weight_decay, double gradient_clip)
     std::vector<Tensor> parts;
     for (const auto& p : model.parameters()) parts.push_back(p.detach().reshape(-1));
     weights = torch::cat(parts);
-    gradient_ = torch::zeros_like(weights);
+    shared = torch::zeros({weights.numel() + extras}, weights.options());
+    gradient_ = shared.narrow(0, 0, weights.numel());
     first_moment = torch::zeros_like(weights);
     second_moment = torch::zeros_like(weights);
     long at = 0;

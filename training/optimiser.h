@@ -11,10 +11,17 @@ class Optimiser {
   public:
     // Moves the model's weights and gradients into flat vectors of which they become views.
     Optimiser(Model& model, double weight_decay, double gradient_clip);
-    void clear_gradients() { gradient_.zero_(); }
+    void clear_gradients() { shared.zero_(); }
     // One step down the gradient, whose norm, before clipping, it returns; one that is not finite changes
     // nothing.
     double step(double learning_rate);
+
+    // (n + 3): the gradient, and behind it numbers that are cleared with it, so that what processes share is
+    // one vector.
+    static constexpr long extras = 3;
+    Tensor shared;
+    Tensor gradient() const { return gradient_; }
+    Tensor extra() const { return shared.narrow(0, gradient_.numel(), extras); }
 
     // The whole state. (n)
     Tensor weights, first_moment, second_moment;
@@ -22,7 +29,7 @@ class Optimiser {
 
   private:
     double weight_decay_, clip_;
-    Tensor gradient_;
+    Tensor gradient_;  // (n), of `shared`
 };
 
 }  // namespace wetcurl

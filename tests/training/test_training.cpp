@@ -197,15 +197,15 @@ struct OpenPairs {
     explicit OpenPairs(const std::string& path, const std::vector<std::string>& set = {})
         : OpenPairs({path}, 1, set) {}
     // Those after the first `trained` files are held out.
-    OpenPairs(const std::vector<std::string>& paths, size_t trained,
-              const std::vector<std::string>& set = {}) {
+    OpenPairs(const std::vector<std::string>& paths, size_t trained, const std::vector<std::string>& set = {},
+              const Ranks& ranks = {}) {
         std::vector<PairsReader*> pointers;
         for (const auto& path : paths) {
             readers.push_back(std::make_unique<PairsReader>(path));
             pointers.push_back(readers.back().get());
         }
         recipe = recipe_of(readers[0]->codec(), set);
-        data = open_data(pointers, trained, recipe, torch::kCPU);
+        data = open_data(pointers, trained, recipe, torch::kCPU, ranks);
     }
     const PairsReader& reader() const { return *readers[0]; }
     std::vector<std::unique_ptr<PairsReader>> readers;
@@ -411,6 +411,38 @@ TEST(EveryData, DrawsBySeedAndEpochAlone) {
         seeded.push_back("seed=1");
         OpenPairs third(file, seeded);
         EXPECT_FALSE(torch::equal(a, inputs(third, 7))) << file;
+    }
+}
+
+TEST(EveryData, ProcessesSeeTogetherTheBatchesOfOne) {
+    Scratch scratch;
+    const std::vector<std::pair<std::string, std::string>> cases = {
+        {testing::make_strand_pairs(scratch.path("s.h5")), "batch=2"},
+        {testing::make_root_pairs(scratch.path("r.h5")), "batch=3"},
+        {testing::make_adhesion_pairs(scratch.path("a.h5")), "batch=4799"}};
+    for (const auto& [file, batch] : cases) {
+        const OpenPairs whole(file, {batch});
+        std::vector<std::unique_ptr<OpenPairs>> parts;
+        for (long r = 0; r < 3; ++r) {
+            Ranks ranks;
+            ranks.mine = r, ranks.of = 3;
+            parts.push_back(std::make_unique<OpenPairs>(std::vector{file}, 1, std::vector{batch}, ranks));
+        }
+        long empty = 0;
+        whole.data->begin_epoch(1);
+        for (const auto& part : parts) part->data->begin_epoch(1);
+        for (long s = 0; s < whole.data->steps(); ++s) {
+            std::vector<Tensor> found;
+            for (const auto& part : parts) {
+                const Batch share = part->data->batch(s);
+                if (!share.empty()) found.push_back(share.target.flatten(1));
+                empty += share.empty();
+            }
+            auto sorted = [](const Tensor& rows) { return std::get<0>(rows.flatten().sort()); };
+            EXPECT_TRUE(torch::equal(sorted(torch::cat(found)), sorted(whole.data->batch(s).target))) << file;
+        }
+        EXPECT_EQ(whole.data->steps(), parts[1]->data->steps());
+        EXPECT_GT(empty, 0) << file;  // the last batch is too small for three
     }
 }
 
