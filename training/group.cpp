@@ -2,6 +2,7 @@
 // Ours.
 #include "training/group.h"
 
+#include <c10/util/Exception.h>
 #include <torch/cuda.h>
 #include <torch/types.h>
 
@@ -48,10 +49,10 @@ std::string name_of(const Ranks& ranks) {
            ranks.from + ")";
 }
 
-// What LibTorch says goes on with a stack trace.
-std::string first_line(const std::exception& e) {
-    const std::string text = e.what();
-    return text.substr(0, text.find('\n'));
+// Without the stack trace that LibTorch's errors carry.
+std::string reason_of(const std::exception& e) {
+    const auto* error = dynamic_cast<const c10::Error*>(&e);
+    return error ? error->what_without_backtrace() : e.what();
 }
 
 #if defined(WETCURL_GLOO) || defined(WETCURL_NCCL)
@@ -75,7 +76,7 @@ class Meeting {
     Store meet(const std::string& work) const {
         const auto end = Clock::now() + patience_;
         const Store store = open();
-        store->set(key(ranks_.mine), {work.begin(), work.end()});
+        store->set(key(ranks_.mine), std::vector<uint8_t>(work.begin(), work.end()));
         for (std::string missing; !(missing = missing_in(*store)).empty();) {
             if (Clock::now() > end)
                 throw Error(where() + ": waited " + std::to_string(patience_.count()) + " s for rank" +
@@ -101,7 +102,7 @@ class Meeting {
         try {
             return c10::make_intrusive<c10d::TCPStore>(host_, options);
         } catch (const std::exception& e) {
-            throw Error(where() + ": " + first_line(e) +
+            throw Error(where() + ": " + reason_of(e) +
                         "; MASTER_ADDR names the host of rank 0, MASTER_PORT a port that is free there");
         }
     }
@@ -184,7 +185,7 @@ Group::Group(const Ranks& ranks, torch::Device device, [[maybe_unused]] const st
     } catch (const Error&) {
         throw;
     } catch (const std::exception& e) {
-        throw Error(meeting.where() + ": lost the others: " + first_line(e));
+        throw Error(meeting.where() + ": lost the others: " + reason_of(e));
     }
     wait();
 #endif
@@ -202,7 +203,7 @@ void Group::sum(const Tensor& values) const {
     try {
         sum_(values);
     } catch (const std::exception& e) {
-        throw Error(name_of(ranks_) + ": lost another one: " + first_line(e));
+        throw Error(name_of(ranks_) + ": lost another one: " + reason_of(e));
     }
 }
 

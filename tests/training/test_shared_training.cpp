@@ -143,7 +143,7 @@ class SharedTraining : public ::testing::Test {
 
 TEST_F(SharedTraining, OfTwoProcessesGivesTheWeightsOfOne) {
     // Batches that do not divide by two, and a last one in which a process has none.
-    const Words strand = {"width=0.1", "batch=3", "schedule=constant"},
+    const Words strand = {"width=0.1", "batch=3", "schedule=constant", "validation=0.34"},
                 adhesion = {"batch=1023", "epoch_samples=2048"},
                 root = {"width=0.125", "patch=16", "batch=3", "architecture=recursive_residual"};
     for (const auto& [pairs, recipe] :
