@@ -157,7 +157,8 @@ void print(const Point& p) {
 
 std::vector<Entry> entries(const BenchOptions& o) {
     std::vector<Entry> all = o.device == "cpu" ? part_entries() : std::vector<Entry>();
-    for (const auto& more : {frame_entries(o.device), learned_entries(o.models, o.device, o.threads)})
+    for (const auto& more : {frame_entries(o.device), network_entries(o.device, o.threads),
+                             learned_entries(o.models, o.device, o.threads)})
         all.insert(all.end(), more.begin(), more.end());
     return all;
 }

@@ -65,6 +65,9 @@ std::vector<Entry> frame_entries(const std::string& device);
 std::vector<Entry> learned_entries(const std::vector<std::string>& models, const std::string& device,
                                    int threads);
 
+// Patches through the paper's networks at width 1, and training steps of them.
+std::vector<Entry> network_entries(const std::string& device, int threads);
+
 // The fixed workload at one size: the demo's curls on a head that turns, 24 frames a second, ten substeps,
 // ten passes of Eq 10.
 struct Workload {

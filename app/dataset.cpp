@@ -116,7 +116,9 @@ class MemberRun {
         RunFrame low, wet;
         for (int f = 0; f < high_.frames; ++f) {
             if (guard.asked()) return false;
-            if (f > 0) dry_->advance(), wet_->advance();
+            // Eq 10 moves what is seen alone: of the wet strands only frames that are kept.
+            const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every == 0;
+            if (f > 0) dry_->advance(), wet_->advance(kept || keeps_runs());
             for (const auto* s : {dry_.get(), wet_.get()})
                 if (const auto diverged = s->divergence())
                     throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", member_.name, f,
@@ -127,7 +129,6 @@ class MemberRun {
             heads.after = f + 1 < high_.frames ? at(f + 1) : gone_on(heads.before, heads.now);
             heads.inner = f > 0;
             if (strands) strands->take_up(low.positions, heads);
-            const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every == 0;
             if (!kept && !keeps_runs()) continue;
             wet_->snapshot(wet);
             if (keeps_runs()) low_writer->append(low), wet_writer->append(wet);

@@ -2,7 +2,6 @@
 // Ours.
 #include "learn/device_strands.h"
 
-#include <ATen/cuda/CUDAGraph.h>
 #include <c10/core/InferenceMode.h>
 #include <c10/cuda/CUDAGuard.h>
 #include <c10/cuda/CUDAStream.h>
@@ -10,6 +9,7 @@
 
 #include <optional>
 
+#include "learn/captured.h"
 #include "learn/strand_kernels.h"
 #include "models/model_file.h"
 #include "models/registry.h"
@@ -37,6 +37,8 @@ class OnDevice final : public LearnedStrands {
         require_fit(card_, codec);
         model_->to(device_);
         model_->body = half ? torch::kBFloat16 : torch::kFloat;
+        model_->whole_grid = kernels_->high_strands() == kernels_->pixels();
+        model_->freeze();
         const long n = kernels_->particles(), S = kernels_->pixels(), l = kernels_->low_strands();
         cores_ = view(kernels_->cores(), {n, n}, device_);
         amplitudes_ = view(kernels_->amplitudes(), {dct_kept, n}, device_);
@@ -82,15 +84,7 @@ class OnDevice final : public LearnedStrands {
                                        stream_),
                        "low-resolution strands");
         }
-        // The first run warms libraries up, which may not happen while launches are captured; the second is
-        // captured.
-        if (!warm_) {
-            frame();
-            warm_ = true;
-        } else {
-            if (!graph_) capture();
-            graph_->replay();
-        }
+        captured_.run([&] { frame(); });
         if (host_out_)
             check_cuda(cudaMemcpyAsync(host_out_, own_out_.data(), own_out_.bytes(), cudaMemcpyDeviceToHost,
                                        stream_),
@@ -122,8 +116,7 @@ class OnDevice final : public LearnedStrands {
   private:
     // Whatever was captured is of other memory; what was uploaded is there.
     void begin_anew() {
-        graph_.reset();
-        warm_ = false;
+        captured_.forget();
         check_cuda(cudaDeviceSynchronize(), "device");
     }
 
@@ -134,19 +127,6 @@ class OnDevice final : public LearnedStrands {
         if (status != cudaSuccess || found.type != cudaMemoryTypeDevice || found.device != device_.index())
             throw Error("learned strands: found memory that is not of CUDA device " +
                         std::to_string(device_.index()) + ", where this one runs");
-    }
-
-    void capture() {
-        auto graph = std::make_unique<at::cuda::CUDAGraph>();
-        graph->capture_begin();
-        try {
-            frame();
-        } catch (...) {
-            graph->capture_end();
-            throw;
-        }
-        graph->capture_end();
-        graph_ = std::move(graph);
     }
 
     void frame() {
@@ -184,8 +164,8 @@ class OnDevice final : public LearnedStrands {
     const Vec3f *low_ = nullptr, *host_low_ = nullptr;
     Vec3f *out_ = nullptr, *host_out_ = nullptr;
     DeviceBuffer<Vec3f> own_low_, own_out_;
-    std::unique_ptr<at::cuda::CUDAGraph> graph_;
-    bool warm_ = false, first_ = true;
+    Captured captured_;
+    bool first_ = true;
 };
 
 }  // namespace

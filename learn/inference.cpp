@@ -5,45 +5,63 @@
 #include <c10/core/InferenceMode.h>
 
 #include "base/error.h"
+#ifdef WETCURL_NETWORKS_ON_DEVICE
+#include "learn/device_network.h"
+#endif
 #include "models/model_file.h"
 #include "models/registry.h"
 
 namespace wetcurl {
 namespace {
 
-class LoadedNetwork : public Network {
+class OnHost final : public Network {
   public:
-    LoadedNetwork(const std::string& path, const std::string& device) : device_(device_named(device)) {
-        std::tie(card_, model_) = load_model(path);
-        model_->to(device_);
-    }
+    OnHost(const ModelCard& card, std::shared_ptr<Model> model) : card_(card), model_(std::move(model)) {}
 
     const ModelCard& card() const override { return card_; }
 
-    // The caller's arrays are seen as tensors where they lie; on the CPU only the result is copied.
-    void run(const float* input, std::array<long, 4> shape, float* output) override {
+    // The caller's arrays are seen as tensors where they lie; only the result is copied.
+    void run(const float* input, std::array<long, 4> shape, float* output, bool on_device) override {
+        require_shape(card_, shape);
+        if (on_device)
+            throw Error("network " + card_.architecture +
+                        ": found memory of a CUDA device, this one runs on the CPU");
         const auto [b, c, h, w] = shape;
-        if (c != card_.input_channels || b < 0 || h < 0 || w < 0)
-            throw Error("network " + card_.architecture + ": found an input of " + std::to_string(c) +
-                        " channels, needed " + std::to_string(card_.input_channels));
         if (b * h * w == 0) return;
         const c10::InferenceMode inference;
-        const Tensor x = torch::from_blob(const_cast<float*>(input), {b, c, h, w});
-        const Tensor y = model_->forward(x.to(device_));
+        const Tensor y = model_->forward(torch::from_blob(const_cast<float*>(input), {b, c, h, w}));
         torch::from_blob(output, {b, card_.output_channels, h * card_.upscale, w * card_.upscale}).copy_(y);
     }
 
   private:
-    torch::Device device_;
     ModelCard card_;
     std::shared_ptr<Model> model_;
 };
 
 }  // namespace
 
-std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads) {
+void require_shape(const ModelCard& card, std::array<long, 4> shape) {
+    const auto [b, c, h, w] = shape;
+    if (c != card.input_channels || b < 0 || h < 0 || w < 0)
+        throw Error("network " + card.architecture + ": found an input of " + std::to_string(c) +
+                    " channels, needed " + std::to_string(card.input_channels));
+}
+
+std::unique_ptr<Network> network_of(const ModelCard& card, std::shared_ptr<Model> model,
+                                    const std::string& device, int threads) {
     set_threads(threads);
-    return std::make_unique<LoadedNetwork>(path, device);
+    const torch::Device on = device_named(device);
+    if (on.is_cpu()) return std::make_unique<OnHost>(card, std::move(model));
+#ifdef WETCURL_NETWORKS_ON_DEVICE
+    return device_network(card, std::move(model), on, /*half=*/card.codec != "adhesion");
+#else
+    throw Error("device " + device + ": this build has no CUDA kernels (cmake --preset cuda)");
+#endif
+}
+
+std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads) {
+    auto [card, model] = load_model(path);
+    return network_of(card, std::move(model), device, threads);
 }
 
 }  // namespace wetcurl

@@ -1,4 +1,4 @@
-// Inference: a model file as a Network. This half of learn needs LibTorch and belongs to its library.
+// Inference: a model as a Network. This half of learn needs LibTorch and belongs to its library.
 // Ours.
 #pragma once
 
@@ -6,11 +6,17 @@
 #include <string>
 
 #include "learn/network.h"
+#include "models/layers.h"
 
 namespace wetcurl {
 
-// `threads` 0: all of the machine's. Throws Error for a bad file or an absent device, Misuse for another
-// device name.
+// `threads` 0: all of the machine's. On a CUDA device the body computes in bfloat16. Throws Error for a bad
+// file or an absent device, Misuse for another device name.
 std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads);
+std::unique_ptr<Network> network_of(const ModelCard& card, std::shared_ptr<Model> model,
+                                    const std::string& device, int threads);
+
+// Throws Error where the network takes no input of this shape.
+void require_shape(const ModelCard& card, std::array<long, 4> shape);
 
 }  // namespace wetcurl

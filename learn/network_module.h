@@ -36,6 +36,12 @@ struct TrainRequest {
     std::function<void(const std::string& text)> log;
 };
 
+// A network with the weights that training begins with, on noise: a call is one repetition and waits for it.
+struct MeasuredNetwork {
+    std::function<void()> run;
+    double operations;  // multiplications and additions of a repetition
+};
+
 struct NetworkModule {
     virtual ~NetworkModule() = default;
     // Throws Error for a bad model file or an absent device, Misuse for an unknown device name.
@@ -50,6 +56,12 @@ struct NetworkModule {
     virtual ModelCard card(const std::string& path) = 0;
     // Throws Interrupted with a checkpoint left, Error (bad pairs, diverged loss) or Misuse (recipe).
     virtual void train(const TrainRequest& request) = 0;
+    // For `bench`; codec root. `shape` of the input; in the memory of the device.
+    virtual MeasuredNetwork measured_inference(const ModelCard& card, std::array<long, 4> shape,
+                                               const std::string& device, int threads) = 0;
+    // Gradients and a step of the optimiser, the body in bfloat16.
+    virtual MeasuredNetwork measured_training(const ModelCard& card, std::array<long, 4> shape,
+                                              const std::string& device, int threads) = 0;
 };
 
 // Opens libwetcurl_networks on first use: beside the program or the library that holds this code, else

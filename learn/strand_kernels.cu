@@ -11,7 +11,7 @@ namespace {
 constexpr int threads = 128, tile = 32, rest_numbers = 10;
 constexpr int slots = history_lags.back() + 1, modes = 3 * history_modes;
 
-unsigned blocks_of(int count) { return unsigned((count + threads - 1) / threads); }
+unsigned blocks_of(int count, int size = threads) { return unsigned((count + size - 1) / size); }
 
 void check_launch(const char* what) { check_cuda(cudaGetLastError(), what); }
 
@@ -26,11 +26,15 @@ __global__ void depart_kernel(const HeadState* head, const Vec3f* p, const Vec3f
     x[k] = d.x, x[plane + k] = d.y, x[2 * plane + k] = d.z;
 }
 
-__global__ void carry_kernel(int pixels, int low, int n, int width, const int* strand, const float* rest,
-                             const int* from, const float* weight, const Quatf* turn, const float* moved,
-                             float* base) {
+constexpr int carriers = 64;
+
+// A strand goes along its particles one by one: what the next one needs is on its way meanwhile.
+__global__ void carry_kernel(int pixels, int low, int n, int width, const int* __restrict__ strand,
+                             const float* __restrict__ rest, const int* __restrict__ from,
+                             const float* __restrict__ weight, const Quatf* __restrict__ turn,
+                             const float* __restrict__ moved, float* __restrict__ base) {
     constexpr int most = 4;  // of a stencil
-    const int s = int(blockIdx.x) * threads + int(threadIdx.x);
+    const int s = int(blockIdx.x) * carriers + int(threadIdx.x);
     if (s >= pixels || strand[s] < 0) return;
     int neighbour[most];
     float share[most];
@@ -40,23 +44,45 @@ __global__ void carry_kernel(int pixels, int low, int n, int width, const int* s
     }
     const Quatf to_root = conjugate(turn[s]);
     const size_t plane = size_t(n) * low, out = size_t(n) * pixels;
+    struct Rest {
+        float number[rest_numbers];
+    };
+    struct Moved {
+        Vec3f of[most];
+    };
+    const auto rest_of = [&](int i) {
+        Rest out;
+        const float* r = rest + size_t(min(i, n - 1)) * rest_numbers * pixels + s;
+#pragma unroll
+        for (int k = 0; k < rest_numbers; ++k) out.number[k] = r[size_t(k) * pixels];
+        return out;
+    };
+    const auto moved_of = [&](int i) {
+        Moved out;
+        const float* m = moved + size_t(min(i, n - 1)) * low;
+#pragma unroll
+        for (int k = 0; k < most; ++k)
+            out.of[k] = {m[neighbour[k]], m[plane + neighbour[k]], m[2 * plane + neighbour[k]]};
+        return out;
+    };
+    Rest next_rest = rest_of(0);
+    Moved next_moved = moved_of(0);
     carry_rest<float>(
         n,
         [&](int i) {
-            const float* r = rest + size_t(i) * rest_numbers * pixels + s;
-            auto number = [&](int k) { return r[size_t(k) * pixels]; };
-            return RestParticle<float>{{number(0), number(1), number(2)},
-                                       number(3),
-                                       {number(4), number(5), number(6)},
-                                       {number(7), number(8), number(9)}};
+            const Rest r = next_rest;
+            next_rest = rest_of(i + 1);
+            return RestParticle<float>{{r.number[0], r.number[1], r.number[2]},
+                                       r.number[3],
+                                       {r.number[4], r.number[5], r.number[6]},
+                                       {r.number[7], r.number[8], r.number[9]}};
         },
         [&](int i) {
+            const Moved m = next_moved;
+            next_moved = moved_of(i + 1);
             Vec3f sum{0, 0, 0};
-            const float* m = moved + size_t(i) * low;
 #pragma unroll
-            for (int k = 0; k < most; ++k)
-                sum +=
-                    share[k] * Vec3f{m[neighbour[k]], m[plane + neighbour[k]], m[2 * plane + neighbour[k]]};
+            for (int k = 0; k < most; ++k) sum += share[k] * m.of[k];
             return rotate(to_root, sum);
         },
         [&](int i, const Vec3f& x) {
@@ -250,9 +276,9 @@ void StrandKernels::depart(const Vec3f* low, cudaStream_t stream) const {
 }
 
 void StrandKernels::carry(cudaStream_t stream) const {
-    carry_kernel<<<blocks_of(pixels_), threads, 0, stream>>>(pixels_, low_, n_, width_, strand_.data(),
-                                                             rest_.data(), from_.data(), weight_.data(),
-                                                             turn_.data(), moved_.data(), base_.data());
+    carry_kernel<<<blocks_of(pixels_, carriers), carriers, 0, stream>>>(
+        pixels_, low_, n_, width_, strand_.data(), rest_.data(), from_.data(), weight_.data(), turn_.data(),
+        moved_.data(), base_.data());
     check_launch("rest shapes carried");
 }
 

@@ -21,6 +21,17 @@ long parameter_count(const Model& model) {
     return n;
 }
 
+// Children are registered in the order in which they run: the last gives single precision.
+void Model::freeze() {
+    const auto layers = children();
+    for (size_t k = 0; k < layers.size(); ++k) {
+        torch::NoGradGuard no_grad;
+        if (k + 1 < layers.size()) layers[k]->to(body);
+        for (auto& p : layers[k]->parameters())
+            if (p.is_cuda() && p.dim() == 4) p.set_data(p.contiguous(torch::MemoryFormat::ChannelsLast));
+    }
+}
+
 // Variance 2 / fan_in keeps the signal through twenty layers of ReLU; LibTorch's own default loses it.
 static void he_initialise(Tensor weight, Tensor bias) {
     nn::init::kaiming_normal_(weight, 0.0, torch::kFanIn, torch::kReLU);
@@ -44,12 +55,30 @@ void set_zero(nn::Module& layer) {
     for (auto& p : layer.parameters()) p.zero_();
 }
 
+// Of the thread, while operations_of runs.
+static thread_local double* counted = nullptr;
+
+static void count(double pixels, const Tensor& weight) {
+    if (counted) *counted += 2 * pixels * double(weight.numel());
+}
+
+double operations_of(Model& model, const Tensor& input) {
+    const torch::NoGradGuard no_grad;
+    double operations = 0;
+    counted = &operations;
+    model.forward(input);
+    counted = nullptr;
+    return operations;
+}
+
 Tensor run_layer(nn::Conv2d& layer, const Tensor& x) {
+    count(double(x.size(0) * x.size(2) * x.size(3)), layer->weight);
     return torch::conv2d(x, layer->weight.to(x.scalar_type()), layer->bias.to(x.scalar_type()), /*stride=*/1,
                          layer->weight.size(2) / 2);
 }
 
 Tensor run_layer(nn::Linear& layer, const Tensor& rows) {
+    count(double(rows.size(0)), layer->weight);
     return linear_rows(rows, layer->weight.to(rows.scalar_type()), layer->bias.to(rows.scalar_type()));
 }
 
@@ -57,7 +86,11 @@ Tensor run_layer(nn::Linear& layer, const Tensor& rows) {
 // oneDNN (100): on the CPU the product is written as a 1x1 convolution, channels last, so that nothing is
 // copied. With one thread LibTorch takes oneDNN only from a batch of 16 on, hence the split.
 Tensor linear_rows(const Tensor& rows, const Tensor& weight, const Tensor& bias) {
-    if (!rows.device().is_cpu()) return torch::linear(rows, weight, bias);
+    if (!rows.device().is_cpu()) {
+        // Tensor cores want rows of 16 bytes: turned over, those of an odd number of inputs are.
+        if (weight.size(1) % 8 == 0 || !bias.defined()) return torch::linear(rows, weight, bias);
+        return torch::addmm(bias, rows, weight.t().contiguous());
+    }
     constexpr long split = 16;
     const long count = rows.size(0), in = rows.size(1), out = weight.size(0);
     const long padding = (split - count % split) % split;
@@ -72,10 +105,12 @@ Tensor linear_rows(const Tensor& rows, const Tensor& weight, const Tensor& bias)
 // is not.
 Tensor run_doubling(nn::ConvTranspose2d& layer, const Tensor& x) {
     const long b = x.size(0), h = x.size(2), w = x.size(3), out = layer->weight.size(1);
-    const Tensor weight = layer->weight.flatten(1).t().to(x.scalar_type());  // (4 O, C)
-    const Tensor bias = layer->bias.repeat_interleave(4).to(x.scalar_type());
-    const Tensor patches = linear_rows(to_rows(x), weight, bias).view({b, h, w, out, 2, 2});
-    return patches.permute({0, 3, 1, 4, 2, 5}).reshape({b, out, 2 * h, 2 * w});
+    count(double(b * h * w), layer->weight);
+    // (4 O, C), a pixel's channels side by side, as the convolutions after it take them.
+    const Tensor weight = layer->weight.permute({2, 3, 1, 0}).reshape({4 * out, -1}).to(x.scalar_type());
+    const Tensor bias = layer->bias.repeat({4}).to(x.scalar_type());
+    const Tensor patches = linear_rows(to_rows(x), weight, bias).view({b, h, w, 2, 2, out});
+    return patches.permute({0, 1, 3, 2, 4, 5}).reshape({b, 2 * h, 2 * w, out}).permute({0, 3, 1, 2});
 }
 
 Tensor to_rows(const Tensor& image) { return image.permute({0, 2, 3, 1}).reshape({-1, image.size(1)}); }

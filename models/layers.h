@@ -18,9 +18,17 @@ using torch::Tensor;
 struct Model : torch::nn::Module {
     // (B, C, H, W) to (B, output_channels, upscale * H, upscale * W), single precision in and out.
     virtual Tensor forward(const Tensor& input) = 0;
+    // For inference alone: the weights of the body take its type and the order of the device's convolutions,
+    // which they are else brought into at each run.
+    void freeze();
     // The type that the body computes in; weights, first and last values stay in single precision.
     torch::ScalarType body = torch::kFloat;
+    // Strand networks: whether every pixel holds a strand, so that no look for those that do not is needed.
+    bool whole_grid = false;
 };
+
+// Multiplications and additions of the layers in a run on `input`.
+double operations_of(Model& model, const Tensor& input);
 
 // `channels` at width 1, multiplied and rounded up to a multiple of 8.
 int scaled_channels(int channels, double width);

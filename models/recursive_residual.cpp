@@ -25,7 +25,8 @@ RecursiveResidual::RecursiveResidual(double width) {
 }
 
 Tensor RecursiveResidual::forward(const Tensor& input) {
-    Tensor x = run_layer(head_, input.to(body));  // (B, C, h, w)
+    Tensor x = run_layer(head_, input.to(body, /*non_blocking=*/false, /*copy=*/false,
+                                         torch::MemoryFormat::ChannelsLast));  // (B, C, h, w)
     for (size_t i = 0; i < blocks_.size(); i += 2)
         x = x + run_layer(blocks_[i + 1], run_layer(blocks_[i], x).relu_());
     x = up(x);  // (B, C, 2h, 2w)

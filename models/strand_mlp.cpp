@@ -2,11 +2,23 @@
 // Ours.
 #include "models/strand_mlp.h"
 
+#ifdef WETCURL_MODEL_KERNELS
+#include <c10/cuda/CUDAStream.h>
+
+#include "models/mix_kernel.h"
+#endif
+
 namespace wetcurl {
 
 namespace {
 constexpr int base_channels = 256, blocks = 5, kernel = 5;
+
+// (P, C) rows as a network's body takes them, cast as they are written.
+Tensor normalised(const Tensor& rows, const Tensor& mean, const Tensor& deviation, torch::ScalarType body) {
+    Tensor out = torch::empty_like(rows, rows.options().dtype(body));
+    return torch::div_out(out, rows - mean, deviation);
 }
+}  // namespace
 
 StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, const Tensor& scale,
                      bool neighbours)
@@ -36,15 +48,25 @@ StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, 
 }
 
 Tensor StrandMlp::mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor& mask, const Tensor& like) {
-    const Tensor around = torch::conv2d(from_rows(x * mask, like), layer->weight.to(x.scalar_type()), {},
+    const Tensor weight = layer->weight.to(x.scalar_type());
+#ifdef WETCURL_MODEL_KERNELS
+    if (x.is_cuda() && x.scalar_type() == torch::kBFloat16 && !torch::GradMode::is_enabled()) {
+        const Tensor out = torch::empty_like(x), rows = x.contiguous(), taps = weight.contiguous();
+        const GridOfRows grid{int(like.size(0)), int(like.size(2)), int(like.size(3)), int(x.size(1))};
+        launch_mix(grid, rows.data_ptr(), mask.defined() ? mask.data_ptr() : nullptr, taps.data_ptr(),
+                   out.data_ptr(), c10::cuda::getCurrentCUDAStream());
+        return out;
+    }
+#endif
+    const Tensor around = torch::conv2d(from_rows(mask.defined() ? x * mask : x, like), weight, {},
                                         /*stride=*/1, kernel / 2, /*dilation=*/1, x.size(1));
     return x + to_rows(around);
 }
 
 Tensor StrandMlp::forward(const Tensor& input) {
     const Tensor rows = to_rows(input);  // (P, C)
-    const Tensor mask = mixers_.empty() ? Tensor() : rows.ne(0).any(1, true).to(body);
-    Tensor x = run_layer(first_, ((rows - mean_) / deviation_).to(body));  // (P, channels)
+    const Tensor mask = mixers_.empty() || whole_grid ? Tensor() : rows.ne(0).any(1, true).to(body);
+    Tensor x = run_layer(first_, normalised(rows, mean_, deviation_, body));  // (P, channels)
     for (size_t i = 0; i < blocks_.size(); i += 2) {
         const Tensor seen = mixers_.empty() ? x : mixed(x, mixers_[i / 2], mask, input);
         x = x + run_layer(blocks_[i + 1], run_layer(blocks_[i], seen).relu_());
@@ -61,7 +83,7 @@ StrandLinear::StrandLinear(const Tensor& mean, const Tensor& deviation, const Te
 }
 
 Tensor StrandLinear::forward(const Tensor& input) {
-    const Tensor rows = ((to_rows(input) - mean_) / deviation_).to(body);
+    const Tensor rows = normalised(to_rows(input), mean_, deviation_, body);
     return from_rows(run_layer(only_, rows).to(torch::kFloat) * scale_, input);
 }
 

@@ -18,7 +18,7 @@ class StrandMlp : public Model {
     Tensor forward(const Tensor& input) override;
 
   private:
-    // x (P, channels) and what the pixels around it say.
+    // x (P, channels) and what the pixels around it say; `mask` (P, 1): undefined where all hold strands.
     Tensor mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor& mask, const Tensor& like);
 
     Tensor mean_, deviation_, scale_;  // stored with the card, not with the weights

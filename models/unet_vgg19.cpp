@@ -65,7 +65,7 @@ Tensor UnetVgg19::forward(const Tensor& input) {
     const long h = input.size(2), w = input.size(3);
     const long below = (multiple - h % multiple) % multiple, right = (multiple - w % multiple) % multiple;
     Tensor x = below || right ? torch::replication_pad2d(input, {0, right, 0, below}) : input;
-    x = x.to(body);
+    x = x.to(body, /*non_blocking=*/false, /*copy=*/false, torch::MemoryFormat::ChannelsLast);
     std::vector<Tensor> skips;
     for (auto& level : down_) {
         skips.push_back(run(level, x));          // (B, C, s, s)

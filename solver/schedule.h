@@ -30,7 +30,7 @@ class SimulationOf final : public Simulation {
   public:
     template <class... OfHair>
     explicit SimulationOf(const Scene& scene, const OfHair&... of_hair);
-    void advance() override;
+    void advance(bool shown = true) override;
     void begin_snapshot(RunFrame& frame) override;
     void finish_snapshot(RunFrame& frame) const override;
     std::optional<Divergence> divergence() const override { return hair_.divergence(); }
@@ -127,7 +127,8 @@ SimulationOf<Hair>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
 }
 
 template <class Hair>
-void SimulationOf<Hair>::advance() {
+void SimulationOf<Hair>::advance(bool shown) {
+    shown = shown || water_;
     for_each_stage(*this, [](const char*, double& seconds) { seconds = 0; });
     frame_seconds_ = 0;
     const StageTimer timer(frame_seconds_);
@@ -147,10 +148,10 @@ void SimulationOf<Hair>::advance() {
             time += dt_;
             p = placement(time, ++done, true, std::move(p));
         }
-        run(path_, done == substeps);
+        run(path_, shown && done == substeps);
         time_ = time;
     }
-    hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+    if (shown) hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
     if (air_) air_->finish();
 }
 

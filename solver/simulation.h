@@ -28,8 +28,9 @@ struct SimulationState {
 class Simulation {
   public:
     virtual ~Simulation() = default;
-    // One frame: the substeps, then the displayed positions.
-    virtual void advance() = 0;
+    // One frame: the substeps, then the displayed positions; these and `divergence` stay as they were where a
+    // frame is not `shown` and nothing in the scene reads them.
+    virtual void advance(bool shown = true) = 0;
     // The state as it is; `frame` is filled whole.
     void snapshot(RunFrame& frame) { begin_snapshot(frame), finish_snapshot(frame); }
     // The same in two halves: the second may wait for what comes from a device, on another thread, while the

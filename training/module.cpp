@@ -1,7 +1,7 @@
 // What the library of the networks shows to the program.
 // Ours.
 #include "base/error.h"
-#ifdef WETCURL_DEVICE_STRANDS
+#ifdef WETCURL_NETWORKS_ON_DEVICE
 #include "learn/device_strands.h"
 #endif
 #include "learn/inference.h"
@@ -9,6 +9,7 @@
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "training/loop.h"
+#include "training/measured.h"
 
 namespace wetcurl {
 namespace {
@@ -22,7 +23,7 @@ struct TorchModule : NetworkModule {
                                                  int threads) override {
         if (device.rfind("cuda", 0) != 0)
             return learned_strands(load_network(path, device, threads), std::move(codec));
-#ifdef WETCURL_DEVICE_STRANDS
+#ifdef WETCURL_NETWORKS_ON_DEVICE
         return device_strands(path, device, codec, low, /*half=*/true);
 #else
         device_named(device);  // says where there is none
@@ -31,6 +32,14 @@ struct TorchModule : NetworkModule {
     }
     ModelCard card(const std::string& path) override { return read_card(path); }
     void train(const TrainRequest& request) override { wetcurl::train(request); }
+    MeasuredNetwork measured_inference(const ModelCard& card, std::array<long, 4> shape,
+                                       const std::string& device, int threads) override {
+        return wetcurl::measured_inference(card, shape, device, threads);
+    }
+    MeasuredNetwork measured_training(const ModelCard& card, std::array<long, 4> shape,
+                                      const std::string& device, int threads) override {
+        return wetcurl::measured_training(card, shape, device, threads);
+    }
 };
 
 }  // namespace

@@ -115,6 +115,19 @@ TEST_F(Cuda, a_run_repeats_to_the_bit) {
     }
 }
 
+TEST_F(Cuda, frames_that_are_not_shown_change_none_that_are) {
+    for (const auto& c : cases()) {
+        const Scene scene = scene_of(c.text, c.set);
+        const auto simulation = make_cuda_simulation(scene, "float", 0, false);
+        for (int f = 1; f <= 6; ++f) simulation->advance(f == 2 || f == 6);
+        RunFrame some;
+        simulation->snapshot(some);
+        const RunFrame all = on_device(scene, 6);
+        EXPECT_TRUE(same_bits(some.positions, all.positions)) << c.name;
+        EXPECT_TRUE(same_bits(some.seen(), all.seen())) << c.name;
+    }
+}
+
 TEST_F(Cuda, energies_are_the_cpus) {
     const Scene scene = scene_of(wet_scene);
     const auto cpu = make_simulation(scene, "double"), gpu = make_cuda_simulation(scene, "double", 0);

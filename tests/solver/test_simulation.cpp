@@ -146,6 +146,22 @@ TEST(Simulation, shows_no_hair_inside_solids) {
 
 // --- wet hair
 
+TEST(Simulation, frames_that_are_not_shown_change_none_that_are) {
+    const Scene scene = scene_of(wet_scene);
+    const auto simulation = make_simulation(scene, "float");
+    RunFrame start, frame;
+    simulation->snapshot(start);
+    for (int f = 1; f < 4; ++f) simulation->advance(false);
+    simulation->snapshot(frame);
+    EXPECT_TRUE(same_bits(frame.displayed, start.displayed));
+    simulation->advance();
+    simulation->snapshot(frame);
+    const RunFrame all = after(scene, 4);
+    EXPECT_TRUE(same_bits(frame.positions, all.positions));
+    EXPECT_TRUE(same_bits(frame.displayed, all.displayed));
+    EXPECT_FALSE(same_bits(frame.displayed, start.displayed));
+}
+
 // Distance of the tip of a straight strand from the plane that it lay on, once that has sunk by 9 mm.
 double tip_distance(const string& strength) {
     Scene scene = scene_of(

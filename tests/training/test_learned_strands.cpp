@@ -9,7 +9,7 @@
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "tests/learn/hair.h"
-#ifdef WETCURL_DEVICE_STRANDS
+#ifdef WETCURL_NETWORKS_ON_DEVICE
 #include "base/device_buffer.h"
 #include "learn/device_strands.h"
 #endif
@@ -114,7 +114,7 @@ TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
 }
 
 TEST(LearnedStrands, OnTheDeviceAreThoseOfTheHost) {
-#ifdef WETCURL_DEVICE_STRANDS
+#ifdef WETCURL_NETWORKS_ON_DEVICE
     if (!torch::cuda::is_available()) GTEST_SKIP() << "SKIP: no CUDA device";
     Scratch scratch;
     for (const char* architecture : {"strand_mlp", "strand_depthwise", "strand_linear"}) {

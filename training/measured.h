@@ -1,0 +1,15 @@
+// Networks to be timed.
+// Ours.
+#pragma once
+
+#include "learn/network_module.h"
+
+namespace wetcurl {
+
+// See NetworkModule.
+MeasuredNetwork measured_inference(const ModelCard& card, std::array<long, 4> shape,
+                                   const std::string& device, int threads);
+MeasuredNetwork measured_training(const ModelCard& card, std::array<long, 4> shape, const std::string& device,
+                                  int threads);
+
+}  // namespace wetcurl
