@@ -47,12 +47,11 @@ std::vector<Entry> network_entries(const std::string& device, int threads) {
             return network_module().measured_inference(card, shape, device, threads);
         };
         for (long patches : {1, 16})
-            out.push_back(entry(fmt::format("network {}, {} of {} x {}", architecture,
-                                            patches == 1 ? "patch" : fmt::format("{} patches", patches), side,
-                                            side),
-                                patches, inference));
-        const std::string training =
-            fmt::format("network {}, training step, batch {}", architecture, batch);
+            out.push_back(
+                entry(fmt::format("network {}, {} of {} x {}", architecture,
+                                  patches == 1 ? "patch" : fmt::format("{} patches", patches), side, side),
+                      patches, inference));
+        const std::string training = fmt::format("network {}, training step, batch {}", architecture, batch);
         out.push_back(entry(training, batch, [=](const std::array<long, 4>& shape) {
             return network_module().measured_training(card, shape, device, threads);
         }));

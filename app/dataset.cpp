@@ -117,7 +117,7 @@ class MemberRun {
         for (int f = 0; f < high_.frames; ++f) {
             if (guard.asked()) return false;
             // Eq 10 moves what is seen alone: of the wet strands only frames that are kept.
-            const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every == 0;
+            const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every < recipe_.together;
             if (f > 0) dry_->advance(), wet_->advance(kept || keeps_runs());
             for (const auto* s : {dry_.get(), wet_.get()})
                 if (const auto diverged = s->divergence())
@@ -133,6 +133,7 @@ class MemberRun {
             wet_->snapshot(wet);
             if (keeps_runs()) low_writer->append(low), wet_writer->append(wet);
             if (!kept) continue;
+            frames_.push_back(f);
             if (strands) {
                 StrandImages& images = strand_images_.emplace_back();
                 images.input = strands->dynamic();
@@ -152,6 +153,7 @@ class MemberRun {
 
   private:
     bool keeps_runs() const { return recipe_.runs == member_.split; }
+    std::string kind_of_low() const { return recipe_.low_is_wet ? "wet" : "dry"; }
     bool displayed() const { return recipe_.displayed && high_.cohesion; }
     Scene scene(int stride) const {
         SceneOptions options;
@@ -160,7 +162,10 @@ class MemberRun {
     }
     void write_strands(const StrandEncoder& encoder) const {
         PairsWriter out = shard(Codec::strand);
-        out.begin(encoder.begin(int(strand_images_.size()), displayed()));
+        out.attribute("low", kind_of_low());
+        StrandPairs run = encoder.begin(int(strand_images_.size()), displayed());
+        run.frame = frames_;
+        out.begin(run);
         for (const auto& i : strand_images_)
             out.append(i.input.data(), i.target.data(), displayed() ? i.displayed.data() : nullptr);
         out.attribute("floor_mm", floor_mm_ / double(strand_images_.size()));
@@ -170,6 +175,7 @@ class MemberRun {
     }
     void write_roots(const RootImage& low, const RootImage& high, float radius) const {
         PairsWriter out = shard(Codec::root);
+        out.attribute("low", kind_of_low());
         out.box(&recipe_.box.lower.x, &recipe_.box.upper.x);
         out.attribute("support_radius", radius);
         out.begin(RootPairs{int(root_images_.size()), low.height(), low.width(), low.mask(), high.mask()});
@@ -190,6 +196,7 @@ class MemberRun {
     const Folder& to_;
     Scene high_, low_;
     std::unique_ptr<Simulation> dry_, wet_;
+    std::vector<int> frames_;  // kept
     std::vector<StrandImages> strand_images_;
     Images root_images_;
     double floor_mm_ = 0, floor_displayed_mm_ = 0;  // what encoding costs, summed over the frames kept
@@ -267,9 +274,11 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
                 if (m.split != split) continue;
                 const std::string shard = to.shard(m, codec);
                 const PairsReader reader(shard);
-                if (!out)
+                if (!out) {
                     out = std::make_unique<PairsWriter>(to.whole(split, codec), codec, reader.particles(),
                                                         true);
+                    out->attribute("low", reader.low());
+                }
                 for (const char* floor : {"floor_mm", "floor_displayed_mm"})
                     if (reader.has_attribute(floor))
                         floors[floor].first += reader.number(floor), ++floors[floor].second;

@@ -21,6 +21,7 @@ struct Draw {
 };
 struct Entry {
     std::string name, only, text;
+    long weight;
     std::vector<Draw> draws;
 };
 struct List {
@@ -63,7 +64,7 @@ class Members {
             for (const Table& t : pick.tables(name))
                 list.entries.push_back({t.text("name", fmt::format("{}", list.entries.size())),
                                         t.choice("only", "", {"", "test", "train"}), t.text("text", ""),
-                                        draws_of(t.table("draw"))});
+                                        t.integer("weight", 1, 1, 1000), draws_of(t.table("draw"))});
             lists_.push_back(list);
         }
     }
@@ -101,9 +102,9 @@ class Members {
         std::vector<const Entry*> own, open;
         for (const auto& e : list.entries)
             if (e.only == side)
-                own.push_back(&e);
+                own.insert(own.end(), size_t(e.weight), &e);
             else if (e.only.empty())
-                open.push_back(&e);
+                open.insert(open.end(), size_t(e.weight), &e);
         // Where something is kept for the test, it is tested on that alone.
         std::vector<const Entry*> allowed = own;
         if (side == "train" || own.empty()) allowed.insert(allowed.end(), open.begin(), open.end());
@@ -131,6 +132,7 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     r.low_is_wet = root.choice("low", "dry", {"dry", "wet"}) == "wet";
     r.displayed = root.boolean("displayed", true);
     r.first = int(root.integer("first", 0, 0, 1 << 20)), r.every = int(root.integer("every", 1, 1, 1 << 20));
+    r.together = int(root.integer("together", 1, 1, r.every));
     r.runs = root.choice("runs", "", {"", "train", "validation", "test"});
     const auto lower = root.numbers("box_lower", {-0.6, -0.6, -0.6}, -100, 100),
                upper = root.numbers("box_upper", {0.6, 0.6, 0.6}, -100, 100);

@@ -7,6 +7,7 @@
 //   low = "dry"                    what the low-resolution run is: dry | wet
 //   displayed = true               codec strand: the strands after cohesion as targets too
 //   first = 8, every = 3           the frames that are kept as pairs, of each scene's `frames`
+//   together = 1                   how many in a row are kept each time; loss.steady learns from 2 or more
 //   runs = "test"                  split whose runs are kept whole too, for `infer` and `compare`; "": none
 //   [splits]                       scenes of each
 //   train = 400
@@ -19,6 +20,7 @@
 //   [[pick.motion]]                one entry of each list is picked for a scene
 //   name = "turn"
 //   only = "test"                  test | train (and validation); "": both
+//   weight = 1                     an entry of 2 is picked twice as often
 //   text = """[motion]\naxis = [0, 1, 0]"""   appended to the base scene
 //   [pick.motion.draw]             drawn where the entry is picked
 //   "motion.angle" = [10, 40]
@@ -44,7 +46,7 @@ struct DatasetMember {
 struct DatasetRecipe {
     bool strand = true, root = false;  // codecs
     bool low_is_wet = false, displayed = true;
-    int first = 0, every = 1;
+    int first = 0, every = 1, together = 1;
     std::string runs;  // split whose runs are kept
     ColourBox box;     // of codec root, the same for all
     std::vector<DatasetMember> members;

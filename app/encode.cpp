@@ -24,6 +24,10 @@ void record_input(PairsWriter& out, size_t run, const std::string& role, const s
     out.attribute(fmt::format("input {:03d} {}", run, role), path + " " + hash_of_file(path));
 }
 
+std::string low_of(const RunPair& pair) {
+    return pair.dry->header().method.starts_with("simulated wet") ? "wet" : "dry";
+}
+
 std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
     if (inputs.empty() || inputs.size() % 2)
         throw Misuse(fmt::format(
@@ -31,9 +35,9 @@ std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
     std::vector<RunPair> out;
     for (size_t k = 0; k < inputs.size(); k += 2) out.emplace_back(inputs[k], inputs[k + 1]);
     for (const auto& pair : out) {
-        if (pair.dry->header().method.starts_with("simulated wet"))
-            log_warning(pair.dry->path() +
-                        ": was simulated wet; a model of these pairs is for wet runs only");
+        if (low_of(pair) != low_of(out[0]))
+            throw Error(fmt::format("{}: was simulated {}, {} {}; allowed are runs of one kind",
+                                    pair.dry->path(), low_of(pair), out[0].dry->path(), low_of(out[0])));
         const int found = pair.wet->header().groom.rest.particles,
                   allowed = out[0].wet->header().groom.rest.particles;
         if (found != allowed)
@@ -66,6 +70,10 @@ Json encode_pairs(const EncodeOptions& o, Codec codec) {
     refuse_scene_options(o, "encode of runs");
     const auto pairs = open_pairs(o.inputs);
     PairsWriter out(o.output, codec, pairs[0].wet->header().groom.rest.particles, o.overwrite);
+    out.attribute("low", low_of(pairs[0]));
+    if (low_of(pairs[0]) == "wet")
+        log_warning(pairs[0].dry->path() +
+                    ": was simulated wet; a model of these pairs is for wet runs only");
     Json json{{"codec", o.codec}, {"runs", pairs.size()}};
     if (codec == Codec::strand) {
         double floor_mm = 0;

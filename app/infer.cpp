@@ -179,8 +179,9 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     const ModelCard card = network_module().card(o.model);
     if (card.codec == "adhesion")
         throw Misuse(o.model + ": an adhesion model; it acts in a scene, not on a run: infer SCENE.toml");
-    if (low.method.starts_with("simulated wet"))
-        log_warning(o.input + ": was simulated wet; a model learns from dry runs and adds the water itself");
+    if (const bool wet = low.method.starts_with("simulated wet"); wet != (card.low == "wet"))
+        log_warning(fmt::format("{}: was simulated {}; {} learned from {} runs", o.input, wet ? "wet" : "dry",
+                                o.model, card.low));
     if (card.codec == "strand") {
         if (!o.reconstruct.empty())
             throw Misuse("--reconstruct is for models of the root codec; this one predicts whole strands");
@@ -237,16 +238,16 @@ SimulateOptions simulation_of(const InferOptions& o) {
     return s;
 }
 
-// The dry low-resolution run of the scene, which then is the input.
-void simulate_low(InferOptions& o, const Scene& low) {
-    SimulateOptions dry = simulation_of(o);
-    dry.json.clear();
-    dry.device = "cpu";  // the network's alone
-    dry.output = o.output + ".dry.h5";
-    dry.dry = true;
-    dry.strands = low.groom.rest.count;
-    simulate_command(dry);
-    o.input = dry.output;
+// The low-resolution run of the scene, which then is the input.
+void simulate_low(InferOptions& o, const Scene& low, bool wet) {
+    SimulateOptions run = simulation_of(o);
+    run.json.clear();
+    run.device = "cpu";  // the network's alone
+    run.output = o.output + (wet ? ".wet.h5" : ".dry.h5");
+    run.dry = !wet;
+    run.strands = low.groom.rest.count;
+    simulate_command(run);
+    o.input = run.output;
 }
 
 // The scene with the network in Eq 11's place.
@@ -279,12 +280,14 @@ int infer_command(const InferOptions& given) {
             o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
         if (o.wetness.empty()) require_named(o, low);
         take_learned(o, low);
+        bool wet = false;
         if (!o.model.empty()) {
             const ModelCard card = network_module().card(o.model);
             if (card.codec == "adhesion") return simulate_with(o, low);
             require_solids_for(card, low, o.input);
+            wet = card.low == "wet";
         }
-        simulate_low(o, low);
+        simulate_low(o, low, wet);
     } else if (o.wetness.empty()) {
         refuse_scene_options(o, "infer from a run without --wetness");
     }

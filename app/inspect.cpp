@@ -175,11 +175,17 @@ Json pairs_json(const InspectOptions& o) {
 
 Json model_json(const InspectOptions& o) {
     const ModelCard card = network_module().card(o.file);
-    return {{"codec", card.codec},           {"architecture", card.architecture},
-            {"width", card.width},           {"parameters", card.parameters},
-            {"inputs", card.input_channels}, {"outputs", card.output_channels},
-            {"upscale", card.upscale},       {"particles_per_strand", card.particles},
-            {"numbers", card.numbers},       {"trained_on", card.inputs},
+    return {{"codec", card.codec},
+            {"architecture", card.architecture},
+            {"width", card.width},
+            {"parameters", card.parameters},
+            {"inputs", card.input_channels},
+            {"outputs", card.output_channels},
+            {"upscale", card.upscale},
+            {"particles_per_strand", card.particles},
+            {"low", card.low},
+            {"numbers", card.numbers},
+            {"trained_on", card.inputs},
             {"recipe", card.recipe}};
 }
 

@@ -63,7 +63,7 @@ StrandEncoder::StrandEncoder(const Groom& high, const Groom& low, const std::vec
 
 StrandPairs StrandEncoder::begin(int frames, bool displayed) const {
     return {frames,         static_channels, dynamic_channels, codec_.height(), codec_.width(),
-            codec_.fixed(), codec_.mask(),   codec_.length(),  displayed};
+            codec_.fixed(), codec_.mask(),   codec_.length(),  displayed,       {}};
 }
 
 void StrandEncoder::take_up(const Strands& low, const HeadWindow& heads) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
+#include <numeric>
 
 #include "learn/dct.h"
 
@@ -45,6 +47,7 @@ void PairsWriter::begin(const StrandPairs& run) {
     file_.write(group_ + "/static", run.fixed.data(), {size_t(run.static_channels), h, w});
     file_.write(group_ + "/mask", run.mask.data(), {h, w});
     file_.write(group_ + "/length", run.length.data(), {h, w});
+    if (!run.frame.empty()) file_.write(group_ + "/frame", run.frame);
     inputs_name_ = "/dynamic";
     inputs_shape_ = {size_t(run.dynamic_channels), h, w};
     target_shape_ = {size_t(strand_coefficients), h, w};
@@ -135,6 +138,14 @@ StrandPairs PairsReader::strand(int run) const {
     out.static_channels = int(out.fixed.size() / out.pixels());
     out.mask = file_.read<uint8_t>(group + "/mask", {d[2], d[3]});
     out.length = file_.read<float>(group + "/length", {d[2], d[3]});
+    if (file_.has(group + "/frame")) {
+        out.frame = file_.read<int>(group + "/frame", {d[0]});
+        if (!std::is_sorted(out.frame.begin(), out.frame.end(), std::less_equal()))
+            throw Error(path() + ": " + group + "/frame: allowed are rising numbers");
+    } else {
+        out.frame.resize(d[0]);
+        std::iota(out.frame.begin(), out.frame.end(), 0);
+    }
     return out;
 }
 

@@ -61,8 +61,8 @@ __global__ void mix_kernel(GridOfRows grid, const __nv_bfloat162* __restrict__ x
 #pragma unroll
     for (int k = 0; k < strip; ++k)
         if (left + k < grid.width)
-            out[(line + k) * half + pair] = __floats2bfloat162_rn(__low2float(here[k]) + sum[k].x,
-                                                                 __high2float(here[k]) + sum[k].y);
+            out[(line + k) * half + pair] =
+                __floats2bfloat162_rn(__low2float(here[k]) + sum[k].x, __high2float(here[k]) + sum[k].y);
 }
 
 }  // namespace

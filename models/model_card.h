@@ -16,9 +16,10 @@ struct ModelCard {
     std::string architecture;  // a name of models/registry.h
     double width = 1;          // channel multiplier
     int input_channels = 0, output_channels = 0;
-    int upscale = 1;     // output pixels per input pixel, each way
-    std::string target;  // codec strand: "strands", which Eq 10 follows, or "displayed", after it
-    int particles = 0;   // of a strand (codec strand), else 0
+    int upscale = 1;          // output pixels per input pixel, each way
+    std::string target;       // codec strand: "strands", which Eq 10 follows, or "displayed", after it
+    std::string low = "dry";  // what the low-resolution run is, codecs strand and root: "dry" or "wet"
+    int particles = 0;        // of a strand (codec strand), else 0
     long parameters = 0;
     std::map<std::string, double> numbers;  // validation error, steps… and the pairs' own numbers
     // Codec strand: input_mean, input_std (input_channels), output_scale (output_channels), applied inside

@@ -46,6 +46,9 @@ ModelCard card_of(const H5Reader& file) {
     if (file.has_attribute("target")) card.target = file.text("target");
     if (card.target != "" && card.target != "strands" && card.target != "displayed")
         throw Error(file.path() + ": target: found '" + card.target + "', allowed strands, displayed");
+    if (file.has_attribute("low")) card.low = file.text("low");
+    if (card.low != "dry" && card.low != "wet")
+        throw Error(file.path() + ": low: found '" + card.low + "', allowed dry, wet");
     card.recipe = file.text("recipe");
     card.inputs = file.text("inputs");
     for (const auto& name : file.list("numbers"))
@@ -100,6 +103,7 @@ void save_model(const std::string& path, const ModelCard& card, const Model& mod
     file.attribute("particles", double(card.particles));
     file.attribute("parameters", double(parameter_count(model)));
     if (!card.target.empty()) file.attribute("target", card.target);
+    if (card.codec != "adhesion") file.attribute("low", card.low);
     file.attribute("recipe", card.recipe);
     file.attribute("inputs", card.inputs);
     for (const auto& [name, value] : card.numbers) file.write("numbers/" + name, &value, {1});

@@ -27,8 +27,7 @@ MeasuredNetwork measured_inference(const ModelCard& card, std::array<long, 4> sh
     const auto [b, c, h, w] = shape;
     const std::shared_ptr<Network> network = network_of(card, make_model(card), device, threads);
     const Tensor input = torch::rand({b, c, h, w}, on),
-                 output =
-                     torch::empty({b, card.output_channels, h * card.upscale, w * card.upscale}, on);
+                 output = torch::empty({b, card.output_channels, h * card.upscale, w * card.upscale}, on);
     const bool on_device = input.is_cuda();
     return {[=] { network->run(input.data_ptr<float>(), shape, output.data_ptr<float>(), on_device); },
             operations_on(card, shape)};

@@ -422,7 +422,7 @@ StrandPairs write_shard(const std::string& path, unsigned seed, int run_frames, 
         values.resize(n);
         for (float& v : values) v = float(random.number());
     };
-    StrandPairs run{run_frames, 3, strand_coefficients + 2, 2, 5, {}, {}, {}, false};
+    StrandPairs run{run_frames, 3, strand_coefficients + 2, 2, 5, {}, {}, {}, false, {}};
     fill(run.fixed, size_t(run.static_channels) * run.pixels());
     fill(run.length, run.pixels());
     run.mask.assign(run.pixels(), 1);
