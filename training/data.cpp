@@ -99,6 +99,7 @@ class StrandData : public TrainingData {
         particles_ = pairs.front()->particles();
         train_ = places_of(frames_, trained_, false);
         held_ = places_of(frames_, trained_, true);
+        starts_ = recipe.steady > 0 ? followed() : train_;
         find_statistics();
     }
 
@@ -112,14 +113,19 @@ class StrandData : public TrainingData {
     }
     void begin_epoch(long epoch) override {
         auto random = generator(recipe_.seed, epoch);
-        order_ = shuffled(counting(long(train_.size())), random);
+        order_ = shuffled(counting(long(starts_.size())), random);
     }
-    long steps() const override { return ceil_divide(long(train_.size()), long(recipe_.batch)); }
+    long steps() const override { return ceil_divide(long(starts_.size()), long(batch_of_starts())); }
     Batch batch(long step) const override {
         vector<Place> places;
-        for (long i : share(step, recipe_.batch, order_.size()))
-            places.push_back(train_[size_t(order_[size_t(i)])]);
-        return of(places);
+        for (long i : share(step, batch_of_starts(), order_.size()))
+            places.push_back(starts_[size_t(order_[size_t(i)])]);
+        if (!in_pairs()) return of(places);
+        for (size_t k = 0, count = places.size(); k < count; ++k)
+            places.push_back({places[k].run, places[k].frame + 1});
+        Batch out = of(places);
+        out.in_pairs = true;
+        return out;
     }
     long validation_batches() const override { return long(held_.size()); }
     Batch validation_batch(long i) const override { return of({held_[size_t(i)]}); }
@@ -130,7 +136,30 @@ class StrandData : public TrainingData {
         Tensor fixed, dynamic, target;  // (P, Cs), (F, P, Cd), (F, P, 72)
         Tensor pixels;                  // (P)
         long height, width;
+        vector<int> times;  // (F)
     };
+
+    bool in_pairs() const { return recipe_.steady > 0; }
+    double batch_of_starts() const {
+        return in_pairs() ? std::max(1.0, std::floor(recipe_.batch / 2)) : recipe_.batch;
+    }
+
+    // The frames of training that another follows, each in one pair.
+    vector<Place> followed() const {
+        vector<Place> starts;
+        for (size_t k = 0; k + 1 < train_.size(); ++k) {
+            const Place &now = train_[k], &next = train_[k + 1];
+            const vector<int>& times = runs_[now.run].times;
+            if (now.run != next.run || times[size_t(next.frame)] != times[size_t(now.frame)] + 1) continue;
+            starts.push_back(now);
+            ++k;
+        }
+        if (starts.empty())
+            throw Error(
+                "pairs: found no two frames in a row, which loss.steady needs (together = 2 in the "
+                "data set's recipe)");
+        return starts;
+    }
 
     static vector<float> values(const Tensor& t) {
         return {t.data_ptr<float>(), t.data_ptr<float>() + t.numel()};
@@ -163,6 +192,7 @@ class StrandData : public TrainingData {
 
         Run out;
         out.pixels = pixels.to(device_), out.height = run.height, out.width = run.width;
+        out.times = run.frame;
         out.fixed = masked_rows(run.fixed.data(), run.static_channels, pixels, area);
         out.dynamic = torch::empty({run.frames, count, run.dynamic_channels});
         out.target = torch::empty({run.frames, count, strand_coefficients});
@@ -274,7 +304,7 @@ class StrandData : public TrainingData {
     bool displayed_, neighbours_;
     vector<Run> runs_;
     vector<long> frames_, trained_, order_;
-    vector<Place> train_, held_;
+    vector<Place> train_, held_, starts_;  // of frames or pairs that an epoch draws
     Tensor mean_, deviation_, scale_;
     int particles_ = 0;
     long strands_ = 0;
@@ -285,7 +315,8 @@ class StrandData : public TrainingData {
 
 class RootData : public TrainingData {
   public:
-    RootData(const vector<PairsReader*>& pairs, size_t trained, const Recipe& recipe) : recipe_(recipe) {
+    RootData(const vector<PairsReader*>& pairs, size_t trained, const Recipe& recipe, torch::Device device)
+        : recipe_(recipe), device_(device) {
         pairs.front()->box(lower_, upper_);
         for (size_t k = 0; k < pairs.size(); ++k) {
             require_same_box(*pairs[k]);
@@ -366,6 +397,7 @@ class RootData : public TrainingData {
             file.frame(r, f, out.input[f].data_ptr<float>(), out.target[f].data_ptr<float>());
         for (const auto& t : {out.input, out.target}) require_finite(t, where);
         if (out.mask.sum().item<float>() == 0) throw Error(where + "/mask: found no strand");
+        for (Tensor* t : {&out.input, &out.target, &out.mask}) *t = t->to(device_);
         smallest_ = std::min({smallest_, long(run.height), long(run.width)});
         runs_.push_back(out);
         frames_.push_back(run.frames);
@@ -401,6 +433,7 @@ class RootData : public TrainingData {
     }
 
     Recipe recipe_;
+    torch::Device device_;
     double lower_[3], upper_[3];
     vector<Run> runs_;
     vector<long> frames_, trained_, samples_, order_;
@@ -495,7 +528,7 @@ std::unique_ptr<TrainingData> open_codec(const vector<PairsReader*>& pairs, size
         case Codec::strand:
             return std::make_unique<StrandData>(pairs, trained, recipe, device);
         case Codec::root:
-            return std::make_unique<RootData>(pairs, trained, recipe);
+            return std::make_unique<RootData>(pairs, trained, recipe, device);
         default:
             if (trained != pairs.size())
                 throw Misuse("train adhesion: takes no --validation; the last samples are held out");
@@ -514,7 +547,7 @@ vector<long> TrainingData::share(long step, double batch, size_t count) const {
 
 Batch Batch::to(torch::Device device) const {
     auto moved = [&](const Tensor& t) { return t.defined() ? t.to(device) : t; };
-    return {moved(input), moved(target), moved(base), moved(mask), moved(pixels)};
+    return {moved(input), moved(target), moved(base), moved(mask), moved(pixels), in_pairs};
 }
 
 std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_t trained,
@@ -525,6 +558,10 @@ std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_
             throw Error(file->path() + ": found codec " + name_of(file->codec()) + " with " +
                         std::to_string(file->particles()) + " particles, needed what " + first.path() +
                         " has: " + name_of(first.codec()) + " with " + std::to_string(first.particles()));
+    for (auto* file : pairs)
+        if (file->low() != first.low())
+            throw Error(file->path() + ": its low-resolution runs are " + file->low() + ", needed what " +
+                        first.path() + " has: " + first.low());
     auto data = open_codec(pairs, trained, recipe, device);
     data->ranks = ranks;
     return data;

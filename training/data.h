@@ -15,7 +15,7 @@
 
 namespace wetcurl {
 
-// Single precision; of codec strand on the training's device, else on the CPU.
+// Single precision; of codecs strand and root on the training's device, of codec adhesion on the CPU.
 struct Batch {
     Tensor input;   // strand (P, C, 1, 1): masked pixels, or for a network that sees neighbours whole frames
                     // (B, C, H, W); root (B, 3, h, w); adhesion (n, 12, 1, 1)
@@ -24,6 +24,8 @@ struct Batch {
     Tensor base;
     Tensor mask;    // root alone (B, 1, 2h, 2w): 1 where a strand is
     Tensor pixels;  // strand, whole frames with holes: (P) which of the B H W pixels hold a strand
+    // Strand: whether the second half of the rows are those of the first a frame later.
+    bool in_pairs = false;
     Batch to(torch::Device device) const;
     bool empty() const { return !target.defined(); }
 };

@@ -134,6 +134,7 @@ class Trainer {
         card_.width = recipe_.width;
         card_.output_channels = architecture_.output_channels;
         card_.upscale = architecture_.upscale;
+        if (codec_ != Codec::adhesion) card_.low = readers_.front()->low();
         data_->describe(card_);
         torch::manual_seed(uint64_t(recipe_.seed));
         model_ = make_model(card_);
@@ -189,10 +190,15 @@ class Trainer {
         return recipe_.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * done));
     }
 
+    Tensor output_of(const Batch& batch) {
+        model_->whole_grid = !batch.pixels.defined();
+        return model_->forward(batch.input);
+    }
+
     // The loss of a batch, its gradient to the optimiser.
     double differentiate(const Batch& host) {
         const Batch batch = host.to(device_);
-        const Tensor loss = loss_->of(model_->forward(batch.input), batch);
+        const Tensor loss = loss_->of(output_of(batch), batch);
         loss.backward();
         return loss.item<double>();
     }
@@ -204,7 +210,7 @@ class Trainer {
         if (!host.empty()) {
             const double count = loss_->count(host);  // before the batch is on a GPU, which it would wait for
             const Batch batch = host.to(device_);
-            const Tensor loss = count * loss_->of(model_->forward(batch.input), batch);
+            const Tensor loss = count * loss_->of(output_of(batch), batch);
             loss.backward();
             extra[0].copy_(loss.detach());
             extra[1].fill_(count);
@@ -247,7 +253,7 @@ class Trainer {
         double sums[6] = {};  // loss, base_loss, distance, base_distance, count, batches with positions
         for (long i = ranks_.mine; i < data_->validation_batches(); i += ranks_.of) {
             const Batch batch = data_->validation_batch(i).to(device_);
-            const Tensor output = model_->forward(batch.input), base = loss_->base_output(batch);
+            const Tensor output = output_of(batch), base = loss_->base_output(batch);
             const double weight = loss_->count(batch);
             auto add = [&](double& to, const Tensor& value) { to += weight * value.item<double>(); };
             add(sums[0], loss_->of(output, batch));

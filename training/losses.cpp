@@ -12,12 +12,12 @@ namespace {
 class StrandLoss : public Loss {
   public:
     StrandLoss(const Recipe& recipe, int particles, double length, torch::Device device)
-        : particles_(particles), length_weight_(recipe.length) {
+        : particles_(particles), length_weight_(recipe.length), steady_weight_(recipe.steady) {
         const StrandDct dct(particles);
         const Tensor basis =
             torch::from_blob(const_cast<float*>(dct.basis().data()), {dct_kept, particles}).t();
         const long n = particles;
-        segment_ = length / double(n - 1);
+        length_ = length, segment_ = length / double(n - 1);
         const Tensor edges = basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, n - 1);  // (n-1, 24)
         // Particle 0 is exact by construction, and the norm has no gradient there.
         positions_ =
@@ -49,6 +49,12 @@ class StrandLoss : public Loss {
             const Tensor wanted = norms(batch.base + target, edges_);
             loss = loss + (found - wanted).abs().mean() * (length_weight_ / segment_);
         }
+        if (batch.in_pairs) {
+            const long half = error.size(0) / 2;
+            const Tensor change = error.narrow(0, half, half) - error.narrow(0, 0, half);
+            loss = loss +
+                   norms(change, positions_).sum() * (steady_weight_ / (length_ * double(half * particles_)));
+        }
         return loss;
     }
     Tensor base_output(const Batch& batch) const override {
@@ -76,7 +82,7 @@ class StrandLoss : public Loss {
     }
 
     int particles_;
-    double length_weight_, segment_;
+    double length_weight_, steady_weight_, length_, segment_;
     Tensor positions_, edges_, rows_, weights_;
 };
 

@@ -6,6 +6,12 @@
 
 namespace wetcurl {
 
+// A part of a flat vector with the shape of `like`: a GPU's convolutions take their weights channels last.
+static Tensor as_laid_out(const Tensor& flat, const Tensor& like) {
+    if (!like.is_cuda() || like.dim() != 4) return flat.view(like.sizes());
+    return flat.view({like.size(0), like.size(2), like.size(3), like.size(1)}).permute({0, 3, 1, 2});
+}
+
 Optimiser::Optimiser(Model& model, double weight_decay, double gradient_clip)
     : weight_decay_(weight_decay), clip_(gradient_clip) {
     torch::NoGradGuard no_grad;
@@ -18,10 +24,14 @@ Optimiser::Optimiser(Model& model, double weight_decay, double gradient_clip)
     second_moment = torch::zeros_like(weights);
     long at = 0;
     for (auto& p : model.parameters()) {
-        const long n = p.numel();
-        p.set_data(weights.narrow(0, at, n).view(p.sizes()));
-        p.mutable_grad() = gradient_.narrow(0, at, n).view(p.sizes());
-        at += n;
+        const Tensor found = p.detach().clone();
+        const auto part = [&](const Tensor& flat) {
+            return as_laid_out(flat.narrow(0, at, p.numel()), found);
+        };
+        p.set_data(part(weights));
+        p.copy_(found);
+        p.mutable_grad() = part(gradient_);
+        at += p.numel();
     }
 }
 

@@ -100,6 +100,8 @@ const std::vector<RecipeRow>& recipe_rows() {
          "weight: mean second difference / segment length"},
         {"loss.length", &R::length, 0, none, none, 0, 1e6, false,
          "weight: mean difference of edge lengths / segment length"},
+        {"loss.steady", &R::steady, 0, none, none, 0, 1e6, false,
+         "weight: mean error of how far particles go in a frame / strand length; frames then come in pairs"},
     };
     return rows;
 }
@@ -128,7 +130,8 @@ Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<s
 
     if (!request.architecture.empty()) recipe.architecture = request.architecture;
     if (!request.device.empty()) recipe.device = request.device;
-    if (codec == Codec::strand && recipe.position + recipe.edge + recipe.curvature + recipe.length == 0)
+    if (codec == Codec::strand &&
+        recipe.position + recipe.edge + recipe.curvature + recipe.length + recipe.steady == 0)
         throw Misuse("recipe: all weights of [loss] are 0, one above 0 is needed");
     recipe.text = resolved_text(recipe, codec);
     return recipe;

@@ -13,7 +13,7 @@ namespace wetcurl {
 struct Recipe {
     double epochs, batch, learning_rate, weight_decay, gradient_clip, patch, epoch_samples, width, seed;
     double validation, validate_every, checkpoint_seconds;
-    double position, edge, curvature, length;  // weights of the losses
+    double position, edge, curvature, length, steady;  // weights of the losses
     std::string architecture, schedule, device, precision;
     std::string target;     // codec strand: "strands", which Eq 10 follows, or "displayed", after it
     std::string leave_out;  // codec strand: names of inputs (learn/strand_codec.h), blanks between

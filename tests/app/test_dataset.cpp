@@ -377,6 +377,16 @@ TEST_F(Dataset, frames_are_those_that_the_recipe_keeps) {
     for (int k = 0; k < 3; ++k) EXPECT_EQ(frame(few, k), frame(all, 1 + 2 * k)) << k;
 }
 
+TEST_F(Dataset, frames_are_kept_in_a_row_where_the_recipe_says) {
+    const std::string some = "first = 1\nevery = 2\n", rows = "first = 1\nevery = 4\ntogether = 2\n";
+    std::string text = small_recipe + scenes(1, 0, 0);
+    make(options(text.replace(text.find(some), some.size(), rows), "rows"));
+    EXPECT_EQ(PairsReader(scratch.path("rows/train_strand.h5")).strand(0).frame,
+              (std::vector<int>{1, 2, 5, 6}));
+    text.replace(text.find("together = 2"), 12, "together = 5");
+    expect_error([&] { read(text); }, {"together", "5", "4"});
+}
+
 // Cohesion moves what is seen alone: a shard of codec strand does without, unless its runs are kept.
 TEST_F(Dataset, keeping_runs_or_another_codec_changes_no_shard) {
     const std::string text = small_recipe + scenes(1, 0, 1);
@@ -395,6 +405,8 @@ TEST_F(Dataset, a_wet_low_run_is_another_input_for_the_same_strands) {
     const Pairs dry = pairs_of(scratch.path("dry/train_strand.h5")),
                 wet = pairs_of(scratch.path("wet/train_strand.h5"));
     EXPECT_EQ(dry.fixed.fixed, wet.fixed.fixed);
+    EXPECT_EQ(PairsReader(scratch.path("dry/train_strand.h5")).low(), "dry");
+    EXPECT_EQ(PairsReader(scratch.path("wet/train_strand.h5")).low(), "wet");
     EXPECT_GT(largest_difference(dry.dynamic, wet.dynamic), 1e-4);
     // Base and difference come back together as the strand: amplitudes to 0.1 m, rounded twice.
     EXPECT_LT(largest_difference(wet_strands(dry), wet_strands(wet)), 1e-7);

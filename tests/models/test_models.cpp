@@ -2,6 +2,7 @@
 // are slow. Ours.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <torch/cuda.h>
 #include <torch/nn/functional/conv.h>
 #include <torch/utils.h>
 #include <unistd.h>
@@ -227,6 +228,54 @@ TEST(EveryNetwork, AgreesWithItselfInBfloat16) {
         ASSERT_GT(largest(expected), 1e-2) << a.name;
         EXPECT_LT((found - expected).norm().item<double>(), 0.03 * expected.norm().item<double>()) << a.name;
         EXPECT_GT(largest(found - expected), 0) << a.name << ": nothing ran in bfloat16";
+    }
+}
+
+TEST(EveryNetwork, FrozenGivesTheSameBits) {
+    torch::NoGradGuard no_grad;
+    for (const auto& a : architectures()) {
+        const ModelCard card = card_of(a, 0.125);
+        auto model = stirred(card);
+        const Tensor x = input_of(card);
+        model->body = torch::kBFloat16;
+        const Tensor expected = model->forward(x);
+        model->freeze();
+        EXPECT_TRUE(torch::equal(model->forward(x), expected)) << a.name;
+    }
+}
+
+TEST(Operations, AreThoseOfTheLayersThatRun) {
+    ModelCard card = card_of(*find_architecture("strand_mlp"), 1);
+    // 256 channels, ten layers between the first and the last.
+    const double a_pixel = 2.0 * (strand_inputs * 256 + 10 * 256 * 256 + 256 * strand_coefficients);
+    EXPECT_EQ(operations_of(*make_model(card), input_of(card, 1, 4)), 16 * a_pixel);
+    // Twice as many pixels of either kind, twice the work.
+    card = card_of(*find_architecture("unet_vgg19"), 0.125);
+    const auto unet = make_model(card);
+    EXPECT_EQ(operations_of(*unet, input_of(card, 2, 32)), 2 * operations_of(*unet, input_of(card, 1, 32)));
+    EXPECT_EQ(operations_of(*unet, input_of(card, 1, 64)), 4 * operations_of(*unet, input_of(card, 1, 32)));
+}
+
+// The look around in one kernel, and LibTorch's convolution.
+TEST(StrandDepthwise, OnADeviceIsItselfWithAndWithoutGradients) {
+    if (!torch::cuda::is_available()) GTEST_SKIP() << "SKIP: no CUDA device";
+    const ModelCard card = card_of(*find_architecture("strand_depthwise"), 0.3);
+    auto model = stirred(card);
+    model->to(torch::kCUDA);
+    model->body = torch::kBFloat16;
+    for (const bool holes : {false, true}) {
+        torch::manual_seed(3);
+        Tensor x = torch::rand({3, strand_inputs, 19, 37}, torch::kCUDA);
+        if (holes) x *= torch::rand({3, 1, 19, 37}, torch::kCUDA).gt(0.3);
+        model->whole_grid = !holes;
+        const Tensor expected = model->forward(x).detach();
+        const torch::NoGradGuard no_grad;
+        const Tensor found = model->forward(x);
+        EXPECT_LT((found - expected).norm().item<double>(), 0.01 * expected.norm().item<double>()) << holes;
+        // What it looks at matters.
+        model->whole_grid = true;
+        const double change = (model->forward(x) - found).norm().item<double>();
+        EXPECT_TRUE(!holes || change > 0.02 * found.norm().item<double>());
     }
 }
 

@@ -113,6 +113,42 @@ TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
         {"strand_mlp", "163", std::to_string(inputs)});
 }
 
+// As the host gives it within what bfloat16 rounds; in either memory, several patches at once, other sizes in
+// turn.
+TEST(RootNetwork, OnTheDeviceIsThatOfTheHost) {
+#ifdef WETCURL_NETWORKS_ON_DEVICE
+    if (!torch::cuda::is_available()) GTEST_SKIP() << "SKIP: no CUDA device";
+    for (const char* architecture : {"unet_vgg19", "recursive_residual"}) {
+        ModelCard card;
+        card.codec = "root", card.architecture = architecture, card.width = 0.25;
+        card.input_channels = card.output_channels = 3, card.upscale = 2;
+        torch::manual_seed(4);
+        const auto model = make_model(card), other = make_model(card);
+        const torch::NoGradGuard no_grad;
+        const auto from = model->parameters(), to = other->parameters();
+        for (size_t k = 0; k < from.size(); ++k)
+            from[k].add_(0.01 * torch::randn_like(from[k])), to[k].copy_(from[k]);
+        const auto host = network_of(card, model, "cpu", 1), device = network_of(card, other, "cuda", 1);
+        for (const std::array<long, 4> shape :
+             {std::array<long, 4>{1, 3, 64, 64}, {1, 3, 64, 64}, {1, 3, 64, 64}, {4, 3, 40, 32}}) {
+            const Tensor in = torch::rand({shape[0], 3, shape[2], shape[3]}), base = up(in),
+                         expected = torch::empty_like(base), found = torch::empty_like(base);
+            host->run(in.data_ptr<float>(), shape, expected.data_ptr<float>());
+            device->run(in.data_ptr<float>(), shape, found.data_ptr<float>());
+            const double size = (expected - base).norm().item<double>();
+            ASSERT_GT(size, 0.1) << architecture;
+            EXPECT_LT((found - expected).norm().item<double>(), 0.03 * size) << architecture;
+            const Tensor there = in.cuda(), answer = torch::empty_like(base, torch::kCUDA);
+            torch::cuda::synchronize();
+            device->run(there.data_ptr<float>(), shape, answer.data_ptr<float>(), true);
+            EXPECT_TRUE(torch::equal(answer.cpu(), found)) << architecture;
+        }
+    }
+#else
+    GTEST_SKIP() << "SKIP: built without CUDA, or LibTorch is";
+#endif
+}
+
 TEST(LearnedStrands, OnTheDeviceAreThoseOfTheHost) {
 #ifdef WETCURL_NETWORKS_ON_DEVICE
     if (!torch::cuda::is_available()) GTEST_SKIP() << "SKIP: no CUDA device";

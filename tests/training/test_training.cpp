@@ -106,6 +106,34 @@ TEST(StrandLoss, IsTheDistanceOfDecodedStrands) {
     EXPECT_NEAR(loss->distance(c.output, c.batch).item<double>(), position * c.length, 1e-5 * position);
 }
 
+// Six strands: three and the same a frame later.
+TEST(StrandLoss, OfSteadinessIsTheErrorOfWhatMovesBetweenTwoFrames) {
+    const StrandCase now, later;
+    StrandCase both = now;
+    both.batch.in_pairs = true;
+    torch::manual_seed(2);
+    const Tensor offset = 0.02 * torch::randn_like(now.output);
+    both.batch.base = torch::cat({now.batch.base, later.batch.base});
+    both.batch.target = torch::cat({now.batch.target, now.batch.target + offset});
+    const std::vector<std::string> set = {"loss.position=0", "loss.edge=0", "loss.steady=1", "batch=2"};
+    const auto steady =
+        make_loss(Codec::strand, recipe_of(Codec::strand, set), now.particles, now.length, torch::kCPU);
+    // An error that stays is steady.
+    EXPECT_LT(steady->of(torch::cat({now.output, now.output + offset}), both.batch).item<double>(), 1e-6);
+    // One that comes is its mean distance.
+    StrandCase comes = now;
+    comes.batch.target = now.batch.target + offset, comes.output = now.output;
+    StrandCase error;
+    error.output = comes.output - comes.batch.target, error.batch.target = now.output - now.batch.target;
+    error.batch.base.zero_();
+    const double expected = error.loss("position");
+    ASSERT_GT(expected, 1e-3);
+    EXPECT_NEAR(steady->of(torch::cat({now.output, now.output}), both.batch).item<double>(), expected,
+                1e-5 * expected);
+    // Frames that do not come in pairs have none.
+    EXPECT_EQ(steady->of(now.output, now.batch).item<double>(), 0);
+}
+
 TEST(StrandLoss, HasTheGradientThatDifferencesGive) {
     StrandCase c;
     auto loss = make_loss(Codec::strand, recipe_of(Codec::strand, {"loss.curvature=0.5", "loss.length=0.5"}),
@@ -293,6 +321,46 @@ TEST(StrandData, LaysWholeFramesOutForANetworkThatSeesNeighbours) {
     EXPECT_NEAR(zero, loss->of(torch::zeros_like(flat.target), flat).item<double>(), 1e-6 * zero);
     answer.select(2, 0).select(2, 0).fill_(1e3);
     EXPECT_EQ(loss->of(answer, whole).item<double>(), zero);
+}
+
+TEST(StrandData, GivesFramesInPairsWhereSteadinessIsLearned) {
+    Scratch scratch;
+    const std::string file = testing::make_strand_pairs(scratch.path("p.h5"), 6, 7);
+    OpenPairs single(file, {"validation=0"}), pairs(file, {"validation=0", "loss.steady=1", "batch=4"});
+    EXPECT_EQ(pairs.data->steps(), 2);  // three pairs of seven frames, two a step
+    std::vector<Batch> frames;
+    single.data->begin_epoch(0);
+    for (long k = 0; k < single.data->steps(); ++k) frames.push_back(single.data->batch(k));
+    auto follows = [&](const Tensor& a, const Tensor& b) {  // frames 0, 1, ... of the file
+        const PairsReader reader(file);
+        const size_t size = size_t(testing::made_dynamic) * 36;
+        std::vector<float> input(size), target(size_t(strand_coefficients) * 36);
+        long at[2] = {-1, -1};
+        for (int f = 0; f < 7; ++f) {
+            reader.frame(0, f, input.data(), target.data());
+            const Tensor first = torch::from_blob(target.data(), {strand_coefficients, 36}).narrow(1, 1, 35);
+            if (torch::equal(first.t(), a.flatten(1))) at[0] = f;
+            if (torch::equal(first.t(), b.flatten(1))) at[1] = f;
+        }
+        return at[0] >= 0 && at[0] % 2 == 0 && at[1] == at[0] + 1;
+    };
+    pairs.data->begin_epoch(0);
+    for (long k = 0; k < 2; ++k) {
+        const Batch batch = pairs.data->batch(k);
+        ASSERT_TRUE(batch.in_pairs);
+        const long count = batch.target.size(0) / 2;
+        ASSERT_EQ(count, k == 0 ? 70 : 35);
+        for (long from = 0; from < count; from += 35)
+            EXPECT_TRUE(follows(batch.target.narrow(0, from, 35), batch.target.narrow(0, count + from, 35)));
+    }
+    EXPECT_FALSE(single.data->batch(0).in_pairs);
+    expect_error(
+        [&] {
+            OpenPairs apart(
+                testing::make_strand_pairs(scratch.path("apart.h5"), 6, 4, 0.02f, 11, false, {0, 2, 4, 6}),
+                {"loss.steady=1", "batch=2"});
+        },
+        {"loss.steady", "in a row"});
 }
 
 TEST(StrandData, InputsThatAreLeftOutAreMute) {
