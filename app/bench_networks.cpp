@@ -51,12 +51,17 @@ std::vector<Entry> network_entries(const std::string& device, int threads) {
                 entry(fmt::format("network {}, {} of {} x {}", architecture,
                                   patches == 1 ? "patch" : fmt::format("{} patches", patches), side, side),
                       patches, inference));
-        const std::string training = fmt::format("network {}, training step, batch {}", architecture, batch);
-        out.push_back(entry(training, batch, [=](const std::array<long, 4>& shape) {
-            return network_module().measured_training(card, shape, device, threads);
-        }));
-        if (device == "cpu")
-            out.back() = {{training}, "network", nullptr, "training steps are measured on a CUDA device"};
+        for (const bool deterministic : {true, false}) {
+            const std::string training = fmt::format("network {}, training step of {}{}", architecture, batch,
+                                                     deterministic ? "" : ", fastest");
+            if (device == "cpu")
+                out.push_back(
+                    {{training}, "network", nullptr, "training steps are measured on a CUDA device"});
+            else
+                out.push_back(entry(training, batch, [=](const std::array<long, 4>& shape) {
+                    return network_module().measured_training(card, shape, device, threads, deterministic);
+                }));
+        }
     }
     return out;
 }

@@ -1,6 +1,10 @@
-// `wetcurl plot`: the energy of runs over time, side by side on the same axes. The paper, Sec. VI.I.
+// `wetcurl plot`: the energy of runs over time (the paper, Sec. VI.I), or the loss of trainings, side by side
+// on the same axes.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "app/chart.h"
 #include "app/commands.h"
@@ -57,6 +61,42 @@ Chart energy_of(const RunReader& run) {
     return chart;
 }
 
+bool is_log(const std::string& path) { return path.ends_with(".jsonl"); }
+
+// The lines of MODEL.h5.jsonl, one an epoch. What is held out is not looked at in each: the curve keeps what
+// was seen last.
+Chart losses_of(const std::string& path) {
+    Chart chart;
+    chart.title = std::filesystem::path(path).stem().string();
+    chart.x_label = "epoch", chart.y_label = "loss";
+    const std::pair<const char*, Curve> kinds[] = {
+        {"loss", {"training", {0.00f, 0.45f, 0.70f}, {}, 2}},
+        {"validation_loss", {"held out", {0.84f, 0.37f, 0.00f}, {}, 3}},
+        {"base_loss", {"no network", {0.55f, 0.55f, 0.55f}, {}, 2}}};
+    for (const auto& kind : kinds) chart.curves.push_back(kind.second);
+    std::ifstream file(path);
+    std::string line;
+    long number = 0;
+    for (; std::getline(file, line); ++number) {
+        const Json values = Json::parse(line, nullptr, /*allow_exceptions=*/false);
+        if (!values.is_object() || !values.contains("loss") || !values["loss"].is_number())
+            throw Error(path + ":" + std::to_string(number + 1) +
+                        ": found no line of a training's log, allowed is what train leaves beside its model");
+        for (size_t k = 0; k < chart.curves.size(); ++k) {
+            auto& curve = chart.curves[k].values;
+            if (const auto found = values.find(kinds[k].first); found != values.end() && found->is_number())
+                curve.resize(size_t(number), curve.empty() ? double(*found) : curve.back()),
+                    curve.push_back(double(*found));
+        }
+    }
+    if (number < 2)
+        throw Error(path + ": found " + std::to_string(number) + " epochs, plot draws two or more");
+    for (auto& curve : chart.curves)
+        if (!curve.values.empty()) curve.values.resize(size_t(number), curve.values.back());
+    std::erase_if(chart.curves, [](const Curve& c) { return c.values.empty(); });
+    return chart;
+}
+
 }  // namespace
 
 int plot_command(const PlotOptions& o) {
@@ -70,7 +110,12 @@ int plot_command(const PlotOptions& o) {
     refuse_device(o, "plot");
     check_files(o, o.output, o.runs);
     std::vector<Chart> charts;
-    for (const auto& path : o.runs) charts.push_back(energy_of(RunReader(path)));
+    for (const auto& path : o.runs) {
+        if (is_log(path) != is_log(o.runs[0]))
+            throw Misuse("plot: " + path + " beside " + o.runs[0] +
+                         "; allowed are runs or logs of trainings (.jsonl), not both on the same axes");
+        charts.push_back(is_log(path) ? losses_of(path) : energy_of(RunReader(path)));
+    }
     write_png(o.output, draw_charts(charts, o.width, o.height));
     log_info("wrote " + o.output);
     return 0;

@@ -9,6 +9,7 @@
 #include "base/device_buffer.h"
 #include "learn/captured.h"
 #include "learn/inference.h"
+#include "models/registry.h"
 
 namespace wetcurl {
 namespace {
@@ -20,6 +21,7 @@ class OnDevice final : public Network {
           stream_(c10::cuda::getStreamFromPool(/*isHighPriority=*/true, device.index())),
           card_(card),
           model_(std::move(model)) {
+        choose(Convolutions::fastest);
         model_->to(device_);
         model_->body = half ? torch::kBFloat16 : torch::kFloat;
         model_->freeze();

@@ -10,7 +10,8 @@
 
 namespace wetcurl {
 
-// One CUDA graph a shape of input, captured at its second run in a row. `half`: the body in bfloat16.
+// One CUDA graph a shape of input, captured at its second run in a row; the kernels of its convolutions are
+// chosen by their time. `half`: the body in bfloat16.
 std::unique_ptr<Network> device_network(const ModelCard& card, std::shared_ptr<Model> model,
                                         torch::Device device, bool half);
 

@@ -77,7 +77,7 @@ class OnDevice final : public LearnedStrands {
         const c10::cuda::CUDAGuard guard(device_);
         const c10::cuda::CUDAStreamGuard on_stream(stream_);
         const c10::InferenceMode inference;
-        kernels_->head() = HeadState(heads, first_);
+        kernels_->begin_frame(heads, first_);
         if (host_low_) {
             require_finite(host_low_, own_low_.size(), kernels_->particles());
             check_cuda(cudaMemcpyAsync(own_low_.data(), host_low_, own_low_.bytes(), cudaMemcpyHostToDevice,

@@ -59,9 +59,9 @@ struct NetworkModule {
     // For `bench`; codec root. `shape` of the input; in the memory of the device.
     virtual MeasuredNetwork measured_inference(const ModelCard& card, std::array<long, 4> shape,
                                                const std::string& device, int threads) = 0;
-    // Gradients and a step of the optimiser, the body in bfloat16.
+    // Gradients and a step of the optimiser, the body in bfloat16. `deterministic` as in a recipe.
     virtual MeasuredNetwork measured_training(const ModelCard& card, std::array<long, 4> shape,
-                                              const std::string& device, int threads) = 0;
+                                              const std::string& device, int threads, bool deterministic) = 0;
 };
 
 // Opens libwetcurl_networks on first use: beside the program or the library that holds this code, else

@@ -108,23 +108,20 @@ __global__ void describe_kernel(const HeadState* head, int pixels, const int* st
     };
     put(g.x), put(g.y), put(g.z);
     for (float m : moves) put(m);
-    auto then = [&](int lag, int m) -> float& {
-        return past[(size_t(lag) * history_numbers + m) * pixels + s];
+    // A ring of the last frames: `slot` holds this one.
+    auto then = [&](int slot, int m) -> float& {
+        return past[(size_t(slot) * history_numbers + m) * pixels + s];
     };
     for (int m = 0; m < history_numbers; ++m) {
         const float now = m < modes
                               ? dynamic[size_t(m / history_modes * dct_kept + m % history_modes) * pixels + s]
                               : moves[m - modes];
-        float earlier[slots];
-        for (int lag = slots - 1; lag > 0; --lag) {
-            earlier[lag] = head->first ? now : then(lag - 1, m);
-            then(lag, m) = earlier[lag];
-        }
-        then(0, m) = now;
+        for (int k = 0; head->first && k < slots; ++k) then(k, m) = now;
+        then(head->slot, m) = now;
         constexpr int lags[] = {history_lags[0], history_lags[1], history_lags[2], history_lags[3]};
         static_assert(sizeof lags / sizeof lags[0] == history_lags.size());
         for (int l = 0; l < int(sizeof lags / sizeof lags[0]); ++l) {
-            const float before = earlier[lags[l]];
+            const float before = then((head->slot + slots - lags[l]) % slots, m);
             const int channel = strand_coefficients + motion_channels + l * history_numbers + m;
             dynamic[size_t(channel) * pixels + s] = m < modes ? now - before : before;
         }
@@ -183,6 +180,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
       pixels_(int(codec.pixels())),
       width_(codec.stencil().width) {
     const size_t n = size_t(n_), S = size_t(pixels_), width = size_t(width_);
+    head() = {};
     std::vector<Vec3f> low_rest(low.rest.points);
     for (int s = 0; s < low_; ++s)
         for (int i = n_ - 1; i >= 0; --i) low_rest[size_t(s) * n + i] = low.rest.at(s, i) - low.rest.at(s, 0);
@@ -261,6 +259,12 @@ void StrandKernels::keep_outside(const HeadShapes& head) {
             if (strand[size_t(s)] >= 0)
                 depth[size_t(i) * pixels_ + s] = head.depth[size_t(strand[size_t(s)]) * n_ + i];
     depth_ = DeviceBuffer<float>(depth);
+}
+
+void StrandKernels::begin_frame(const HeadWindow& heads, bool first) {
+    const int slot = (head().slot + 1) % slots;
+    head() = HeadState(heads, first);
+    head().slot = slot;
 }
 
 void StrandKernels::take_head(cudaStream_t stream) const {

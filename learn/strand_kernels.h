@@ -20,6 +20,7 @@ struct HeadState {
     Vec3f gravity, turning;  // [m/s^2], [rad/s]
     Vec3f pull, pull_x[3];   // acceleration of the point x: pull + sum_a pull_x[a] x_a [m/s^2]
     int first;               // whether there is no frame before
+    int slot = 0;            // of the past, which is a ring, the frame's
     HeadState() = default;
     HeadState(const HeadWindow& heads, bool first);
 };
@@ -45,7 +46,8 @@ class StrandKernels {
     float* base() const { return base_.data(); }
     // (235, S): the network's input, its static channels filled.
     float* image() const { return image_.data(); }
-    // Of the frame; the host writes it before each.
+    // Before each frame.
+    void begin_frame(const HeadWindow& heads, bool first);
     HeadState& head() const { return head_host_[0]; }
 
     // Strands are moved out of these from now on.
@@ -74,7 +76,7 @@ class StrandKernels {
     std::vector<DeviceBuffer<float>> grids_;  // of level sets
     DeviceBuffer<ShapeView> shapes_;          // attached to the head
     DeviceBuffer<float> depth_;               // (n, S)
-    DeviceBuffer<float> past_;                // (9, 18, S): by lag
+    DeviceBuffer<float> past_;                // (9, 18, S)
     DeviceBuffer<float> cores_, amplitudes_, offsets_, departed_, moved_, base_, image_;
 };
 

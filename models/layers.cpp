@@ -77,6 +77,14 @@ Tensor run_layer(nn::Conv2d& layer, const Tensor& x) {
                          layer->weight.size(2) / 2);
 }
 
+Tensor run_relu(nn::Conv2d& layer, const Tensor& x) {
+    if (!x.is_cuda() || torch::GradMode::is_enabled()) return run_layer(layer, x).relu_();
+    const long side = layer->weight.size(2) / 2;
+    return at::cudnn_convolution_relu(x, layer->weight.to(x.scalar_type()), layer->bias.to(x.scalar_type()),
+                                      /*stride=*/{1, 1}, /*padding=*/{side, side}, /*dilation=*/{1, 1},
+                                      /*groups=*/1);
+}
+
 Tensor run_layer(nn::Linear& layer, const Tensor& rows) {
     count(double(rows.size(0)), layer->weight);
     return linear_rows(rows, layer->weight.to(rows.scalar_type()), layer->bias.to(rows.scalar_type()));

@@ -32,22 +32,29 @@ __global__ void mix_kernel(GridOfRows grid, const __nv_bfloat162* __restrict__ x
     if (pair >= half || y >= grid.height) return;
     float2 sum[strip] = {};
     __nv_bfloat162 here[strip] = {};
+    const __nv_bfloat162 none = __floats2bfloat162_rn(0, 0);
 #pragma unroll
     for (int dy = -reach; dy <= reach; ++dy) {
-        if (y + dy < 0 || y + dy >= grid.height) continue;
-        const size_t line = (size_t(image) * grid.height + y + dy) * grid.width;
+        // Beyond the border the nearest pixel is read and then left out: loads without branches go out
+        // together.
+        const bool row = y + dy >= 0 && y + dy < grid.height;
+        const size_t line = (size_t(image) * grid.height + (row ? y + dy : y)) * grid.width;
+        __nv_bfloat162 read[strip + 2 * reach];
+        float share[strip + 2 * reach];
+#pragma unroll
+        for (int k = 0; k < strip + 2 * reach; ++k) {
+            const int column = min(max(left + k - reach, 0), grid.width - 1);
+            read[k] = x[(line + column) * half + pair];
+            if (masked) share[k] = __bfloat162float(mask[line + column]);
+        }
         float2 seen[strip + 2 * reach];
 #pragma unroll
         for (int k = 0; k < strip + 2 * reach; ++k) {
             const int column = left + k - reach;
-            if (column < 0 || column >= grid.width) {
-                seen[k] = {0, 0};
-                continue;
-            }
-            const __nv_bfloat162 v = x[(line + column) * half + pair];
-            if (dy == 0 && k >= reach && k < strip + reach) here[k - reach] = v;
-            const float share = masked ? __bfloat162float(mask[line + column]) : 1;
-            seen[k] = {share * __low2float(v), share * __high2float(v)};
+            if (dy == 0 && k >= reach && k < strip + reach) here[k - reach] = read[k];
+            const __nv_bfloat162 v = row && column >= 0 && column < grid.width ? read[k] : none;
+            seen[k] = __bfloat1622float2(v);
+            if (masked) seen[k].x *= share[k], seen[k].y *= share[k];
         }
 #pragma unroll
         for (int dx = 0; dx < kernel; ++dx) {

@@ -27,10 +27,9 @@ RecursiveResidual::RecursiveResidual(double width) {
 Tensor RecursiveResidual::forward(const Tensor& input) {
     Tensor x = run_layer(head_, input.to(body, /*non_blocking=*/false, /*copy=*/false,
                                          torch::MemoryFormat::ChannelsLast));  // (B, C, h, w)
-    for (size_t i = 0; i < blocks_.size(); i += 2)
-        x = x + run_layer(blocks_[i + 1], run_layer(blocks_[i], x).relu_());
+    for (size_t i = 0; i < blocks_.size(); i += 2) x = x + run_layer(blocks_[i + 1], run_relu(blocks_[i], x));
     x = up(x);  // (B, C, 2h, 2w)
-    for (size_t i = 0; i + 1 < tail_.size(); ++i) x = run_layer(tail_[i], x).relu_();
+    for (size_t i = 0; i + 1 < tail_.size(); ++i) x = run_relu(tail_[i], x);
     return up(input) + run_layer(tail_.back(), x.to(torch::kFloat));
 }
 

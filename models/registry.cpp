@@ -2,6 +2,7 @@
 // Ours.
 #include "models/registry.h"
 
+#include <ATen/Context.h>
 #include <torch/cuda.h>
 #include <torch/utils.h>
 
@@ -112,6 +113,11 @@ torch::Device device_named(const std::string& name) {
         throw Error("device " + name + ": this machine and this LibTorch have " + std::to_string(count) +
                     " CUDA devices; --device cpu works everywhere");
     return torch::Device(torch::kCUDA, c10::DeviceIndex(index));
+}
+
+void choose(Convolutions how) {
+    at::globalContext().setDeterministicCuDNN(how == Convolutions::repeatable);
+    at::globalContext().setBenchmarkCuDNN(how == Convolutions::fastest);
 }
 
 void set_threads(int threads) {

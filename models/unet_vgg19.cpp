@@ -56,7 +56,7 @@ UnetVgg19::UnetVgg19(double width) {
 }
 
 Tensor UnetVgg19::run(Level& level, Tensor x) {
-    for (auto& layer : level.convolutions) x = run_layer(layer, x).relu_();
+    for (auto& layer : level.convolutions) x = run_relu(layer, x);
     if (watch) watch(level.name, x);
     return x;
 }

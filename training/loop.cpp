@@ -126,8 +126,7 @@ class Trainer {
 
     void make_network() {
         const bool half = recipe_.precision == "bfloat16";
-        at::globalContext().setDeterministicCuDNN(true);
-        at::globalContext().setBenchmarkCuDNN(false);
+        choose(recipe_.deterministic ? Convolutions::repeatable : Convolutions::fastest);
         at::globalContext().setAllowTF32CuDNN(half);  // "float" means single precision throughout
         card_.codec = architecture_.codec;
         card_.architecture = architecture_.name;

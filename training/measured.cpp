@@ -34,8 +34,9 @@ MeasuredNetwork measured_inference(const ModelCard& card, std::array<long, 4> sh
 }
 
 MeasuredNetwork measured_training(const ModelCard& card, std::array<long, 4> shape, const std::string& device,
-                                  int threads) {
+                                  int threads, bool deterministic) {
     set_threads(threads);
+    choose(deterministic ? Convolutions::repeatable : Convolutions::fastest);
     const torch::Device on = device_named(device);
     const auto [b, c, h, w] = shape;
     TrainRequest request;

@@ -10,6 +10,6 @@ namespace wetcurl {
 MeasuredNetwork measured_inference(const ModelCard& card, std::array<long, 4> shape,
                                    const std::string& device, int threads);
 MeasuredNetwork measured_training(const ModelCard& card, std::array<long, 4> shape, const std::string& device,
-                                  int threads);
+                                  int threads, bool deterministic);
 
 }  // namespace wetcurl

@@ -37,8 +37,8 @@ struct TorchModule : NetworkModule {
         return wetcurl::measured_inference(card, shape, device, threads);
     }
     MeasuredNetwork measured_training(const ModelCard& card, std::array<long, 4> shape,
-                                      const std::string& device, int threads) override {
-        return wetcurl::measured_training(card, shape, device, threads);
+                                      const std::string& device, int threads, bool deterministic) override {
+        return wetcurl::measured_training(card, shape, device, threads, deterministic);
     }
 };
 

@@ -55,7 +55,8 @@ std::string as_text(double value) {
 
 std::string resolved_text(const Recipe& recipe, Codec codec) {
     std::string out = "architecture = \"" + recipe.architecture + "\"\nschedule = \"" + recipe.schedule +
-                      "\"\nprecision = \"" + recipe.precision + "\"\n";
+                      "\"\nprecision = \"" + recipe.precision +
+                      "\"\ndeterministic = " + (recipe.deterministic ? "true" : "false") + "\n";
     if (codec == Codec::strand)
         out += "target = \"" + recipe.target + "\"\nleave_out = \"" + recipe.leave_out + "\"\n";
     for (const auto& row : recipe_rows())
@@ -121,6 +122,7 @@ Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<s
         root.choice("schedule", codec == Codec::strand ? "cosine" : "constant", {"constant", "cosine"});
     recipe.precision = root.choice("precision", "float", {"float", "bfloat16"});
     recipe.device = root.text("device", "cpu");
+    recipe.deterministic = root.boolean("deterministic", true);
     if (codec == Codec::strand) {
         recipe.target = root.choice("target", "strands", {"strands", "displayed"});
         recipe.leave_out = root.text("leave_out", "");

@@ -15,6 +15,7 @@ struct Recipe {
     double validation, validate_every, checkpoint_seconds;
     double position, edge, curvature, length, steady;  // weights of the losses
     std::string architecture, schedule, device, precision;
+    bool deterministic;     // on CUDA devices
     std::string target;     // codec strand: "strands", which Eq 10 follows, or "displayed", after it
     std::string leave_out;  // codec strand: names of inputs (learn/strand_codec.h), blanks between
     std::string

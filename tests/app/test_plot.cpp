@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "app/chart.h"
 #include "app/commands.h"
 #include "base/error.h"
 #include "base/run_cache.h"
+#include "tests/base/scratch.h"
 
 namespace wetcurl {
 namespace {
@@ -56,6 +58,12 @@ TEST(Plot, refuses_what_has_no_energy_and_what_is_no_png) {
     options.runs = {run}, options.output = (folder / "energy.png").string();
     EXPECT_THROW(plot_command(options), Error);
     options.output = (folder / "energy.pdf").string();
+    EXPECT_THROW(plot_command(options), Misuse);
+    std::ofstream(folder / "log.jsonl") << "{\"epoch\":1,\"loss\":2}\n{\"epoch\":2}\n";
+    options.output = (folder / "loss.png").string(), options.runs = {(folder / "log.jsonl").string()};
+    testing::expect_error([&] { plot_command(options); }, {"log.jsonl:2", "log"});
+    options.runs.push_back(run);
+    std::ofstream(folder / "log.jsonl") << "{\"epoch\":1,\"loss\":2}\n{\"epoch\":2,\"loss\":1}\n";
     EXPECT_THROW(plot_command(options), Misuse);
     std::filesystem::remove_all(folder);
 }

@@ -76,7 +76,7 @@ TEST(StrandKernels, give_the_features_and_strands_of_the_host) {
         codec.decode(answer.data(), heads.now, decoded);
 
         low_there.upload(dry.points.data(), dry.points.size());
-        kernels.head() = HeadState(heads, f == 0);
+        kernels.begin_frame(heads, f == 0);
         kernels.take_head(nullptr);
         kernels.depart(low_there.data(), nullptr);
         upload(kernels.moved(), product(F, downloaded(kernels.departed(), 3 * n * l), n, n, l));
