@@ -2,6 +2,7 @@
 // Ours.
 #include "models/layers.h"
 
+#include <torch/csrc/autograd/custom_function.h>
 #include <torch/nn/functional/padding.h>
 
 #include <algorithm>
@@ -77,12 +78,39 @@ Tensor run_layer(nn::Conv2d& layer, const Tensor& x) {
                          layer->weight.size(2) / 2);
 }
 
+// cuDNN's convolution with bias and relu, whose gradient LibTorch does not know.
+struct ConvolutionRelu : torch::autograd::Function<ConvolutionRelu> {
+    static std::vector<int64_t> padding(const Tensor& weight) {
+        return {weight.size(2) / 2, weight.size(3) / 2};
+    }
+    static Tensor run(const Tensor& x, const Tensor& weight, const Tensor& bias) {
+        return at::cudnn_convolution_relu(x, weight, bias, /*stride=*/{1, 1}, padding(weight),
+                                          /*dilation=*/{1, 1}, /*groups=*/1);
+    }
+    static Tensor forward(torch::autograd::AutogradContext* context, const Tensor& x, const Tensor& weight,
+                          const Tensor& bias) {
+        const Tensor y = run(x, weight, bias);
+        context->save_for_backward({x, weight, y});
+        return y;
+    }
+    static torch::autograd::variable_list backward(torch::autograd::AutogradContext* context,
+                                                   torch::autograd::variable_list gradients) {
+        const auto saved = context->get_saved_variables();
+        const Tensor &x = saved[0], &weight = saved[1], &y = saved[2];
+        const Tensor passed = at::threshold_backward(gradients[0], y, 0);
+        const auto [of_x, of_weight, of_bias] = at::convolution_backward(
+            passed, x, weight, at::IntArrayRef({weight.size(0)}), /*stride=*/{1, 1}, padding(weight),
+            /*dilation=*/{1, 1}, /*transposed=*/false, /*output_padding=*/{0, 0}, /*groups=*/1,
+            {context->needs_input_grad(0), true, true});
+        return {of_x, of_weight, of_bias};
+    }
+};
+
 Tensor run_relu(nn::Conv2d& layer, const Tensor& x) {
-    if (!x.is_cuda() || torch::GradMode::is_enabled()) return run_layer(layer, x).relu_();
-    const long side = layer->weight.size(2) / 2;
-    return at::cudnn_convolution_relu(x, layer->weight.to(x.scalar_type()), layer->bias.to(x.scalar_type()),
-                                      /*stride=*/{1, 1}, /*padding=*/{side, side}, /*dilation=*/{1, 1},
-                                      /*groups=*/1);
+    if (!x.is_cuda()) return run_layer(layer, x).relu_();
+    const Tensor weight = layer->weight.to(x.scalar_type()), bias = layer->bias.to(x.scalar_type());
+    if (!torch::GradMode::is_enabled()) return ConvolutionRelu::run(x, weight, bias);
+    return ConvolutionRelu::apply(x, weight, bias);
 }
 
 Tensor run_layer(nn::Linear& layer, const Tensor& rows) {

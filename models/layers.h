@@ -41,7 +41,7 @@ void set_zero(torch::nn::Module& layer);
 
 // The layer on x, its weights cast to x's type.
 Tensor run_layer(torch::nn::Conv2d& layer, const Tensor& x);
-// relu of it, in one kernel where a GPU needs no gradient.
+// relu of it, on a GPU in one kernel.
 Tensor run_relu(torch::nn::Conv2d& layer, const Tensor& x);
 // (P, C) rows to (P, out): what a 1x1 convolution does to P pixels.
 Tensor run_layer(torch::nn::Linear& layer, const Tensor& rows);

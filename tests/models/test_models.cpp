@@ -341,6 +341,27 @@ TEST(EveryNetwork, GradientReachesEveryWeight) {
     }
 }
 
+// Layers in one kernel on the device have gradients of their own.
+TEST(EveryNetwork, OnADeviceHasTheGradientsOfTheHost) {
+    if (!torch::cuda::is_available()) GTEST_SKIP() << "SKIP: no CUDA device";
+    for (const auto& a : architectures()) {
+        const ModelCard card = card_of(a, 0.125);
+        auto host = stirred(card), device = stirred(card);
+        device->to(torch::kCUDA);
+        const Tensor x = input_of(card);
+        auto differentiate = [](Model& model, const Tensor& in) {
+            const Tensor out = model.forward(in);
+            torch::manual_seed(5);
+            (out * torch::rand(out.sizes()).to(out.device())).sum().backward();
+            std::vector<Tensor> parts;
+            for (const auto& p : model.parameters()) parts.push_back(p.grad().flatten().cpu());
+            return torch::cat(parts);
+        };
+        const Tensor expected = differentiate(*host, x), found = differentiate(*device, x.cuda());
+        EXPECT_LT((found - expected).norm().item<double>(), 0.01 * expected.norm().item<double>()) << a.name;
+    }
+}
+
 TEST(Registry, NamesWhatIsAllowed) {
     EXPECT_EQ(architecture_for("", "strand", 1).name, "strand_mlp");
     EXPECT_EQ(architecture_for("", "root", 1).name, "unet_vgg19");

@@ -724,8 +724,9 @@ TEST(Training, ModelOfARunAnswersThroughTheInferenceInterface) {
         if (device == "cpu") {
             EXPECT_TRUE(torch::equal(y, expected));
         }
-        // Another device adds in another order.
-        EXPECT_LT((y - expected).abs().max().item<double>(), 1e-3 * moved) << device;
+        // The other device's body is in bfloat16.
+        const double allowed = device == "cpu" ? 1e-3 : 1e-2;
+        EXPECT_LT((y - expected).abs().max().item<double>(), allowed * moved) << device;
     }
 }
 
