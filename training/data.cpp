@@ -371,6 +371,8 @@ class RootData : public TrainingData {
   private:
     struct Run {
         Tensor input, target, mask;  // (F, 3, h, w), (F, 3, 2h, 2w), (1, 1, 2h, 2w)
+        // (F, 3, 2h, 2w): up() of the whole images; at its border a patch's own would be an extrapolation.
+        Tensor base = {};
     };
 
     void require_same_box(const PairsReader& file) const {
@@ -398,6 +400,7 @@ class RootData : public TrainingData {
         for (const auto& t : {out.input, out.target}) require_finite(t, where);
         if (out.mask.sum().item<float>() == 0) throw Error(where + "/mask: found no strand");
         for (Tensor* t : {&out.input, &out.target, &out.mask}) *t = t->to(device_);
+        out.base = up(out.input);
         smallest_ = std::min({smallest_, long(run.height), long(run.width)});
         runs_.push_back(out);
         frames_.push_back(run.frames);
@@ -414,10 +417,8 @@ class RootData : public TrainingData {
         auto cut = [&](const Tensor& t, long scale) {
             return t.narrow(2, scale * y, scale * height).narrow(3, scale * x, scale * width);
         };
-        const Tensor input = r.input.narrow(0, place.frame, 1);
-        // up() of the whole image: at its border a patch's own would be an extrapolation.
-        return {
-            cut(input, 1), cut(r.target.narrow(0, place.frame, 1), 2), cut(up(input), 2), cut(r.mask, 2), {}};
+        auto frame = [&](const Tensor& t) { return t.narrow(0, place.frame, 1); };
+        return {cut(frame(r.input), 1), cut(frame(r.target), 2), cut(frame(r.base), 2), cut(r.mask, 2), {}};
     }
 
     static Batch joined(const vector<Batch>& patches) {
