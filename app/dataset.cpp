@@ -119,7 +119,7 @@ class MemberRun {
             // Eq 10 moves what is seen alone: of the wet strands only frames that are kept.
             const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every < recipe_.together;
             if (f > 0) dry_->advance(), wet_->advance(kept || keeps_runs());
-            for (const auto* s : {dry_.get(), wet_.get()})
+            for (const auto* s : {dry_.get(), kept || keeps_runs() ? wet_.get() : dry_.get()})
                 if (const auto diverged = s->divergence())
                     throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", member_.name, f,
                                             diverged->strand));

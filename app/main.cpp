@@ -142,8 +142,9 @@ int main(int argc, char** argv) {
         "WETCURL_RENDEZVOUS_SECONDS (300) there. --threads counts for each.");
 
     InferOptions infer;
-    c = command("infer", "predict wet high-resolution hair from a dry low-resolution run", infer,
-                infer_command);
+    c = command("infer",
+                "predict wet high-resolution hair from a low-resolution run, dry or as the model learned",
+                infer, infer_command);
     c->add_option("input", infer.input, "DRY.h5, or a scene whose dry low-resolution run is made first")
         ->required();
     c->add_option("--model", infer.model, "trained model (HDF5), in place of the scene's [learned] model");

@@ -1,7 +1,6 @@
 // `wetcurl plot`: the energy of runs over time (the paper, Sec. VI.I), or the loss of trainings, side by side
 // on the same axes.
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>

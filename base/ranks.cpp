@@ -20,7 +20,7 @@ constexpr Launcher launchers[] = {
     by_hand,
     {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_LOCAL_RANK"},
     {"PMI_RANK", "PMI_SIZE", "MPI_LOCALRANKID"},
-    {"SLURM_PROCID", "SLURM_NTASKS", "SLURM_LOCALID"}};
+    {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS", "SLURM_LOCALID"}};
 constexpr long most_processes = 1 << 20;
 
 bool is_set(const char* variable) { return std::getenv(variable) != nullptr; }

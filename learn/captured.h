@@ -33,7 +33,10 @@ class Captured {
         try {
             launch();
         } catch (...) {
-            graph->capture_end();
+            try {
+                graph->capture_end();
+            } catch (const std::exception&) {  // what failed first is what is told
+            }
             throw;
         }
         graph->capture_end();

@@ -2,6 +2,7 @@
 // Ours.
 #include "learn/encode_runs.h"
 
+#include <numeric>
 #include <sstream>
 
 #include "base/interrupt.h"
@@ -62,8 +63,10 @@ StrandEncoder::StrandEncoder(const Groom& high, const Groom& low, const std::vec
     : codec_(high, low, saturation, shape) {}
 
 StrandPairs StrandEncoder::begin(int frames, bool displayed) const {
+    std::vector<int> all(static_cast<size_t>(frames));
+    std::iota(all.begin(), all.end(), 0);
     return {frames,         static_channels, dynamic_channels, codec_.height(), codec_.width(),
-            codec_.fixed(), codec_.mask(),   codec_.length(),  displayed,       {}};
+            codec_.fixed(), codec_.mask(),   codec_.length(),  displayed,       all};
 }
 
 void StrandEncoder::take_up(const Strands& low, const HeadWindow& heads) {

@@ -18,7 +18,8 @@ class Network {
     // network pads to its multiple of 32 and crops), codec strand the residual coefficients [m] over the
     // base, codec adhesion the scaled F.n. Per-strand and per-particle networks take any grid, (P, C, 1, 1)
     // for P masked pixels too; the latter costs no transposition. `on_device`: both lie in the memory of the
-    // CUDA device that the network runs on. Throws Error for a wrong C. Not for two threads at once.
+    // CUDA device that the network runs on, and what writes the input is through. Throws Error for a wrong C.
+    // Not for two threads at once.
     virtual void run(const float* input, std::array<long, 4> shape, float* output,
                      bool on_device = false) = 0;
 };

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
-#include <numeric>
 
 #include "learn/dct.h"
 
@@ -96,6 +95,12 @@ PairsReader::PairsReader(const std::string& path)
     if (runs_ == 0) throw Error(path + ": no encoded run in it, allowed one or more (runs/000)");
 }
 
+std::string PairsReader::low() const {
+    const std::string low = file_.has_attribute("low") ? file_.text("low") : "dry";
+    if (low != "dry" && low != "wet") throw Error(path() + ": low: found '" + low + "', allowed dry, wet");
+    return low;
+}
+
 void PairsReader::require(Codec wanted) const {
     if (codec_ != wanted)
         throw Error(path() + ": holds pairs of codec " + name_of(codec_) + ", needed is codec " +
@@ -140,11 +145,8 @@ StrandPairs PairsReader::strand(int run) const {
     out.length = file_.read<float>(group + "/length", {d[2], d[3]});
     if (file_.has(group + "/frame")) {
         out.frame = file_.read<int>(group + "/frame", {d[0]});
-        if (!std::is_sorted(out.frame.begin(), out.frame.end(), std::less_equal()))
+        if (std::adjacent_find(out.frame.begin(), out.frame.end(), std::greater_equal()) != out.frame.end())
             throw Error(path() + ": " + group + "/frame: allowed are rising numbers");
-    } else {
-        out.frame.resize(d[0]);
-        std::iota(out.frame.begin(), out.frame.end(), 0);
     }
     return out;
 }

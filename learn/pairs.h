@@ -11,8 +11,8 @@
 //   static (82, H, W) f32, dynamic (F, 153, H, W) f32: channels in learn/strand_codec.h; the first 72 of
 //   `dynamic` are the base; target (F, 72, H, W) f32: wet amplitudes before cohesion, less the base;
 //   displayed (F, 72, H, W) f32, where known: the same after cohesion; mask (H, W) u8: 1 where a strand is;
-//   length (H, W) f32 [m]; frame (F) i32: which of the run's frames these are, rising; without it all of
-//   them. Amplitudes: learn/dct.h.
+//   length (H, W) f32 [m]; frame (F) i32, where known: which of the run's frames these are, rising.
+//   Amplitudes: learn/dct.h.
 // codec root: b_min, b_max (3) f64 [m] at the top, shared by all runs; input (F, 3, h, w) f32 colours of the
 //   dry low-resolution roots, target (F, 3, 2h, 2w) f32 of the wet ones; h, w multiples of 32; mask_low (h,
 //   w) and mask (2h, 2w) u8. Colours outside the mask repeat the nearest strand's.
@@ -42,7 +42,7 @@ struct StrandPairs {
     std::vector<uint8_t> mask;  // (H, W)
     std::vector<float> length;  // (H, W) [m]
     bool displayed = false;     // whether frames have the strands after cohesion too
-    std::vector<int> frame;     // (frames) of the run, rising; given to a writer empty: all of them
+    std::vector<int> frame;     // (frames): which of the run's they are, rising; empty: not known
     size_t pixels() const { return size_t(height) * width; }
 };
 
@@ -95,7 +95,7 @@ class PairsReader {
     int runs() const { return runs_; }
     const std::string& path() const { return file_.path(); }
     // What the low-resolution runs are: dry | wet.
-    std::string low() const { return file_.has_attribute("low") ? file_.text("low") : "dry"; }
+    std::string low() const;
 
     // 0 ≤ run < runs(), 0 ≤ frame < frames. Shapes are checked against each other; Error names what differs.
     StrandPairs strand(int run) const;

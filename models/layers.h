@@ -27,7 +27,7 @@ struct Model : torch::nn::Module {
     bool whole_grid = false;
 };
 
-// Multiplications and additions of the layers in a run on `input`.
+// Multiplications and additions of the layers in a run on `input`, on the CPU; depthwise ones apart.
 double operations_of(Model& model, const Tensor& input);
 
 // `channels` at width 1, multiplied and rounded up to a multiple of 8.
@@ -41,7 +41,7 @@ void set_zero(torch::nn::Module& layer);
 
 // The layer on x, its weights cast to x's type.
 Tensor run_layer(torch::nn::Conv2d& layer, const Tensor& x);
-// relu of it, on a GPU in one kernel.
+// relu of it, on a GPU in one kernel where Convolutions::fastest allows it (models/registry.h).
 Tensor run_relu(torch::nn::Conv2d& layer, const Tensor& x);
 // (P, C) rows to (P, out): what a 1x1 convolution does to P pixels.
 Tensor run_layer(torch::nn::Linear& layer, const Tensor& rows);

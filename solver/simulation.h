@@ -28,8 +28,8 @@ struct SimulationState {
 class Simulation {
   public:
     virtual ~Simulation() = default;
-    // One frame: the substeps, then the displayed positions; these and `divergence` stay as they were where a
-    // frame is not `shown` and nothing in the scene reads them.
+    // One frame: the substeps, then the displayed positions. Where a frame is not `shown`, and nothing in the
+    // scene reads them, these stay as they were, and a snapshot or `divergence` may be of the last one shown.
     virtual void advance(bool shown = true) = 0;
     // The state as it is; `frame` is filled whole.
     void snapshot(RunFrame& frame) { begin_snapshot(frame), finish_snapshot(frame); }

@@ -150,14 +150,16 @@ class StrandData : public TrainingData {
         for (size_t k = 0; k + 1 < train_.size(); ++k) {
             const Place &now = train_[k], &next = train_[k + 1];
             const vector<int>& times = runs_[now.run].times;
-            if (now.run != next.run || times[size_t(next.frame)] != times[size_t(now.frame)] + 1) continue;
+            if (now.run != next.run || times.empty() ||
+                times[size_t(next.frame)] != times[size_t(now.frame)] + 1)
+                continue;
             starts.push_back(now);
             ++k;
         }
         if (starts.empty())
             throw Error(
-                "pairs: found no two frames in a row, which loss.steady needs (together = 2 in the "
-                "data set's recipe)");
+                "pairs: found no two frames that are known to be in a row, which loss.steady needs (together "
+                "= 2 in the data set's recipe)");
         return starts;
     }
 

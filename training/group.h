@@ -28,7 +28,8 @@ class Group {
     Group& operator=(const Group&) = delete;
 
     // Over all processes, in place, to the same bits in each; on a GPU in order with what was enqueued there.
-    // Throws Error where one of them is gone.
+    // Throws Error where one of them is gone: at once through Gloo; NCCL notices after minutes and ends the
+    // process.
     void sum(const Tensor& values) const;
     // Until all are here.
     void wait() const;

@@ -54,7 +54,7 @@ class Trainer {
         open_inputs();
         make_network();
         if (!resume()) start_anew();
-        // What can fail in one process alone has been done: the others would wait for it.
+        // What is likely to fail in one process alone has been done: the others would wait for it.
         group_ = std::make_unique<Group>(ranks_, device_, work());
         if (ranks_.first())
             log_ = std::make_unique<MetricsLog>(request_.output + ".jsonl", state_.log_position);
@@ -167,9 +167,9 @@ class Trainer {
         if (state_.inputs != inputs_)
             throw Error(checkpoint_path() + ": was made from other pairs: found " + state_.inputs + ", now " +
                         inputs_);
-        optimiser_->weights.copy_(state_.weights);
-        optimiser_->first_moment.copy_(state_.first_moment);
-        optimiser_->second_moment.copy_(state_.second_moment);
+        optimiser_->take(optimiser_->weights, state_.weights);
+        optimiser_->take(optimiser_->first_moment, state_.first_moment);
+        optimiser_->take(optimiser_->second_moment, state_.second_moment);
         optimiser_->steps = state_.optimiser_steps;
         first_step_ = optimiser_->steps;
         say("going on at epoch " + std::to_string(state_.epoch + 1) + " of " + std::to_string(epochs_));
@@ -179,8 +179,7 @@ class Trainer {
     void start_anew() {
         state_.recipe = recipe_.text;
         state_.inputs = inputs_;
-        state_.best =
-            optimiser_->weights.to(torch::kCPU, torch::kFloat, /*non_blocking=*/false, /*copy=*/true);
+        state_.best = optimiser_->as_on_cpu(optimiser_->weights);
     }
 
     double learning_rate() const {
@@ -207,7 +206,7 @@ class Trainer {
     double differentiate_share(const Batch& host, bool asked_to_stop) {
         const Tensor extra = optimiser_->extra();  // loss, count, how many were asked to stop
         if (!host.empty()) {
-            const double count = loss_->count(host);  // before the batch is on a GPU, which it would wait for
+            const double count = loss_->count(host);
             const Batch batch = host.to(device_);
             const Tensor loss = count * loss_->of(output_of(batch), batch);
             loss.backward();
@@ -306,16 +305,16 @@ class Trainer {
 
     void keep_if_best(double loss) {
         if (state_.best_epoch >= 0 && !(loss < state_.best_loss)) return;
-        state_.best.copy_(optimiser_->weights);
+        state_.best = optimiser_->as_on_cpu(optimiser_->weights);
         state_.best_loss = loss;
         state_.best_epoch = state_.epoch;
     }
 
     void checkpoint() {
         if (!ranks_.first()) return;
-        state_.weights = optimiser_->weights;
-        state_.first_moment = optimiser_->first_moment;
-        state_.second_moment = optimiser_->second_moment;
+        state_.weights = optimiser_->as_on_cpu(optimiser_->weights);
+        state_.first_moment = optimiser_->as_on_cpu(optimiser_->first_moment);
+        state_.second_moment = optimiser_->as_on_cpu(optimiser_->second_moment);
         state_.optimiser_steps = optimiser_->steps;
         state_.log_position = log_->position();
         save_checkpoint(checkpoint_path(), state_);
@@ -330,7 +329,7 @@ class Trainer {
 
     // The best weights become the model; its card says how good they are.
     void finish() {
-        optimiser_->weights.copy_(state_.best);
+        optimiser_->take(optimiser_->weights, state_.best);
         const Validation found = validate();
         card_.numbers["best_epoch"] = double(state_.best_epoch + 1);
         card_.numbers["best_loss"] = state_.best_loss;

@@ -2,6 +2,8 @@
 // Ours.
 #include "training/measured.h"
 
+#include <torch/cuda.h>
+
 #include "learn/inference.h"
 #include "models/registry.h"
 #include "training/losses.h"
@@ -29,6 +31,7 @@ MeasuredNetwork measured_inference(const ModelCard& card, std::array<long, 4> sh
     const Tensor input = torch::rand({b, c, h, w}, on),
                  output = torch::empty({b, card.output_channels, h * card.upscale, w * card.upscale}, on);
     const bool on_device = input.is_cuda();
+    if (on_device) torch::cuda::synchronize();
     return {[=] { network->run(input.data_ptr<float>(), shape, output.data_ptr<float>(), on_device); },
             operations_on(card, shape)};
 }

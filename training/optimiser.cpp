@@ -15,22 +15,44 @@ static Tensor as_laid_out(const Tensor& flat, const Tensor& like) {
 Optimiser::Optimiser(Model& model, double weight_decay, double gradient_clip)
     : weight_decay_(weight_decay), clip_(gradient_clip) {
     torch::NoGradGuard no_grad;
-    std::vector<Tensor> parts;
-    for (const auto& p : model.parameters()) parts.push_back(p.detach().reshape(-1));
-    weights = torch::cat(parts);
-    shared = torch::zeros({weights.numel() + extras}, weights.options());
-    gradient_ = shared.narrow(0, 0, weights.numel());
+    parameters_ = model.parameters();
+    long count = 0;
+    for (const auto& p : parameters_) count += p.numel();
+    weights = torch::empty({count}, parameters_.front().options().requires_grad(false));
+    shared = torch::zeros({count + extras}, weights.options());
+    gradient_ = shared.narrow(0, 0, count);
     first_moment = torch::zeros_like(weights);
     second_moment = torch::zeros_like(weights);
+    const auto values = parts_of(weights), gradients = parts_of(gradient_);
+    for (size_t k = 0; k < parameters_.size(); ++k) {
+        values[k].copy_(parameters_[k]);
+        parameters_[k].set_data(values[k]);
+        parameters_[k].mutable_grad() = gradients[k];
+    }
+}
+
+std::vector<Tensor> Optimiser::parts_of(const Tensor& flat) const {
+    std::vector<Tensor> parts;
     long at = 0;
-    for (auto& p : model.parameters()) {
-        const Tensor found = p.detach().clone();
-        const auto part = [&](const Tensor& flat) {
-            return as_laid_out(flat.narrow(0, at, p.numel()), found);
-        };
-        p.set_data(part(weights));
-        p.copy_(found);
-        p.mutable_grad() = part(gradient_);
+    for (const auto& p : parameters_) {
+        parts.push_back(as_laid_out(flat.narrow(0, at, p.numel()), p));
+        at += p.numel();
+    }
+    return parts;
+}
+
+Tensor Optimiser::as_on_cpu(const Tensor& part) const {
+    const torch::NoGradGuard no_grad;
+    std::vector<Tensor> flat;
+    for (const auto& p : parts_of(part)) flat.push_back(p.reshape(-1));
+    return torch::cat(flat).to(torch::kCPU);
+}
+
+void Optimiser::take(Tensor& part, const Tensor& as_on_cpu) const {
+    const torch::NoGradGuard no_grad;
+    long at = 0;
+    for (auto& p : parts_of(part)) {
+        p.copy_(as_on_cpu.narrow(0, at, p.numel()).view(p.sizes()));
         at += p.numel();
     }
 }

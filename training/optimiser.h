@@ -23,11 +23,17 @@ class Optimiser {
     Tensor gradient() const { return gradient_; }
     Tensor extra() const { return shared.narrow(0, gradient_.numel(), extras); }
 
-    // The whole state. (n)
+    // The whole state. (n); how a device lays weights out is its own matter, so that it leaves and comes as
+    // the CPU has them.
     Tensor weights, first_moment, second_moment;
+    Tensor as_on_cpu(const Tensor& part) const;
+    void take(Tensor& part, const Tensor& as_on_cpu) const;
     long steps = 0;
 
   private:
+    // Views of `flat`, which is laid out as `weights`, one a parameter.
+    std::vector<Tensor> parts_of(const Tensor& flat) const;
+    std::vector<Tensor> parameters_;
     double weight_decay_, clip_;
     Tensor gradient_;  // (n), of `shared`
 };

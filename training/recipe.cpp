@@ -77,7 +77,7 @@ const std::vector<RecipeRow>& recipe_rows() {
         // key, member, strand, root, adhesion, minimum, maximum, whole, meaning
         {"epochs", &R::epochs, 60, 200, 9000, 1, 1e7, true, "passes over the data"},
         {"batch", &R::batch, 1, 128, 4096, 1, 1 << 20, true,
-         "a step's frames (strand), patches (root), samples (adhesion)"},
+         "a step's frames (strand; in whole pairs with loss.steady), patches (root), samples (adhesion)"},
         {"learning_rate", &R::learning_rate, 1e-3, 1e-4, 1e-3, 1e-12, 10, false, "of Adam"},
         {"weight_decay", &R::weight_decay, 1e-2, 0, 0, 0, 1, false, "decoupled (AdamW)"},
         {"gradient_clip", &R::gradient_clip, 1, 0, 0, 0, 1e9, false, "largest norm of the gradient; 0: any"},
@@ -102,7 +102,8 @@ const std::vector<RecipeRow>& recipe_rows() {
         {"loss.length", &R::length, 0, none, none, 0, 1e6, false,
          "weight: mean difference of edge lengths / segment length"},
         {"loss.steady", &R::steady, 0, none, none, 0, 1e6, false,
-         "weight: mean error of how far particles go in a frame / strand length; frames then come in pairs"},
+         "weight: mean error of how far particles go in a frame / strand length; frames then come in pairs, "
+         "held out ones alone"},
     };
     return rows;
 }
@@ -132,8 +133,7 @@ Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<s
 
     if (!request.architecture.empty()) recipe.architecture = request.architecture;
     if (!request.device.empty()) recipe.device = request.device;
-    if (codec == Codec::strand &&
-        recipe.position + recipe.edge + recipe.curvature + recipe.length + recipe.steady == 0)
+    if (codec == Codec::strand && recipe.position + recipe.edge + recipe.curvature + recipe.length == 0)
         throw Misuse("recipe: all weights of [loss] are 0, one above 0 is needed");
     recipe.text = resolved_text(recipe, codec);
     return recipe;

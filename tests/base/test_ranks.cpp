@@ -17,9 +17,10 @@ using testing::expect_error;
 class Environment {
   public:
     explicit Environment(const std::map<std::string, std::string>& given) {
-        for (const char* name : {"RANK", "WORLD_SIZE", "LOCAL_RANK", "OMPI_COMM_WORLD_RANK",
-                                 "OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_LOCAL_RANK", "PMI_RANK", "PMI_SIZE",
-                                 "MPI_LOCALRANKID", "SLURM_PROCID", "SLURM_NTASKS", "SLURM_LOCALID"}) {
+        for (const char* name :
+             {"RANK", "WORLD_SIZE", "LOCAL_RANK", "OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE",
+              "OMPI_COMM_WORLD_LOCAL_RANK", "PMI_RANK", "PMI_SIZE", "MPI_LOCALRANKID", "SLURM_PROCID",
+              "SLURM_STEP_NUM_TASKS", "SLURM_LOCALID"}) {
             if (const char* value = std::getenv(name)) before_[name] = value;
             names_.push_back(name);
             unsetenv(name);
@@ -45,7 +46,7 @@ TEST(Ranks, AreThoseOfTheLauncher) {
     const std::map<std::string, std::string> mpich = {
         {"PMI_RANK", "5"}, {"PMI_SIZE", "8"}, {"MPI_LOCALRANKID", "1"}};
     const std::map<std::string, std::string> slurm = {
-        {"SLURM_PROCID", "5"}, {"SLURM_NTASKS", "8"}, {"SLURM_LOCALID", "1"}};
+        {"SLURM_PROCID", "5"}, {"SLURM_STEP_NUM_TASKS", "8"}, {"SLURM_LOCALID", "1"}};
     for (const auto& given : {torchrun, open_mpi, mpich, slurm}) {
         const Environment environment(given);
         const Ranks ranks = ranks_of_launcher();
@@ -59,7 +60,8 @@ TEST(Ranks, AreThoseOfTheLauncher) {
 
 TEST(Ranks, AProcessWithoutALauncherIsAlone) {
     // A batch script of Slurm knows how many tasks it may start and is none of them.
-    for (const auto& given : {std::map<std::string, std::string>{}, {{"SLURM_NTASKS", "4"}}}) {
+    for (const auto& given :
+         {std::map<std::string, std::string>{}, {{"SLURM_NTASKS", "4"}, {"SLURM_PROCID", "0"}}}) {
         const Environment environment(given);
         const Ranks ranks = ranks_of_launcher();
         EXPECT_TRUE(ranks.first() && ranks.alone());
@@ -69,7 +71,7 @@ TEST(Ranks, AProcessWithoutALauncherIsAlone) {
 
 TEST(Ranks, ThoseOfTorchrunGoBeforeTheJobThatItRunsIn) {
     const Environment environment(
-        {{"RANK", "1"}, {"WORLD_SIZE", "2"}, {"SLURM_PROCID", "3"}, {"SLURM_NTASKS", "4"}});
+        {{"RANK", "1"}, {"WORLD_SIZE", "2"}, {"SLURM_PROCID", "3"}, {"SLURM_STEP_NUM_TASKS", "4"}});
     EXPECT_EQ(ranks_of_launcher().mine, 1);
     EXPECT_EQ(ranks_of_launcher().of, 2);
     EXPECT_EQ(ranks_of_launcher().here, 1);  // said by nobody: one host
@@ -88,7 +90,7 @@ TEST(Ranks, BadOnesAreRefused) {
     refused({{"RANK", "0"}, {"WORLD_SIZE", "0"}}, {"WORLD_SIZE", "'0'"});
     refused({{"RANK", "0"}, {"WORLD_SIZE", "99999999999999999999"}}, {"WORLD_SIZE"});
     refused({{"RANK", "0"}, {"WORLD_SIZE", "2"}, {"LOCAL_RANK", "2"}}, {"LOCAL_RANK", "'2'"});
-    refused({{"SLURM_PROCID", "a"}, {"SLURM_NTASKS", "2"}}, {"SLURM_PROCID", "'a'"});
+    refused({{"SLURM_PROCID", "a"}, {"SLURM_STEP_NUM_TASKS", "2"}}, {"SLURM_PROCID", "'a'"});
     refused({{"RANK", "1"}}, {"RANK", "without WORLD_SIZE"});
     refused({{"WORLD_SIZE", "2"}}, {"WORLD_SIZE", "without RANK"});
 }

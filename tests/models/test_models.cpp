@@ -240,6 +240,10 @@ TEST(EveryNetwork, FrozenGivesTheSameBits) {
         model->body = torch::kBFloat16;
         const Tensor expected = model->forward(x);
         model->freeze();
+        EXPECT_EQ(model->parameters().front().scalar_type(),
+                  model->children().size() > 1 ? torch::kBFloat16 : torch::kFloat)
+            << a.name;
+        EXPECT_EQ(model->parameters().back().scalar_type(), torch::kFloat) << a.name;
         EXPECT_TRUE(torch::equal(model->forward(x), expected)) << a.name;
     }
 }
@@ -249,6 +253,11 @@ TEST(Operations, AreThoseOfTheLayersThatRun) {
     // 256 channels, ten layers between the first and the last.
     const double a_pixel = 2.0 * (strand_inputs * 256 + 10 * 256 * 256 + 256 * strand_coefficients);
     EXPECT_EQ(operations_of(*make_model(card), input_of(card, 1, 4)), 16 * a_pixel);
+    // By hand, of `recursive_residual`: 5x5 convolutions of 8 channels, at 32 x 32 the first and twenty, at
+    // 64 x 64 three and the last.
+    card = card_of(*find_architecture("recursive_residual"), 0.125);
+    const double by_hand = 2.0 * 25 * 1024 * (3 * 8 + 20 * 64 + 4 * (3 * 64 + 8 * 3));
+    EXPECT_EQ(operations_of(*make_model(card), input_of(card, 1, 32)), by_hand);
     // Twice as many pixels of either kind, twice the work.
     card = card_of(*find_architecture("unet_vgg19"), 0.125);
     const auto unet = make_model(card);
@@ -342,23 +351,25 @@ TEST(EveryNetwork, GradientReachesEveryWeight) {
 }
 
 // Layers in one kernel on the device have gradients of their own.
-TEST(EveryNetwork, OnADeviceHasTheGradientsOfTheHost) {
+TEST(EveryNetwork, OnADeviceHasTheSameGradientsByItsFastestKernels) {
     if (!torch::cuda::is_available()) GTEST_SKIP() << "SKIP: no CUDA device";
     for (const auto& a : architectures()) {
         const ModelCard card = card_of(a, 0.125);
-        auto host = stirred(card), device = stirred(card);
-        device->to(torch::kCUDA);
-        const Tensor x = input_of(card);
-        auto differentiate = [](Model& model, const Tensor& in) {
-            const Tensor out = model.forward(in);
+        const Tensor x = input_of(card).cuda();
+        auto gradients = [&](Convolutions how) {
+            choose(how);
+            auto model = stirred(card);
+            model->to(torch::kCUDA);
+            model->body = torch::kBFloat16;
+            const Tensor out = model->forward(x);
             torch::manual_seed(5);
             (out * torch::rand(out.sizes()).to(out.device())).sum().backward();
             std::vector<Tensor> parts;
-            for (const auto& p : model.parameters()) parts.push_back(p.grad().flatten().cpu());
+            for (const auto& p : model->parameters()) parts.push_back(p.grad().flatten().cpu());
             return torch::cat(parts);
         };
-        const Tensor expected = differentiate(*host, x), found = differentiate(*device, x.cuda());
-        EXPECT_LT((found - expected).norm().item<double>(), 0.01 * expected.norm().item<double>()) << a.name;
+        const Tensor expected = gradients(Convolutions::repeatable), found = gradients(Convolutions::fastest);
+        EXPECT_LT((found - expected).norm().item<double>(), 0.05 * expected.norm().item<double>()) << a.name;
     }
 }
 

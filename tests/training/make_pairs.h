@@ -22,8 +22,8 @@ inline std::vector<float> uniform(std::mt19937& random, size_t n, float low = -1
 
 // Codec strand: a side x side grid without its first pixel; strands of 0.2 m. The target's amplitudes mix
 // five inputs of the same strand smoothly, some 2 cm in size, alike for every seed. Channel 0 of `static`
-// is 9.81 everywhere; `times`: which frames of a run these are. After cohesion the amplitudes are half as
-// large, where `displayed`.
+// is 9.81 everywhere; `times`: which frames of a run these are, empty: nobody knows. After cohesion the
+// amplitudes are half as large, where `displayed`.
 inline std::string make_strand_pairs(const std::string& path, int side = 6, int frames = 6,
                                      float scale = 0.02f, unsigned seed = 11, bool displayed = false,
                                      const std::vector<int>& times = {}) {
