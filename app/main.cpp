@@ -132,7 +132,8 @@ int main(int argc, char** argv) {
     c->add_option("--recipe", train.recipe, "recipe file (TOML)");
     c->add_option(
         "--arch", train.architecture,
-        "strand_mlp | strand_depthwise | strand_linear | unet_vgg19 | recursive_residual | adhesion_mlp");
+        "strand_mlp | strand_depthwise | strand_linear | strand_unet_vgg19 | strand_recursive_residual | "
+        "unet_vgg19 | recursive_residual | adhesion_mlp");
     c->add_option("--width", train.width, "multiplier of the network's width");
     c->add_flag("--resume", train.resume, "go on from OUTPUT.checkpoint");
     c->footer(

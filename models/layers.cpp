@@ -160,6 +160,11 @@ Tensor from_rows(const Tensor& rows, const Tensor& like) {
     return rows.view({like.size(0), like.size(2), like.size(3), rows.size(1)}).permute({0, 3, 1, 2});
 }
 
+Tensor normalised(const Tensor& rows, const Tensor& mean, const Tensor& deviation, torch::ScalarType body) {
+    Tensor out = torch::empty_like(rows, rows.options().dtype(body));
+    return torch::div_out(out, rows - mean, deviation);
+}
+
 // One axis of up().
 static Tensor up_along(const Tensor& x, long axis) {
     const long n = x.size(axis);

@@ -27,6 +27,12 @@ struct Model : torch::nn::Module {
     bool whole_grid = false;
 };
 
+// What an image network takes and gives: channels, and whether at twice the resolution.
+struct ImageChannels {
+    int in = 3, out = 3;
+    bool doubles = true;
+};
+
 // Multiplications and additions of the layers in a run on `input`, on the CPU; depthwise ones apart.
 double operations_of(Model& model, const Tensor& input);
 
@@ -53,6 +59,9 @@ Tensor run_doubling(torch::nn::ConvTranspose2d& layer, const Tensor& x);
 // (B, C, H, W) to rows (B H W, C) and back.
 Tensor to_rows(const Tensor& image);
 Tensor from_rows(const Tensor& rows, const Tensor& like);
+
+// (P, C) rows less `mean` over `deviation` (C), cast to a body's type as they are written.
+Tensor normalised(const Tensor& rows, const Tensor& mean, const Tensor& deviation, torch::ScalarType body);
 
 // (…, H, W) to (…, 2H, 2W): out[2i] = in[i], odd ones the mean of their neighbours, the last extrapolated.
 Tensor up(const Tensor& image);

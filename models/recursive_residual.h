@@ -8,11 +8,14 @@ namespace wetcurl {
 
 class RecursiveResidual : public Model {
   public:
-    explicit RecursiveResidual(double width);
-    // (B, 3, h, w) to (B, 3, 2h, 2w).
+    explicit RecursiveResidual(double width, ImageChannels channels = {});
+    // Codec root: up(input) and the residual.
     Tensor forward(const Tensor& input) override;
+    // (B, in, h, w) to (B, out, 2h, 2w), or without doubling (B, out, h, w), single precision.
+    Tensor residual(const Tensor& input);
 
   private:
+    bool doubles_;
     torch::nn::Conv2d head_{nullptr};
     std::vector<torch::nn::Conv2d> blocks_, tail_;
 };

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "models/adhesion_mlp.h"
 #include "models/recursive_residual.h"
+#include "models/strand_image.h"
 #include "models/strand_mlp.h"
 #include "models/unet_vgg19.h"
 
@@ -47,6 +48,11 @@ std::shared_ptr<Model> make_strand(const ModelCard& card) {
     const Normalisation n = normalisation_of(card);
     return std::make_shared<StrandMlp>(card.width, n.mean, n.deviation, n.scale, neighbours);
 }
+template <class Network>
+std::shared_ptr<Model> make_strand_image(const ModelCard& card) {
+    const Normalisation n = normalisation_of(card);
+    return std::make_shared<StrandImage<Network>>(card.width, n.mean, n.deviation, n.scale);
+}
 std::shared_ptr<Model> make_linear(const ModelCard& card) {
     const Normalisation n = normalisation_of(card);
     return std::make_shared<StrandLinear>(n.mean, n.deviation, n.scale);
@@ -68,6 +74,8 @@ const std::vector<Architecture>& architectures() {
         {"strand_mlp", "strand", 0, 72, 1, true, false, make_strand<false>},
         {"strand_depthwise", "strand", 0, 72, 1, true, true, make_strand<true>},
         {"strand_linear", "strand", 0, 72, 1, false, false, make_linear},
+        {"strand_unet_vgg19", "strand", 0, 72, 1, true, true, make_strand_image<UnetVgg19>},
+        {"strand_recursive_residual", "strand", 0, 72, 1, true, true, make_strand_image<RecursiveResidual>},
         {"adhesion_mlp", "adhesion", 12, 1, 1, false, false, make_adhesion},
     };
     return list;

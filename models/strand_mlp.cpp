@@ -12,12 +12,6 @@ namespace wetcurl {
 
 namespace {
 constexpr int base_channels = 256, blocks = 5, kernel = 5;
-
-// (P, C) rows as a network's body takes them, cast as they are written.
-Tensor normalised(const Tensor& rows, const Tensor& mean, const Tensor& deviation, torch::ScalarType body) {
-    Tensor out = torch::empty_like(rows, rows.options().dtype(body));
-    return torch::div_out(out, rows - mean, deviation);
-}
 }  // namespace
 
 StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, const Tensor& scale,

@@ -23,8 +23,8 @@ void UnetVgg19::add_convolutions(Level& level, int in, int out, int count) {
             register_module(level.name + "_" + std::to_string(i), convolution(i ? out : in, out, kernel)));
 }
 
-UnetVgg19::UnetVgg19(double width) {
-    int channels = 3;
+UnetVgg19::UnetVgg19(double width, ImageChannels image) : scale_(image.doubles ? 2 : 1) {
+    int channels = image.in;
     std::vector<int> skips;
     for (const Row& row : down_table) {
         Level level;
@@ -36,6 +36,7 @@ UnetVgg19::UnetVgg19(double width) {
         down_.push_back(level);
     }
     for (const Row& row : up_table) {
+        if (up_.size() == pools && !image.doubles) break;
         Level level;
         level.name = "r";
         level.name += std::to_string(up_.size() + 1);
@@ -51,7 +52,7 @@ UnetVgg19::UnetVgg19(double width) {
         channels = out;
         up_.push_back(level);
     }
-    last_ = register_module("r7", convolution(channels, 3, kernel));
+    last_ = register_module("r7", convolution(channels, image.out, kernel));
     set_zero(*last_);
 }
 
@@ -61,7 +62,7 @@ Tensor UnetVgg19::run(Level& level, Tensor x) {
     return x;
 }
 
-Tensor UnetVgg19::forward(const Tensor& input) {
+Tensor UnetVgg19::residual(const Tensor& input) {
     const long h = input.size(2), w = input.size(3);
     const long below = (multiple - h % multiple) % multiple, right = (multiple - w % multiple) % multiple;
     Tensor x = below || right ? torch::replication_pad2d(input, {0, right, 0, below}) : input;
@@ -79,9 +80,12 @@ Tensor UnetVgg19::forward(const Tensor& input) {
         }
         x = run(level, x);
     }
-    const Tensor residual = run_layer(last_, x.to(torch::kFloat)).narrow(2, 0, 2 * h).narrow(3, 0, 2 * w);
-    if (watch) watch("r7", residual);
-    return up(input) + residual;
+    const Tensor out =
+        run_layer(last_, x.to(torch::kFloat)).narrow(2, 0, scale_ * h).narrow(3, 0, scale_ * w);
+    if (watch) watch("r7", out);
+    return out;
 }
+
+Tensor UnetVgg19::forward(const Tensor& input) { return up(input) + residual(input); }
 
 }  // namespace wetcurl

@@ -12,10 +12,13 @@ namespace wetcurl {
 
 class UnetVgg19 : public Model {
   public:
-    explicit UnetVgg19(double width);
-    // (B, 3, h, w) to (B, 3, 2h, 2w); any h and w: padded to multiples of 32 by repeating the edge, then
-    // cropped.
+    // Without doubling r6 is left out.
+    explicit UnetVgg19(double width, ImageChannels channels = {});
+    // Codec root: up(input) and the residual.
     Tensor forward(const Tensor& input) override;
+    // (B, in, h, w) to (B, out, 2h, 2w), or without doubling (B, out, h, w), single precision; any h and w:
+    // padded to multiples of 32 by repeating the edge, then cropped.
+    Tensor residual(const Tensor& input);
     // Where set, receives each block's name (C1…C5, r1…r7) and output (before the pool).
     std::function<void(const std::string& block, const Tensor& output)> watch;
 
@@ -28,6 +31,7 @@ class UnetVgg19 : public Model {
     Tensor run(Level& level, Tensor x);
     void add_convolutions(Level& level, int in, int out, int count);
 
+    long scale_;  // of the output's sides
     std::vector<Level> down_, up_;
     torch::nn::Conv2d last_{nullptr};
 };

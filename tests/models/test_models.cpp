@@ -76,7 +76,14 @@ TEST(ParameterCounts, AreThoseOfTheEquationsAtWidthOne) {
         {"adhesion_mlp", 142},
         {"strand_mlp", strand},
         {"strand_depthwise", strand + 5 * 25 * hidden},
-        {"strand_linear", (strand_inputs + 1) * strand_coefficients}};
+        {"strand_linear", (strand_inputs + 1) * strand_coefficients},
+        // The first layer takes more, the last gives more; without doubling r6 is gone: 64 to 64 channels by
+        // 2x2, then twice by 5x5.
+        {"strand_unet_vgg19", 60031235 + 25 * 64 * (strand_inputs - 3) +
+                                  (25 * 64 + 1) * (strand_coefficients - 3) - (4 * 64 * 64 + 64) -
+                                  2 * (25 * 64 * 64 + 64)},
+        {"strand_recursive_residual",
+         2366339 + 25 * 64 * (strand_inputs - 3) + (25 * 64 + 1) * (strand_coefficients - 3)}};
     ASSERT_EQ(expected.size(), architectures().size());
     for (const auto& a : architectures())
         EXPECT_EQ(parameter_count(*make_model(card_of(a, 1))), expected.at(a.name)) << a.name;
@@ -331,6 +338,27 @@ TEST(RootNetworks, TakeAnySizeOfImage) {
         }
 }
 
+TEST(StrandImage, TakesAnyGridAndKnowsNothingOfEmptyPixels) {
+    torch::NoGradGuard no_grad;
+    for (const char* name : {"strand_unet_vgg19", "strand_recursive_residual"}) {
+        ModelCard card = card_of(*find_architecture(name), 0.1);
+        auto model = stirred(card);
+        Tensor x = torch::rand({1, strand_inputs, 20, 33});
+        x.narrow(3, 10, 2).zero_();
+        const Tensor out = model->forward(x);
+        EXPECT_EQ(out.sizes(), (std::vector<int64_t>{1, strand_coefficients, 20, 33})) << name;
+        EXPECT_GT(largest(out), 1e-3) << name;
+        // Another mean would move what comes in as something, and does not move what comes in as nothing.
+        model->whole_grid = true;
+        EXPECT_GT(largest(model->forward(x) - out), 1e-4) << name;
+        x.zero_();
+        model->whole_grid = false;
+        const Tensor empty = model->forward(x);
+        card.arrays["input_mean"].assign(strand_inputs, 0.4f);
+        EXPECT_TRUE(same_bits(stirred(card)->forward(x), empty)) << name;
+    }
+}
+
 TEST(EveryNetwork, GradientReachesEveryWeight) {
     for (const auto& a : architectures()) {
         const ModelCard card = card_of(a, 0.125);
@@ -346,7 +374,7 @@ TEST(EveryNetwork, GradientReachesEveryWeight) {
             silent += p.value().grad().eq(0).sum().item<long>();
         }
         // A ReLU that is off for the whole batch silences its weights: a few may.
-        EXPECT_LT(double(silent), 0.2 * double(parameter_count(*model))) << a.name;
+        EXPECT_LT(double(silent), 0.25 * double(parameter_count(*model))) << a.name;
     }
 }
 
