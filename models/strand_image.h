@@ -15,9 +15,9 @@ class StrandImage : public Model {
         : mean_(register_buffer("mean", mean)),
           deviation_(register_buffer("deviation", deviation)),
           scale_(register_buffer("scale", scale)),
-          image_(register_module(
-              "image", std::make_shared<Network>(
-                           width, ImageChannels{int(mean.size(0)), int(scale.size(0)), false}))) {}
+          image_(register_module("image",
+                                 std::make_shared<Network>(
+                                     width, ImageChannels{int(mean.size(0)), int(scale.size(0)), false}))) {}
 
     // As of StrandMlp; pixels whose inputs are all 0 hold no strand and come in as 0.
     Tensor forward(const Tensor& input) override {
