@@ -102,7 +102,7 @@ class MemberRun {
         std::optional<StrandEncoder> strands;
         if (recipe_.strand) {
             const Strands shape = shape_at_rest(high_);
-            strands.emplace(high_.groom, low_.groom, high_.saturation, &shape);
+            strands.emplace(high_.groom, low_.groom, high_.saturation, &shape, recipe_.low_is_wet);
         }
         std::unique_ptr<RunWriter> low_writer, wet_writer;
         if (keeps_runs()) {

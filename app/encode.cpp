@@ -24,9 +24,7 @@ void record_input(PairsWriter& out, size_t run, const std::string& role, const s
     out.attribute(fmt::format("input {:03d} {}", run, role), path + " " + hash_of_file(path));
 }
 
-std::string low_of(const RunPair& pair) {
-    return pair.dry->header().method.starts_with("simulated wet") ? "wet" : "dry";
-}
+std::string low_of(const RunPair& pair) { return simulated_wet(pair.dry->header()) ? "wet" : "dry"; }
 
 std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
     if (inputs.empty() || inputs.size() % 2)

@@ -11,6 +11,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
+#include "learn/encode_runs.h"
 #include "learn/interpolate.h"
 #include "learn/network_module.h"
 #include "learn/quad_transform.h"
@@ -45,10 +46,11 @@ class InterpolationMethod final : public Method {
   public:
     // `shape`: how the high strands lie at rest, null: as drawn; `cohesion`: Eq 10 follows.
     InterpolationMethod(const std::string& name, int roots, const Groom& high, const Groom& low,
-                        const Strands* shape, bool cohesion)
+                        const Strands* shape, bool low_is_wet, bool cohesion)
         : name_(name + " interpolation" + suffix_of(roots) + (shape ? ", Eq 9" : "") +
                 (cohesion ? ", Eq 10" : "")),
-          interpolator_(interpolation_named(name), stencil_of(roots, high, low), high, low, shape),
+          interpolator_(interpolation_named(name), stencil_of(roots, high, low), high, low, shape,
+                        low_is_wet),
           cohesion_(cohesion) {}
     std::string name() const override { return name_; }
     bool before_cohesion() const override { return cohesion_; }
@@ -174,12 +176,13 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     if (!o.interpolate.empty()) {
         const Strands shape = o.wet_shape ? shape_at_rest(scene) : Strands();
         return std::make_unique<InterpolationMethod>(o.interpolate, o.roots, scene.groom, low.groom,
-                                                     o.wet_shape ? &shape : nullptr, o.cohesion);
+                                                     o.wet_shape ? &shape : nullptr, simulated_wet(low),
+                                                     o.cohesion);
     }
     const ModelCard card = network_module().card(o.model);
     if (card.codec == "adhesion")
         throw Misuse(o.model + ": an adhesion model; it acts in a scene, not on a run: infer SCENE.toml");
-    if (const bool wet = low.method.starts_with("simulated wet"); wet != (card.low == "wet"))
+    if (const bool wet = simulated_wet(low); wet != (card.low == "wet"))
         log_warning(fmt::format("{}: was simulated {}; {} learned from {} runs", o.input, wet ? "wet" : "dry",
                                 o.model, card.low));
     if (card.codec == "strand") {

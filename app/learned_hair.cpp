@@ -27,7 +27,8 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
     require_solids_for(card, scene, scene_file);
     const Strands shape = shape_at_rest(scene);
     auto learned = network_module().load_strands(
-        model, StrandCodec(scene.groom, low, scene.saturation, &shape), low, device, threads);
+        model, StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet"), low, device,
+        threads);
     if (card.target == "displayed" && scene.has_attached_solid()) {
         HeadShapes head;
         for (const Solid& solid : scene.solids) head.shapes.push_back(solid.shape);

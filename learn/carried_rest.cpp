@@ -18,10 +18,9 @@ static Strands cores_of(const Strands& strands) {
     return cores;
 }
 
-RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom& low, const Strands* shape)
-    : particles_(high.rest.particles),
-      low_rest_cores_(cores_of(low.rest)),
-      moved_(low.rest.count, low.rest.particles) {
+RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom& low, const Strands* shape,
+                         bool low_is_wet)
+    : particles_(high.rest.particles), moved_(low.rest.count, low.rest.particles) {
     auto size = [](const Strands& s) {
         return std::to_string(s.count) + " strands of " + std::to_string(s.particles) + " particles";
     };
@@ -32,7 +31,12 @@ RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom&
     if (stencil.count() != high.rest.count)
         throw Error("interpolation: found a stencil for " + std::to_string(stencil.count()) +
                     " strands, allowed one for all " + std::to_string(high.rest.count));
-    const Strands drawn_cores = cores_of(high.rest), curled_cores = cores_of(curled);
+    const Strands curled_cores = cores_of(curled),
+                  drawn_cores = low_is_wet ? curled_cores : cores_of(high.rest);
+    low_rest_ = low.rest;
+    for (int s = 0; low_is_wet && s < low.rest.count; ++s)
+        std::copy_n(curled.strand(stencil.twin[size_t(s)]), particles_, low_rest_.strand(s));
+    low_rest_cores_ = cores_of(low_rest_);
     const RootFrames roots = root_frames(high);
     const int n = particles_, blocks = (high.rest.count + S::lanes - 1) / S::lanes;
     const Vec3<S> none{S(0), S(0), S(0)};

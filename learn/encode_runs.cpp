@@ -59,8 +59,8 @@ static void for_each_frame(const RunPair& pair, const std::string& what, Visit v
 }
 
 StrandEncoder::StrandEncoder(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                             const Strands* shape)
-    : codec_(high, low, saturation, shape) {}
+                             const Strands* shape, bool low_is_wet)
+    : codec_(high, low, saturation, shape, low_is_wet) {}
 
 StrandPairs StrandEncoder::begin(int frames, bool displayed) const {
     std::vector<int> all(static_cast<size_t>(frames));
@@ -91,7 +91,8 @@ double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shap
         throw Error(pair.wet->path() +
                     ": its water moves ([wetness.flow]), allowed for the strand codec is "
                     "wetness that stays; --codec root takes each frame's");
-    StrandEncoder encoder(wet_header.groom, pair.dry->header().groom, wet_header.saturation, shape);
+    StrandEncoder encoder(wet_header.groom, pair.dry->header().groom, wet_header.saturation, shape,
+                          simulated_wet(pair.dry->header()));
     const bool displayed = !pair.wet->frame(0).displayed.points.empty();
     out.begin(encoder.begin(pair.dry->frames(), displayed));
     std::vector<float> target, after;

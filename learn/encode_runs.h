@@ -19,12 +19,15 @@ struct RunPair {
     RunPair(const std::string& dry_path, const std::string& wet_path);
 };
 
-// Frames of dry low-resolution and wet high-resolution strands as codec strand pairs them.
+// Whether water acted on the strands of a run.
+inline bool simulated_wet(const RunHeader& run) { return run.method.starts_with("simulated wet"); }
+
+// Frames of low-resolution and wet high-resolution strands as codec strand pairs them.
 class StrandEncoder {
   public:
     // As of a StrandCodec.
     StrandEncoder(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                  const Strands* shape);
+                  const Strands* shape, bool low_is_wet = false);
     StrandPairs begin(int frames, bool displayed) const;
     // Every frame of the low-resolution run, in order: world positions.
     void take_up(const Strands& low, const HeadWindow& heads);

@@ -25,10 +25,10 @@ static void take_cores(const Strands& strands, Strands& cores) {
 }
 
 Interpolator::Interpolator(Interpolation kind, Stencil stencil, const Groom& high, const Groom& low,
-                           const Strands* shape)
+                           const Strands* shape, bool low_is_wet)
     : kind_(kind), stencil_(std::move(stencil)), roots_(root_frames(high)) {
     if (kind_ == Interpolation::core) cores_ = Strands(low.rest.count, low.rest.particles);
-    if (kind_ == Interpolation::rest) carrier_.emplace(stencil_, high, low, shape);
+    if (kind_ == Interpolation::rest) carrier_.emplace(stencil_, high, low, shape, low_is_wet);
 }
 
 // root + sum_k weight_k (strand_k - its root), for `n` particles.

@@ -21,13 +21,13 @@ static void profile(const float* sigma, int n, float* out, size_t stride) {
 }
 
 StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                         const Strands* shape)
+                         const Strands* shape, bool low_is_wet)
     : grid_(high.grid),
       pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
       dct_(high.rest.particles),
       stencil_(quad_stencil(high, low)),
       roots_(root_frames(high)),
-      carrier_(stencil_, high, low, shape),
+      carrier_(stencil_, high, low, shape, low_is_wet),
       base_(high.rest.count, high.rest.particles) {
     const int n = particles(), strands = high.rest.count;
     if (!saturation.empty() && saturation.size() != high.rest.points.size())

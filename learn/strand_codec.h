@@ -55,9 +55,10 @@ class StrandCodec {
   public:
     // high: the rest groom at full resolution; low: that of the dry run, every second root each way of it;
     // saturation: (high strand, particle), empty for dry; shape: the high strands at rest with their water,
-    // in the head's frame, null: as drawn. Throws Error where these do not fit.
+    // in the head's frame, null: as drawn; low_is_wet: the low-resolution run is a wet one. Throws Error
+    // where these do not fit.
     StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                const Strands* shape = nullptr);
+                const Strands* shape = nullptr, bool low_is_wet = false);
 
     int height() const { return grid_.height; }
     int width() const { return grid_.width; }
