@@ -20,7 +20,9 @@ static Strands cores_of(const Strands& strands) {
 
 RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom& low, const Strands* shape,
                          bool low_is_wet)
-    : particles_(high.rest.particles), moved_(low.rest.count, low.rest.particles) {
+    : particles_(high.rest.particles),
+      low_rest_cores_(cores_of(low.rest)),
+      moved_(low.rest.count, low.rest.particles) {
     auto size = [](const Strands& s) {
         return std::to_string(s.count) + " strands of " + std::to_string(s.particles) + " particles";
     };
@@ -31,12 +33,7 @@ RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom&
     if (stencil.count() != high.rest.count)
         throw Error("interpolation: found a stencil for " + std::to_string(stencil.count()) +
                     " strands, allowed one for all " + std::to_string(high.rest.count));
-    const Strands curled_cores = cores_of(curled),
-                  drawn_cores = low_is_wet ? curled_cores : cores_of(high.rest);
-    low_rest_ = low.rest;
-    for (int s = 0; low_is_wet && s < low.rest.count; ++s)
-        std::copy_n(curled.strand(stencil.twin[size_t(s)]), particles_, low_rest_.strand(s));
-    low_rest_cores_ = cores_of(low_rest_);
+    const Strands drawn_cores = cores_of(high.rest), curled_cores = cores_of(curled);
     const RootFrames roots = root_frames(high);
     const int n = particles_, blocks = (high.rest.count + S::lanes - 1) / S::lanes;
     const Vec3<S> none{S(0), S(0), S(0)};
@@ -59,7 +56,8 @@ RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom&
                 set(out.detail, lane, rotate(to_root, p[i] - core[i]));
                 if (i + 1 == n) continue;
                 const Vec3f edge = drawn[i + 1] - drawn[i], along = core[i + 1] - core[i];
-                const float length = norm(along) / std::max(norm(edge), tiny_length<float>);
+                // Wet strands come as short as they are.
+                const float length = low_is_wet ? 1 : norm(along) / std::max(norm(edge), tiny_length<float>);
                 out.length.set(lane, length);
                 set(out.edge, lane, rotate(to_root, length * edge));
                 set(out.curled, lane, rotate(to_root, along));

@@ -181,10 +181,9 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
       width_(codec.stencil().width) {
     const size_t n = size_t(n_), S = size_t(pixels_), width = size_t(width_);
     head() = {};
-    const Strands& rest_of_low = codec.carrier().low_rest();
-    std::vector<Vec3f> low_rest(rest_of_low.points);
+    std::vector<Vec3f> low_rest(low.rest.points);
     for (int s = 0; s < low_; ++s)
-        for (int i = 0; i < n_; ++i) low_rest[size_t(s) * n + i] -= rest_of_low.at(s, 0);
+        for (int i = n_ - 1; i >= 0; --i) low_rest[size_t(s) * n + i] = low.rest.at(s, i) - low.rest.at(s, 0);
     low_rest_ = DeviceBuffer<Vec3f>(low_rest);
 
     std::vector<float> rest(n * rest_numbers * S, 0), weight(width * S, 0);

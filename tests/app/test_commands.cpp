@@ -73,7 +73,7 @@ TEST_F(Commands, json_is_not_overwritten_unasked) {
     o.overwrite = true;
     EXPECT_NO_THROW(check_files(o, "", {}));
     o.overwrite = false;
-    for (const std::string free : {"-", "/dev/null", scratch.path("new.json").c_str()}) {
+    for (const std::string& free : std::vector<std::string>{"-", "/dev/null", scratch.path("new.json")}) {
         o.json = free;
         EXPECT_NO_THROW(check_files(o, "", {})) << free;
     }
