@@ -116,20 +116,19 @@ class MemberRun {
         RunFrame low, wet;
         for (int f = 0; f < high_.frames; ++f) {
             if (guard.asked()) return false;
-            // Eq 10 moves what is seen alone: of the wet strands only frames that are kept.
-            const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every < recipe_.together;
-            if (f > 0) dry_->advance(), wet_->advance(kept || keeps_runs());
-            for (const auto* s : {dry_.get(), kept || keeps_runs() ? wet_.get() : dry_.get()})
-                if (const auto diverged = s->divergence())
-                    throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", member_.name, f,
-                                            diverged->strand));
+            const bool kept = f >= recipe_.first && (f - recipe_.first) % recipe_.every < recipe_.together,
+                       shown = kept || keeps_runs();
+            // Eq 10 moves what is seen alone.
+            if (f > 0) dry_->advance(), wet_->advance(shown);
+            require_sound(*dry_, f);
+            if (shown) require_sound(*wet_, f);
             dry_->snapshot(low);
             auto at = [&](int frame) { return high_.motion.at(frame / high_.fps); };
             heads.before = at(f - 1), heads.now = at(f),
             heads.after = f + 1 < high_.frames ? at(f + 1) : gone_on(heads.before, heads.now);
             heads.inner = f > 0;
             if (strands) strands->take_up(low.positions, heads);
-            if (!kept && !keeps_runs()) continue;
+            if (!shown) continue;
             wet_->snapshot(wet);
             if (keeps_runs()) low_writer->append(low), wet_writer->append(wet);
             if (!kept) continue;
@@ -153,6 +152,11 @@ class MemberRun {
 
   private:
     bool keeps_runs() const { return recipe_.runs == member_.split; }
+    void require_sound(const Simulation& simulation, int frame) const {
+        if (const auto diverged = simulation.divergence())
+            throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", member_.name, frame,
+                                    diverged->strand));
+    }
     std::string kind_of_low() const { return recipe_.low_is_wet ? "wet" : "dry"; }
     bool displayed() const { return recipe_.displayed && high_.cohesion; }
     Scene scene(int stride) const {

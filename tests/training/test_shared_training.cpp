@@ -78,6 +78,10 @@ class Process {
     bool ended_ = false;
 };
 
+void expect_said(const Process& process, const std::vector<std::string>& parts) {
+    for (const auto& part : parts) EXPECT_NE(process.said().find(part), std::string::npos) << process.said();
+}
+
 class SharedTraining : public ::testing::Test {
   protected:
     void SetUp() override {
@@ -212,13 +216,10 @@ TEST_F(SharedTraining, NamesTheProcessThatDidNotCome) {
     const int port = free_port();
     const auto first = start(0, port, both, 1);
     EXPECT_EQ(first->wait(), 1);
-    for (const std::string& part :
-         Words{"rank 0 of 2", "127.0.0.1:" + std::to_string(port), "waited 1 s for rank 1,"})
-        EXPECT_NE(first->said().find(part), std::string::npos) << first->said();
+    expect_said(*first, {"rank 0 of 2", "127.0.0.1:" + std::to_string(port), "waited 1 s for rank 1,"});
     const auto other = start(1, port, both, 1);
     EXPECT_EQ(other->wait(), 1);
-    for (const char* part : {"rank 1 of 2", "MASTER_ADDR", "MASTER_PORT"})
-        EXPECT_NE(other->said().find(part), std::string::npos) << other->said();
+    expect_said(*other, {"rank 1 of 2", "MASTER_ADDR", "MASTER_PORT"});
     EXPECT_FALSE(fs::exists(both[5] + ".jsonl"));
 }
 
@@ -230,8 +231,7 @@ TEST_F(SharedTraining, RefusesProcessesWithOtherWork) {
     const auto first = start(0, port, both), other = start(1, port, seeded);
     EXPECT_EQ(first->wait(), 2);
     EXPECT_NE(other->wait(), 0);
-    for (const char* part : {"rank 1 would train", "seed = 7", "seed = 0"})
-        EXPECT_NE(first->said().find(part), std::string::npos) << first->said();
+    expect_said(*first, {"rank 1 would train", "seed = 7", "seed = 0"});
     EXPECT_FALSE(fs::exists(both[5] + ".jsonl"));
 }
 
