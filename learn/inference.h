@@ -10,9 +10,8 @@
 
 namespace wetcurl {
 
-// `threads` 0: all of the machine's. On a CUDA device the body computes in bfloat16, codec
-// adhesion apart. Throws Error for a bad
-// file or an absent device, Misuse for another device name.
+// `threads` 0: all of the machine's. On a CUDA device the body computes in bfloat16, codec adhesion apart.
+// Throws Error for a bad file or an absent device, Misuse for another device name.
 std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads);
 std::unique_ptr<Network> network_of(const ModelCard& card, std::shared_ptr<Model> model,
                                     const std::string& device, int threads);
