@@ -83,73 +83,118 @@ Vec3d turned(const Vec3d& t, double q) {
     return {length * std::cos(theta), s * t.y, s * t.z};
 }
 
-// Length of the strand's axis: the mean chord from a point to the one a turn of the curl further along the
-// polyline, `turn` segments, as many times as the strand has turns.
-double axial_extent(const std::vector<Vec3d>& p, double turn) {
-    const size_t n = p.size();
-    turn = std::clamp(turn, 1.0, double(n - 1));
-    const size_t whole = std::min(size_t(turn), n - 2);
-    const double rest = turn - double(whole);
-    double sum = 0;
-    for (size_t i = 0; i + whole + 1 < n; ++i) {
-        const Vec3d end = p[i + whole] + rest * (p[i + whole + 1] - p[i + whole]);
-        sum += norm(end - p[i]);
-    }
-    return sum / double(n - whole - 1) * double(n - 1) / turn;
+// Point at the place x of the polyline, in segments.
+Vec3d point_at(const std::vector<Vec3d>& p, double x) {
+    const size_t k = std::min(size_t(x), p.size() - 2);
+    return p[k] + (x - double(k)) * (p[k + 1] - p[k]);
 }
 
-std::vector<Vec3d> tightened(const std::vector<Vec3d>& tbar, double contraction, double most) {
-    const Quatd frame = Quatd::identity();
-    auto extent_at = [&](double q) {
-        std::vector<Vec3d> t = tbar;
-        for (size_t i = 1; i < t.size(); ++i) t[i] = turned(t[i], q);
-        return axial_extent(shape_from_intrinsic(t, {0, 0, 0}, frame), turning_of(t).segments_of_a_turn());
-    };
-    const double want = contraction * extent_at(1);
-    double low = 1, high = most;
-    for (int k = 0; k < 24; ++k) {
-        const double middle = (low + high) / 2;
-        (extent_at(middle) > want ? low : high) = middle;
+// Each edge in the frame, carried along, of the strand's axis: the chord of one turn about the edge, of the
+// first and the last whole turn at the ends. frames (n-1), edges (n-1).
+struct AboutAxis {
+    std::vector<Quatd> frames;
+    std::vector<Vec3d> edges;
+};
+AboutAxis about_axis(const std::vector<Vec3d>& p, double turn) {
+    const double count = double(p.size() - 1);
+    turn = std::clamp(turn, 1.0, count);
+    AboutAxis out;
+    Quatd f = Quatd::identity();
+    for (size_t i = 0; i + 1 < p.size(); ++i) {
+        const double from = std::clamp(double(i) + 0.5 - turn / 2, 0.0, count - turn);
+        const Vec3d axis = point_at(p, from + turn) - point_at(p, from);
+        f = i == 0 ? root_frame_of(normalized(axis, Vec3d{1, 0, 0})) : transported(f, axis);
+        out.frames.push_back(f);
+        out.edges.push_back(rotate(conjugate(f), p[i + 1] - p[i]));
     }
-    std::vector<Vec3d> out = tbar;
-    for (size_t i = 1; i < out.size(); ++i) out[i] = turned(tbar[i], (low + high) / 2);
     return out;
 }
 
-// The helix of Eq 6 by its intrinsic shape: handedness and phase fitted to the dry strand, lengths kept.
-std::vector<Vec3d> fitted_helix(const std::vector<Vec3d>& tbar, double radius, double pitch) {
-    std::vector<Vec3d> p{{radius, 0, 0}};
-    const double sign = turning_of(tbar).phase < 0 ? -1 : 1;
+std::vector<Vec3d> polyline(const std::vector<Vec3d>& edges) {
+    std::vector<Vec3d> p{{0, 0, 0}};
+    for (const auto& e : edges) p.push_back(p.back() + e);
+    return p;
+}
+
+// Length of the axis that edges lie about.
+double extent(const std::vector<Vec3d>& edges) {
+    double sum = 0;
+    for (const auto& e : edges) sum += e.x;
+    return sum;
+}
+
+// Edges about their axis whose turns are multiplied, at most by `most`, until the axis has `contraction` of
+// its length.
+std::vector<Vec3d> tightened(const std::vector<Vec3d>& edges, double contraction, double most) {
+    const auto tbar = intrinsic_shape(polyline(edges));
+    auto tightened_by = [&](double q) {
+        std::vector<Vec3d> t = tbar;
+        for (size_t i = 1; i < t.size(); ++i) t[i] = turned(t[i], q);
+        return about_axis(shape_from_intrinsic(t, {0, 0, 0}, Quatd::identity()),
+                          turning_of(t).segments_of_a_turn())
+            .edges;
+    };
+    const double want = contraction * extent(edges);
+    double low = 1, high = most;
+    for (int k = 0; k < 24; ++k) {
+        const double middle = (low + high) / 2;
+        (extent(tightened_by(middle)) > want ? low : high) = middle;
+    }
+    return tightened_by((low + high) / 2);
+}
+
+// Edges about their axis of the helix of Eq 6, of the same lengths and handedness.
+std::vector<Vec3d> helix_about_axis(const std::vector<Vec3d>& edges, double radius, double pitch,
+                                    double sign) {
+    std::vector<Vec3d> out;
     double t = 0;
-    for (const auto& e : tbar) {
+    for (const auto& e : edges) {
         const double omega = helix_angle(radius, pitch / (2 * pi), norm(e));
+        const double across = 2 * radius * std::sin(omega / 2), middle = t + omega / 2;
+        out.push_back({std::sqrt(std::max(0.0, dot(e, e) - across * across)), across * std::cos(middle),
+                       sign * across * std::sin(middle)});
         t += omega;
-        const double rise =
-            std::sqrt(std::max(0.0, dot(e, e) - std::pow(2 * radius * std::sin(omega / 2), 2)));
-        p.push_back({radius * std::cos(t), sign * radius * std::sin(t), p.back().z + rise});
     }
-    std::vector<Vec3d> helix = intrinsic_shape(p);
-    std::complex<double> offset = 0;
-    for (size_t i = 1; i < tbar.size(); ++i)
-        offset += std::complex<double>(tbar[i].y, tbar[i].z) *
-                  std::conj(std::complex<double>(helix[i].y, helix[i].z));
-    if (std::abs(offset) > 0)
-        offset /= std::abs(offset);
-    else
-        offset = 1;
-    for (auto& h : helix) {
-        const auto turned_by = std::complex<double>(h.y, h.z) * offset;
-        h.y = turned_by.real();
-        h.z = turned_by.imag();
+    return out;
+}
+
+// The helix turned about its axis so that it leaves the root to the side to which `edges` do: over a quarter
+// of a turn, since the two may have different turns.
+void start_alike(std::vector<Vec3d>& helix, const std::vector<Vec3d>& edges, double turn) {
+    auto across = [](const Vec3d& e) { return std::complex<double>(e.y, e.z); };
+    std::complex<double> phase = 0;
+    for (size_t i = 0; i < edges.size() && double(i) <= turn / 4; ++i)
+        phase += across(edges[i]) * std::conj(across(helix[i]));
+    phase = std::abs(phase) > 0 ? phase / std::abs(phase) : 1;
+    for (auto& e : helix) {
+        const auto to = across(e) * phase;
+        e = {e.x, to.real(), to.imag()};
     }
-    return helix;
 }
 
 }  // namespace
 
 std::vector<Vec3d> fully_curled(const Curl& curl, const std::vector<Vec3d>& tbar) {
-    return curl.radius ? fitted_helix(tbar, *curl.radius, *curl.pitch)
-                       : tightened(tbar, curl.contraction, curl.tightening);
+    const auto dry = shape_from_intrinsic(tbar, {0, 0, 0}, Quatd::identity());
+    const Turning turning = turning_of(tbar);
+    const double turn = turning.segments_of_a_turn(), turns = double(tbar.size()) / turn;
+    const auto [frames, edges] = about_axis(dry, turn);
+    // An arc is no curl: what turns once or less is not tightened.
+    const double most = 1 + (curl.tightening - 1) * std::clamp(turns - 1, 0.0, 1.0);
+    auto helix = curl.radius ? helix_about_axis(edges, *curl.radius, *curl.pitch, turning.phase < 0 ? -1 : 1)
+                             : tightened(edges, curl.contraction, most);
+    start_alike(helix, edges, turn);
+    // Along the axis as it is drawn, as far as the wet strand goes.
+    double along = 0, passed = 0;
+    size_t k = 0;
+    for (auto& e : helix) {
+        const double middle = along + e.x / 2;
+        while (k + 1 < edges.size() && passed + edges[k].x < middle) passed += edges[k++].x;
+        along += e.x;
+        e = rotate(frames[k], e);
+    }
+    helix[0] = dry[1] - dry[0];  // the root holds it
+    return intrinsic_shape(polyline(helix));
 }
 
 std::vector<Vec3d> partly_curled(const Curl& curl, const std::vector<Vec3d>& tbar,

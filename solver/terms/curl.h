@@ -2,7 +2,8 @@
 // The paper, Eq 6-9. Differs: print adds a constant push that is not zero at rest; here the bend's target is
 // blended, tbar <- (1 - s) tbar_dry + s tbar_helix with s = w_h sigma, so that saturation 0 changes no bit.
 // Where no radius and pitch are named the helix is the strand's own curl, tightened to `contraction` times
-// its axial extent at unchanged torsion, which keeps the phase at every particle (ours).
+// its axial extent at unchanged torsion (ours). It runs about the strand's own axis, edge by edge (print: one
+// rotation a strand): water curls a strand, and bends it no further than it is drawn.
 #pragma once
 
 #include <optional>
