@@ -89,6 +89,27 @@ Vec3d point_at(const std::vector<Vec3d>& p, double x) {
     return p[k] + (x - double(k)) * (p[k + 1] - p[k]);
 }
 
+// Segments of one turn of the strand's curl: the shift at the first peak of the correlation of edges with
+// later ones, which the strand's bends beside its curl lower and do not move. 1 where there is none: no curl.
+double turn_of_curl(const std::vector<Vec3d>& p) {
+    std::vector<Vec3d> t;
+    for (size_t i = 0; i + 1 < p.size(); ++i) t.push_back(normalized(p[i + 1] - p[i], Vec3d{1, 0, 0}));
+    auto correlation = [&](size_t shift) {
+        double sum = 0;
+        for (size_t i = 0; i + shift < t.size(); ++i) sum += dot(t[i], t[i + shift]);
+        return sum / double(t.size() - shift);
+    };
+    const size_t most = t.size() * 3 / 4;  // beyond it too few edges have a later one
+    bool rises = false;
+    double c[3] = {1, 1, 1};
+    for (size_t shift = 1; shift < most; ++shift) {
+        c[0] = c[1], c[1] = c[2], c[2] = correlation(shift);
+        if (rises && c[2] < c[1]) return double(shift) - 1 + (c[2] - c[0]) / (2 * (2 * c[1] - c[0] - c[2]));
+        rises = c[2] > c[1];
+    }
+    return 1;
+}
+
 // Each edge in the frame, carried along, of the strand's axis: the chord of one turn about the edge, of the
 // first and the last whole turn at the ends. frames (n-1), edges (n-1).
 struct AboutAxis {
@@ -116,48 +137,6 @@ std::vector<Vec3d> polyline(const std::vector<Vec3d>& edges) {
     return p;
 }
 
-// Length of the axis that edges lie about.
-double extent(const std::vector<Vec3d>& edges) {
-    double sum = 0;
-    for (const auto& e : edges) sum += e.x;
-    return sum;
-}
-
-// Edges about their axis whose turns are multiplied, at most by `most`, until the axis has `contraction` of
-// its length.
-std::vector<Vec3d> tightened(const std::vector<Vec3d>& edges, double contraction, double most) {
-    const auto tbar = intrinsic_shape(polyline(edges));
-    auto tightened_by = [&](double q) {
-        std::vector<Vec3d> t = tbar;
-        for (size_t i = 1; i < t.size(); ++i) t[i] = turned(t[i], q);
-        return about_axis(shape_from_intrinsic(t, {0, 0, 0}, Quatd::identity()),
-                          turning_of(t).segments_of_a_turn())
-            .edges;
-    };
-    const double want = contraction * extent(edges);
-    double low = 1, high = most;
-    for (int k = 0; k < 24; ++k) {
-        const double middle = (low + high) / 2;
-        (extent(tightened_by(middle)) > want ? low : high) = middle;
-    }
-    return tightened_by((low + high) / 2);
-}
-
-// Edges about their axis of the helix of Eq 6, of the same lengths and handedness.
-std::vector<Vec3d> helix_about_axis(const std::vector<Vec3d>& edges, double radius, double pitch,
-                                    double sign) {
-    std::vector<Vec3d> out;
-    double t = 0;
-    for (const auto& e : edges) {
-        const double omega = helix_angle(radius, pitch / (2 * pi), norm(e));
-        const double across = 2 * radius * std::sin(omega / 2), middle = t + omega / 2;
-        out.push_back({std::sqrt(std::max(0.0, dot(e, e) - across * across)), across * std::cos(middle),
-                       sign * across * std::sin(middle)});
-        t += omega;
-    }
-    return out;
-}
-
 // The helix turned about its axis so that it leaves the root to the side to which `edges` do: over a quarter
 // of a turn, since the two may have different turns.
 void start_alike(std::vector<Vec3d>& helix, const std::vector<Vec3d>& edges, double turn) {
@@ -172,18 +151,64 @@ void start_alike(std::vector<Vec3d>& helix, const std::vector<Vec3d>& edges, dou
     }
 }
 
+// Length of the axis that edges lie about.
+double extent(const std::vector<Vec3d>& edges) {
+    double sum = 0;
+    for (const auto& e : edges) sum += e.x;
+    return sum;
+}
+
+// Edges about their axis whose turns are multiplied, at most by `most`, until the axis has `contraction` of
+// its length.
+std::vector<Vec3d> tightened(const std::vector<Vec3d>& edges, double turn, double contraction, double most) {
+    const auto tbar = intrinsic_shape(polyline(edges));
+    const double turn_of_all = turning_of(tbar).segments_of_a_turn();
+    auto tightened_by = [&](double q) {
+        std::vector<Vec3d> t = tbar;
+        for (size_t i = 1; i < t.size(); ++i) t[i] = turned(t[i], q);
+        return about_axis(shape_from_intrinsic(t, {0, 0, 0}, Quatd::identity()),
+                          turn * turning_of(t).segments_of_a_turn() / turn_of_all)
+            .edges;
+    };
+    const double want = contraction * extent(tightened_by(1));
+    double low = 1, high = most;
+    for (int k = 0; k < 24; ++k) {
+        const double middle = (low + high) / 2;
+        (extent(tightened_by(middle)) > want ? low : high) = middle;
+    }
+    // How far from straight the axis is still stays: near the root, where hair lifts off.
+    const auto [frames, drawn] = about_axis(polyline(edges), turn);
+    auto out = tightened_by((low + high) / 2);
+    start_alike(out, drawn, turn);
+    for (size_t i = 0; i < out.size(); ++i) out[i] = rotate(frames[i], out[i]);
+    return out;
+}
+
+// Edges about their axis of the helix of Eq 6, of the same lengths and handedness.
+std::vector<Vec3d> helix_about_axis(const std::vector<Vec3d>& edges, double turn, double radius,
+                                    double pitch) {
+    const double sign = turning_of(intrinsic_shape(polyline(edges))).phase < 0 ? -1 : 1;
+    std::vector<Vec3d> out;
+    double t = 0;
+    for (const auto& e : edges) {
+        const double omega = helix_angle(radius, pitch / (2 * pi), norm(e));
+        const double across = 2 * radius * std::sin(omega / 2), middle = t + omega / 2;
+        out.push_back({std::sqrt(std::max(0.0, dot(e, e) - across * across)), across * std::cos(middle),
+                       sign * across * std::sin(middle)});
+        t += omega;
+    }
+    start_alike(out, edges, turn);
+    return out;
+}
+
 }  // namespace
 
 std::vector<Vec3d> fully_curled(const Curl& curl, const std::vector<Vec3d>& tbar) {
     const auto dry = shape_from_intrinsic(tbar, {0, 0, 0}, Quatd::identity());
-    const Turning turning = turning_of(tbar);
-    const double turn = turning.segments_of_a_turn(), turns = double(tbar.size()) / turn;
+    const double turn = turn_of_curl(dry);
     const auto [frames, edges] = about_axis(dry, turn);
-    // An arc is no curl: what turns once or less is not tightened.
-    const double most = 1 + (curl.tightening - 1) * std::clamp(turns - 1, 0.0, 1.0);
-    auto helix = curl.radius ? helix_about_axis(edges, *curl.radius, *curl.pitch, turning.phase < 0 ? -1 : 1)
-                             : tightened(edges, curl.contraction, most);
-    start_alike(helix, edges, turn);
+    auto helix = curl.radius ? helix_about_axis(edges, turn, *curl.radius, *curl.pitch)
+                             : tightened(edges, turn, curl.contraction, curl.tightening);
     // Along the axis as it is drawn, as far as the wet strand goes.
     double along = 0, passed = 0;
     size_t k = 0;

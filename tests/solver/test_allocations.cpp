@@ -55,7 +55,7 @@ TEST(Allocations, a_frame_asks_for_none) {
     for (const auto& [name, text] :
          {std::pair{"dry", dry_scene}, std::pair{"wet", wet_scene},
           std::pair{"air", dry_scene + "[air]\ngrid = [8, 8, 8]\n[[air.source]]\n"}})
-        EXPECT_EQ(asked_in_frames(text, 24, 12), 0) << name;
+        EXPECT_EQ(asked_in_frames(text, 48, 12), 0) << name;
 }
 
 }  // namespace

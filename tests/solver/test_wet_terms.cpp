@@ -167,7 +167,7 @@ TEST(Curled, to_the_helix_that_it_is_changes_nothing) {
         const double rise = std::sqrt(l * l - std::pow(2 * 0.006 * std::sin(turn / 2), 2));
         const Curl curl = to_helix(0.006, 2 * pi * rise / turn);
         const auto out = curled(curl, tbar, wet(50).data());
-        for (size_t i = 2; i < tbar.size(); ++i) EXPECT_LT(norm(out[i] - tbar[i]), 0.015 * l) << i;
+        for (size_t i = 2; i < tbar.size(); ++i) EXPECT_LT(norm(out[i] - tbar[i]), 0.03 * l) << i;
     }
 }
 
@@ -191,15 +191,18 @@ Points wound_about_an_arc(int n, double bend, double angle, double radius, doubl
 TEST(Curled, winds_about_the_axis_that_the_dry_strand_has) {
     constexpr int n = 120;
     constexpr double bend = 0.1, angle = 1.8, radius = 0.006, contraction = 0.75;
-    for (double phase_turned : {1.0, -1.0}) {
-        Points p = wound_about_an_arc(n, bend, angle, radius, phase_turned * 7);
+    for (double turns : {7.0, -7.0, 5.0}) {
+        Points p = wound_about_an_arc(n, bend, angle, radius, turns);
         const auto tbar = intrinsic_shape(p);
         const Points seen =
             shape_from_intrinsic(curled(to_contraction(contraction), tbar, wet(n).data()), p[0],
                                  root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0})));
+        // Contracted by nothing, it is as it was.
+        const auto same = curled(to_contraction(1), tbar, wet(n).data());
+        for (size_t i = 0; i < tbar.size(); ++i) EXPECT_LT(norm(same[i] - tbar[i]), 1e-3 * norm(tbar[i]));
         // From half a turn after the root on: how far from the arc, and in the end at which angle of it.
         double least = 1, most = 0;
-        for (int i = n / 14; i < n; ++i) {
+        for (int i = n / 10; i < n; ++i) {
             const auto& x = seen[size_t(i)];
             const double off = std::hypot(std::hypot(x.x, x.y) - bend, x.z);
             least = std::min(least, off);
