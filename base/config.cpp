@@ -11,6 +11,7 @@
 
 #define TOML_ENABLE_FORMATTERS 1
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 namespace wetcurl {
@@ -127,20 +128,36 @@ Config Config::load(const std::string& path) {
     return c;
 }
 
+// The names of a path, split at its dots; those within quotes belong to a name. Empty where it is none.
+static std::vector<std::string> names_of_path(const std::string& path) {
+    std::vector<std::string> names(1);
+    bool quoted = false;
+    for (const unsigned char c : path) {
+        if (c == '"')
+            quoted = !quoted;
+        else if (c == '.' && !quoted)
+            names.emplace_back();
+        else if (std::isalnum(c) || c == '_' || c == '-' || c == '.')
+            names.back() += char(c);
+        else if (!std::isspace(c))
+            return {};
+    }
+    const bool whole =
+        !quoted && std::none_of(names.begin(), names.end(), [](const auto& n) { return n.empty(); });
+    return whole ? names : std::vector<std::string>{};
+}
+
 void Config::set(const std::string& assignment, const std::string& option) {
     const auto equals = assignment.find('=');
     if (equals == std::string::npos || equals == 0)
         throw Misuse("--set " + assignment + ": found no 'key.path=value'");
-    std::string path = assignment.substr(0, equals);
     const std::string value = assignment.substr(equals + 1);
-    std::erase_if(path, [](unsigned char c) { return std::isspace(c); });
-    const bool plain = std::all_of(path.begin(), path.end(), [](unsigned char c) {
-        return std::isalnum(c) || c == '_' || c == '-' || c == '.';
-    });
-    if (!plain || path.empty() || path.front() == '.' || path.back() == '.' ||
-        path.find("..") != std::string::npos)
-        throw Misuse("--set " + assignment + ": found key '" + path +
-                     "', allowed are names joined by dots (tables [[…]] cannot be set)");
+    const auto keys = names_of_path(assignment.substr(0, equals));
+    const std::string path = fmt::format("{}", fmt::join(keys, "."));
+    if (keys.empty())
+        throw Misuse("--set " + assignment + ": found key '" + assignment.substr(0, equals) +
+                     "', allowed are names joined by dots, in quotes where a name has dots itself "
+                     "(tables [[…]] cannot be set)");
     if (value.find('\n') != std::string::npos)
         throw Misuse("--set " + path + ": found a value of several lines, allowed is one");
     toml::table one;
@@ -150,10 +167,6 @@ void Config::set(const std::string& assignment, const std::string& option) {
         one.insert("v", value);
     }
     toml::table* at = &body_->root;
-    std::stringstream parts(path);
-    std::string part;
-    std::vector<std::string> keys;
-    while (std::getline(parts, part, '.')) keys.push_back(part);
     for (size_t i = 0; i + 1 < keys.size(); ++i) {
         if (!at->contains(keys[i])) at->insert(keys[i], toml::table{});
         at = at->get(keys[i])->as_table();

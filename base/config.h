@@ -26,8 +26,8 @@ class Config {
     // The same from text; `name` stands for the file in messages, `folder` is where relative paths start.
     static Config parse(const std::string& text, const std::string& name, const std::string& folder = ".");
 
-    // `key.path=value` as TOML; a bare word is taken as a string. `option` gave it, where that is not --set,
-    // and is what messages name.
+    // `key.path=value` as TOML, names that hold dots in quotes; a bare word is taken as a string. `option`
+    // gave it, where that is not --set, and is what messages name.
     void set(const std::string& assignment, const std::string& option = "");
     Table root();
     // Throws Misuse for the first key that nobody asked for, with the nearest key that somebody did.

@@ -208,6 +208,18 @@ TEST(Config, assignments_are_typed_win_and_are_named_in_errors) {
                          {"--set", "head.radius", "-1"});
 }
 
+TEST(Config, assignments_reach_names_that_hold_dots) {
+    Config config = scene("[draw]\n\"groom.length\" = [0.1, 0.2]\n");
+    config.set("draw.\"groom.length\"=[0.3, 0.4]");
+    EXPECT_EQ(config.root().table("draw").numbers("groom.length", {0, 0}, 0, 9),
+              (std::vector<double>{0.3, 0.4}));
+    config.require_all_used();
+    for (const char* wrong : {"draw.\"groom.length=1", "draw.\"\"=1", "draw..length=1", "draw.[0]=1"})
+        expect_error<Misuse>([&] { config.set(wrong); }, {"found key", "in quotes where a name has dots"});
+    config.set("draw.\"groom.width\"=1");
+    expect_error<Misuse>([&] { config.require_all_used(); }, {"--set", "groom.width"});
+}
+
 TEST(Config, malformed_and_unused_assignments_are_errors) {
     Config config = scene("[bend]\nstiffness = 3\n");
     expect_error<Misuse>([&] { config.set("nonsense"); }, {"nonsense", "key.path=value"});
