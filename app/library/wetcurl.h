@@ -23,7 +23,8 @@ typedef struct wetcurl_hair wetcurl_hair;
 WETCURL_API const char* wetcurl_error(void);
 
 /* scene: TOML, the hair to predict at full resolution, and how wet it is; the dry strands are every second
- * root of its grid each way. model: HDF5, of codec strand. device: "cpu", "cuda" or "cuda:1". threads: 0
+ * root of its grid each way (wet ones, for a model that learned from wet runs: `wetcurl inspect model` says
+ * "low"). model: HDF5, of codec strand. device: "cpu", "cuda" or "cuda:1". threads: 0
  * takes all. NULL where it failed. One hair is for one thread at a time; the threads of networks are the
  * process's, those of the hair opened last. */
 WETCURL_API wetcurl_hair* wetcurl_open(const char* scene, const char* model, const char* device, int threads);
