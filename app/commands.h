@@ -37,7 +37,7 @@ struct DatasetOptions : CommonOptions {
 struct TrainOptions : CommonOptions {
     std::string kind;  // sr | adhesion
     std::vector<std::string> pairs, validation;
-    std::string output, recipe, architecture;
+    std::string output, recipe, architecture, from;
     std::optional<double> width;
 };
 struct InferOptions : CommonOptions {

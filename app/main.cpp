@@ -135,6 +135,9 @@ int main(int argc, char** argv) {
         "strand_mlp | strand_depthwise | strand_linear | strand_unet_vgg19 | strand_recursive_residual | "
         "unet_vgg19 | recursive_residual | adhesion_mlp");
     c->add_option("--width", train.width, "multiplier of the network's width");
+    c->add_option("--from", train.from,
+                  "model (HDF5) whose weights are begun with, of its architecture and width, in place of "
+                  "random ones");
     c->add_flag("--resume", train.resume, "go on from OUTPUT.checkpoint");
     c->footer(
         "Several processes that mpirun, srun or torchrun starts (or RANK and WORLD_SIZE name) share each "

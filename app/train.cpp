@@ -17,7 +17,7 @@ namespace wetcurl {
 int train_command(const TrainOptions& o) {
     std::vector<std::string> inputs = o.pairs;
     inputs.insert(inputs.end(), o.validation.begin(), o.validation.end());
-    inputs.push_back(o.recipe);
+    inputs.insert(inputs.end(), {o.recipe, o.from});
     check_files(o, o.output, inputs);
     TrainRequest request;
     request.kind = o.kind;
@@ -27,6 +27,12 @@ int train_command(const TrainOptions& o) {
     request.set = o.set;
     request.architecture = o.architecture;
     request.width = o.width;
+    request.from = o.from;
+    if (!o.from.empty()) {
+        const ModelCard card = network_module().card(o.from);
+        if (o.architecture.empty()) request.architecture = card.architecture;
+        if (!o.width) request.width = card.width;
+    }
     request.device = o.device == "cpu" ? "" : o.device;  // the recipe may name one
     request.seed = o.seed;
     request.threads = o.threads;

@@ -18,8 +18,9 @@ struct TrainRequest {
     std::string kind;                     // sr | adhesion
     std::vector<std::string> pairs;       // pairs files of one codec
     std::vector<std::string> validation;  // held out in place of the last frames of each run
-    std::string output;            // the model; OUTPUT.checkpoint and OUTPUT.jsonl stand beside it meanwhile
-    std::string recipe;            // TOML file, "" for the defaults
+    std::string output;  // the model; OUTPUT.checkpoint and OUTPUT.jsonl stand beside it meanwhile
+    std::string recipe;  // TOML file, "" for the defaults
+    std::string from;    // model whose weights are begun with, of the same architecture and width; "": random
     std::vector<std::string> set;  // key.path=value over the recipe
     // These go before the recipe where they are given.
     std::string architecture;  // "" : the recipe's

@@ -104,6 +104,8 @@ class Trainer {
                 inputs_ += (inputs_.empty() ? "" : "\n") + path + " " + hash_of_file(path) +
                            (list == &request_.validation ? " (held out)" : "");
             }
+        if (!request_.from.empty())
+            inputs_ += "\n" + request_.from + " " + hash_of_file(request_.from) + " (begun with)";
         codec_ = readers_.front()->codec();
         if (request_.kind != "sr" && request_.kind != "adhesion")
             throw Misuse("train: found '" + request_.kind + "', allowed sr, adhesion");
@@ -136,7 +138,7 @@ class Trainer {
         if (codec_ != Codec::adhesion) card_.low = readers_.front()->low();
         data_->describe(card_);
         torch::manual_seed(uint64_t(recipe_.seed));
-        model_ = make_model(card_);
+        model_ = request_.from.empty() ? make_model(card_) : begun_with(request_.from);
         model_->to(device_);
         if (half) model_->body = torch::kBFloat16;
         card_.parameters = parameter_count(*model_);
@@ -146,6 +148,26 @@ class Trainer {
         say(card_.architecture + ", " + std::to_string(card_.parameters) + " parameters, " +
             std::to_string(epochs_) + " epochs of " + std::to_string(data_->steps()) + " steps on " +
             recipe_.device + (ranks_.alone() ? "" : ", " + std::to_string(ranks_.of) + " processes"));
+    }
+
+    // The network of a model file, whose inputs and outputs stay scaled as they are there.
+    std::shared_ptr<Model> begun_with(const std::string& path) {
+        auto [card, model] = load_model(path);
+        auto require_same = [&](const char* what, const auto& found, const auto& here) {
+            std::ostringstream text;
+            text << "train --from " << path << ": found " << what << ' ' << found << ", allowed here is "
+                 << here;
+            if (!(found == here)) throw Misuse(text.str());
+        };
+        require_same("codec", card.codec, card_.codec);
+        require_same("architecture", card.architecture, card_.architecture);
+        require_same("width", card.width, card_.width);
+        require_same("input channels", card.input_channels, card_.input_channels);
+        require_same("low-resolution strands", card.low, card_.low);
+        if (codec_ == Codec::root && card.arrays != card_.arrays)
+            throw Misuse("train --from " + path + ": its colours are of another box than these pairs'");
+        card_.arrays = card.arrays;
+        return model;
     }
 
     // What all processes must agree on.

@@ -743,7 +743,39 @@ TEST(Training, InBfloat16LearnsTheSameThing) {
     EXPECT_NEAR(half, full, 0.3 * full);
 }
 
+TEST(Training, BegunFromAModelGoesOnFromItsWeightsAndScales) {
+    Job first(Codec::strand, {"epochs=40", "width=0.25"}),
+        on(Codec::strand, {"epochs=1", "width=0.25", "learning_rate=1e-9"});
+    train(first.request);
+    // Other pairs, whose means and deviations differ.
+    testing::make_strand_pairs(on.request.pairs[0], 6, 8, 0.02f);
+    on.request.from = first.request.output;
+    train(on.request);
+    const auto [before, taught] = load_model(first.request.output);
+    const auto [after, same] = load_model(on.request.output);
+    EXPECT_EQ(before.arrays, after.arrays);
+    const torch::NoGradGuard no_grad;
+    const Tensor x = torch::randn({2, before.input_channels, 4, 4});
+    EXPECT_LT((taught->forward(x) - same->forward(x)).abs().max().item<double>(), 1e-5);
+    EXPECT_NE(after.inputs.find("model.h5"), std::string::npos) << after.inputs;
+}
+
 // ---- what can go wrong ----
+
+TEST(TrainingErrors, AModelToBeginWithMustFit) {
+    Job wide(Codec::strand, {"epochs=1", "width=0.25"}), job(Codec::strand, {"epochs=1", "width=0.1"});
+    train(wide.request);
+    job.request.from = wide.request.output;
+    expect_error<Misuse>([&] { train(job.request); }, {"--from", "width 0.25", "allowed here is 0.1"});
+    job.request.architecture = "strand_depthwise";
+    expect_error<Misuse>([&] { train(job.request); },
+                         {"--from", "architecture strand_mlp", "strand_depthwise"});
+    job.request.from = job.request.pairs[0];
+    expect_error([&] { train(job.request); }, {"pairs.h5", "wetcurl model"});
+    job.request.from = job.scratch.path("absent.h5");
+    expect_error([&] { train(job.request); }, {"absent.h5"});
+    EXPECT_FALSE(job.has(""));
+}
 
 TEST(TrainingErrors, DivergenceNamesTheStep) {
     Job job(Codec::strand, {"epochs=2", "width=0.1"});
