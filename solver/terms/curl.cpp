@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <utility>
 
 #include "base/geometry/frames.h"
 
@@ -110,23 +111,23 @@ double turn_of_curl(const std::vector<Vec3d>& p) {
     return 1;
 }
 
-// Each edge in the frame, carried along, of the strand's axis: the chord of one turn about the edge, of the
-// first and the last whole turn at the ends. frames (n-1), edges (n-1).
-struct AboutAxis {
-    std::vector<Quatd> frames;
-    std::vector<Vec3d> edges;
-};
-AboutAxis about_axis(const std::vector<Vec3d>& p, double turn) {
-    const double count = double(p.size() - 1);
-    turn = std::clamp(turn, 1.0, count);
-    AboutAxis out;
+// Chord of the turn about the middle of edge i, of the first and the last whole turn at the ends.
+Vec3d chord_of_turn(const std::vector<Vec3d>& p, double turn, size_t i) {
+    const double from = std::clamp(double(i) + 0.5 - turn / 2, 0.0, double(p.size() - 1) - turn);
+    return point_at(p, from + turn) - point_at(p, from);
+}
+
+// Each edge in the frame, carried along, of the strand's axis, the chord of the turn about it. Both (n-1).
+using FramesAndEdges = std::pair<std::vector<Quatd>, std::vector<Vec3d>>;
+FramesAndEdges about_axis(const std::vector<Vec3d>& p, double turn) {
+    turn = std::clamp(turn, 1.0, double(p.size() - 1));
+    FramesAndEdges out;
     Quatd f = Quatd::identity();
     for (size_t i = 0; i + 1 < p.size(); ++i) {
-        const double from = std::clamp(double(i) + 0.5 - turn / 2, 0.0, count - turn);
-        const Vec3d axis = point_at(p, from + turn) - point_at(p, from);
+        const Vec3d axis = chord_of_turn(p, turn, i);
         f = i == 0 ? root_frame_of(normalized(axis, Vec3d{1, 0, 0})) : transported(f, axis);
-        out.frames.push_back(f);
-        out.edges.push_back(rotate(conjugate(f), p[i + 1] - p[i]));
+        out.first.push_back(f);
+        out.second.push_back(rotate(conjugate(f), p[i + 1] - p[i]));
     }
     return out;
 }
@@ -168,7 +169,7 @@ std::vector<Vec3d> tightened(const std::vector<Vec3d>& edges, double turn, doubl
         for (size_t i = 1; i < t.size(); ++i) t[i] = turned(t[i], q);
         return about_axis(shape_from_intrinsic(t, {0, 0, 0}, Quatd::identity()),
                           turn * turning_of(t).segments_of_a_turn() / turn_of_all)
-            .edges;
+            .second;
     };
     const double want = contraction * extent(tightened_by(1));
     double low = 1, high = most;
@@ -205,10 +206,15 @@ std::vector<Vec3d> helix_about_axis(const std::vector<Vec3d>& edges, double turn
 
 std::vector<Vec3d> fully_curled(const Curl& curl, const std::vector<Vec3d>& tbar) {
     const auto dry = shape_from_intrinsic(tbar, {0, 0, 0}, Quatd::identity());
-    const double turn = turn_of_curl(dry);
+    double turn = turn_of_curl(dry), length = 0, straight = 0;
+    for (size_t i = 0; i < tbar.size(); ++i)
+        length += norm(tbar[i]), straight += norm(chord_of_turn(dry, turn, i)) / turn;
+    // A flat coil has no length to lose, and an axis that its points do not tell well.
+    const double slender = std::clamp((straight / length - 0.15) / 0.1, 0.0, 1.0);
+    if (slender == 0) turn = double(tbar.size());
     const auto [frames, edges] = about_axis(dry, turn);
     auto helix = curl.radius ? helix_about_axis(edges, turn, *curl.radius, *curl.pitch)
-                             : tightened(edges, turn, curl.contraction, curl.tightening);
+                             : tightened(edges, turn, curl.contraction, 1 + slender * (curl.tightening - 1));
     // Along the axis as it is drawn, as far as the wet strand goes.
     double along = 0, passed = 0;
     size_t k = 0;

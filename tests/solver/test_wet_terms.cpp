@@ -192,7 +192,7 @@ TEST(Curled, winds_about_the_axis_that_the_dry_strand_has) {
     constexpr int n = 120;
     constexpr double bend = 0.1, angle = 1.8, radius = 0.006, contraction = 0.75;
     for (double turns : {7.0, -7.0, 5.0}) {
-        Points p = wound_about_an_arc(n, bend, angle, radius, turns);
+        const Points p = wound_about_an_arc(n, bend, angle, radius, turns);
         const auto tbar = intrinsic_shape(p);
         const Points seen =
             shape_from_intrinsic(curled(to_contraction(contraction), tbar, wet(n).data()), p[0],
@@ -214,6 +214,16 @@ TEST(Curled, winds_about_the_axis_that_the_dry_strand_has) {
         EXPECT_GT(least, 0.002);
         EXPECT_LT(most, 0.009);
         EXPECT_NEAR(reached, contraction, 0.03);
+    }
+}
+
+TEST(Curled, a_flat_coil_stays_one) {
+    for (double pitch : {0.0, 0.0005, 0.002}) {
+        const auto tbar = intrinsic_shape(helix_points(200, 0.25, 0.006, pitch));
+        const auto out = curled(to_contraction(0.75), tbar, wet(200).data());
+        for (size_t i = 0; i < tbar.size(); ++i) EXPECT_LT(norm(out[i] - tbar[i]), 1e-9) << pitch << " " << i;
+        for (const auto& t : curled(to_helix(0.004, 0.01), tbar, wet(200).data()))
+            EXPECT_TRUE(std::isfinite(norm(t)));
     }
 }
 
