@@ -228,14 +228,24 @@ std::vector<Vec3d> fully_curled(const Curl& curl, const std::vector<Vec3d>& tbar
     return intrinsic_shape(polyline(helix));
 }
 
+// By angle and direction of each turn: curls of two phases added as vectors would straighten each other.
 std::vector<Vec3d> partly_curled(const Curl& curl, const std::vector<Vec3d>& tbar,
                                  const std::vector<Vec3d>& helix, const float* saturation) {
     std::vector<Vec3d> out = tbar;
+    auto across = [](const Vec3d& t) { return std::complex<double>(t.y, t.z); };
+    double ahead = 0;  // of the helix's direction, followed along the strand over whole turns
     for (size_t i = 1; i < tbar.size(); ++i) {
+        const auto from = across(tbar[i]), to = across(helix[i]);
+        if (const auto change = to * std::conj(from); std::abs(change) > 0)
+            ahead += std::remainder(std::arg(change) - ahead, 2 * pi);
         const double s = curl.w_h * saturation[i];
         if (s == 0) continue;
-        const Vec3d mixed = (1 - s) * tbar[i] + s * helix[i];
-        out[i] = norm(tbar[i]) * normalized(mixed, normalized(tbar[i], Vec3d{1, 0, 0}));
+        const double theta =
+            (1 - s) * std::atan2(std::abs(from), tbar[i].x) + s * std::atan2(std::abs(to), helix[i].x);
+        const auto direction =
+            std::abs(from) > 0 ? std::polar(1.0, std::arg(from) + s * ahead) : std::polar(1.0, std::arg(to));
+        const double length = norm(tbar[i]), aside = length * std::sin(theta);
+        out[i] = {length * std::cos(theta), aside * direction.real(), aside * direction.imag()};
     }
     return out;
 }

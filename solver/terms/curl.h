@@ -1,9 +1,9 @@
 // Curl exaggeration: wet hair curls more tightly. The rest shape is blended toward a helix.
 // The paper, Eq 6-9. Differs: print adds a constant push that is not zero at rest; here the bend's target is
-// blended, tbar <- (1 - s) tbar_dry + s tbar_helix with s = w_h sigma, so that saturation 0 changes no bit.
-// Where no radius and pitch are named the helix is the strand's own curl, tightened to `contraction` times
-// its axial extent at unchanged torsion (ours). It runs about the strand's own axis, edge by edge (print: one
-// rotation a strand): water curls a strand, and bends it no further than it is drawn.
+// blended from tbar_dry to tbar_helix, angle and direction of each turn by s = w_h sigma, so that saturation
+// 0 changes no bit. Where no radius and pitch are named the helix is the strand's own curl, tightened to
+// `contraction` times its axial extent at unchanged torsion (ours). It runs about the strand's own axis, edge
+// by edge (print: one rotation a strand): water curls a strand, and bends it no further than it is drawn.
 #pragma once
 
 #include <optional>
