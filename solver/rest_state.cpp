@@ -112,8 +112,8 @@ double mean_segment(const Groom& groom) {
 
 void soak(const Scene& scene, const Soaking& soaking, const float* saturation, StrandRest& rest) {
     rest.mass = wet_masses(scene, soaking.dry_mass, saturation);
-    if (soaking.helix.empty()) return;
-    rest.target = partly_curled(*scene.curl, soaking.target, soaking.helix, saturation);
+    if (!soaking.curl) return;
+    rest.target = soaking.curl->at(saturation);
     if (soaking.core.empty()) return;
     rest.rest_core = soaking.rest_core;
     const auto after = core_lengths_of(rest.target, scene.term<Core>()->beta);
@@ -137,8 +137,7 @@ StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking) {
     if (core) rest.rest_core = core_lengths(p, core->beta);
     const float* sigma = saturation_along(scene, s);
     if (scene.curl && !scene.curl->printed) {
-        dry.target = rest.target;
-        dry.helix = fully_curled(*scene.curl, rest.target);
+        dry.curl.emplace(*scene.curl, rest.target);
         if (core) dry.rest_core = rest.rest_core, dry.core = core_lengths_of(rest.target, core->beta);
         // From the drawn shape a curl would tighten by whole turns at once, and end in a tangle. So the
         // strand begins as its wet curl.

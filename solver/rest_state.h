@@ -26,8 +26,8 @@ Strands shape_at_rest(const Scene& scene);
 
 // What of it follows the water in the hair, and from what.
 struct Soaking {
-    std::vector<double> dry_mass;      // (n) [kg]
-    std::vector<Vec3d> target, helix;  // (n-1) tbar_i dry, and fully curled; empty without a blended curl
+    std::vector<double> dry_mass;  // (n) [kg]
+    std::optional<WetCurl> curl;   // that is blended
     std::vector<double> core,
         rest_core;  // (n-1) |bbar_i| of the dry target, and as drawn; empty without both
 };

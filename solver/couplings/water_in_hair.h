@@ -52,12 +52,13 @@ class WaterInHair {
     }
 
     void list(BufferList& buffers) const {
-        size_t numbers = 0;
-        for (const auto& s : soaking_)
-            numbers += s.dry_mass.capacity() + s.core.capacity() + s.rest_core.capacity() +
-                       3 * (s.target.capacity() + s.helix.capacity());
+        size_t bytes = 0;
+        for (const auto& s : soaking_) {
+            bytes += sizeof(double) * (s.dry_mass.capacity() + s.core.capacity() + s.rest_core.capacity());
+            if (s.curl) bytes += s.curl->bytes();
+        }
         buffers.push_back({"flow of water", flow_.bytes()});
-        buffers.push_back({"rest states dry", numbers * sizeof(double)});
+        buffers.push_back({"rest states dry", bytes});
     }
     double seconds = 0;  // in the frame at hand
     double work = 0;     // [J] while it is counted

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include "base/geometry/frames.h"
@@ -159,99 +160,115 @@ double extent(const std::vector<Vec3d>& edges) {
     return sum;
 }
 
-// Edges about their axis whose turns are multiplied, at most by `most`, until the axis has `contraction` of
-// its length.
-std::vector<Vec3d> tightened(const std::vector<Vec3d>& edges, double turn, double contraction, double most) {
-    const auto tbar = intrinsic_shape(polyline(edges));
-    const double turn_of_all = turning_of(tbar).segments_of_a_turn();
-    auto tightened_by = [&](double q) {
-        std::vector<Vec3d> t = tbar;
-        for (size_t i = 1; i < t.size(); ++i) t[i] = turned(t[i], q);
-        return about_axis(shape_from_intrinsic(t, {0, 0, 0}, Quatd::identity()),
-                          turn * turning_of(t).segments_of_a_turn() / turn_of_all)
-            .second;
-    };
-    const double want = contraction * extent(tightened_by(1));
-    double low = 1, high = most;
-    for (int k = 0; k < 24; ++k) {
-        const double middle = (low + high) / 2;
-        (extent(tightened_by(middle)) > want ? low : high) = middle;
+// Between two shapes by angle and direction of each turn, s (n) of the way: curls of two phases added as
+// vectors would straighten each other.
+std::vector<Vec3d> between(const std::vector<Vec3d>& tbar, const std::vector<Vec3d>& other,
+                           const std::vector<double>& s) {
+    std::vector<Vec3d> out = tbar;
+    auto across = [](const Vec3d& t) { return std::complex<double>(t.y, t.z); };
+    double ahead = 0;  // of the other's direction, followed along the strand over whole turns
+    for (size_t i = 1; i < tbar.size(); ++i) {
+        const auto from = across(tbar[i]), to = across(other[i]);
+        if (const auto change = to * std::conj(from); std::abs(change) > 0)
+            ahead += std::remainder(std::arg(change) - ahead, 2 * pi);
+        const double theta =
+            (1 - s[i]) * std::atan2(std::abs(from), tbar[i].x) + s[i] * std::atan2(std::abs(to), other[i].x);
+        const double direction = std::abs(from) > 0 ? std::arg(from) + s[i] * ahead : std::arg(to);
+        const double length = norm(tbar[i]), aside = length * std::sin(theta);
+        out[i] = {length * std::cos(theta), aside * std::cos(direction), aside * std::sin(direction)};
     }
-    // How far from straight the axis is still stays: near the root, where hair lifts off.
-    const auto [frames, drawn] = about_axis(polyline(edges), turn);
-    auto out = tightened_by((low + high) / 2);
-    start_alike(out, drawn, turn);
-    for (size_t i = 0; i < out.size(); ++i) out[i] = rotate(frames[i], out[i]);
     return out;
 }
 
 // Edges about their axis of the helix of Eq 6, of the same lengths and handedness.
-std::vector<Vec3d> helix_about_axis(const std::vector<Vec3d>& edges, double turn, double radius,
+std::vector<Vec3d> helix_about_axis(const std::vector<Vec3d>& edges, double handedness, double radius,
                                     double pitch) {
-    const double sign = turning_of(intrinsic_shape(polyline(edges))).phase < 0 ? -1 : 1;
     std::vector<Vec3d> out;
     double t = 0;
     for (const auto& e : edges) {
         const double omega = helix_angle(radius, pitch / (2 * pi), norm(e));
         const double across = 2 * radius * std::sin(omega / 2), middle = t + omega / 2;
         out.push_back({std::sqrt(std::max(0.0, dot(e, e) - across * across)), across * std::cos(middle),
-                       sign * across * std::sin(middle)});
+                       handedness * across * std::sin(middle)});
         t += omega;
     }
-    start_alike(out, edges, turn);
     return out;
 }
 
 }  // namespace
 
-std::vector<Vec3d> fully_curled(const Curl& curl, const std::vector<Vec3d>& tbar) {
-    const auto dry = shape_from_intrinsic(tbar, {0, 0, 0}, Quatd::identity());
-    double turn = turn_of_curl(dry), length = 0, straight = 0;
+WetCurl::WetCurl(const Curl& curl, const std::vector<Vec3d>& tbar) : weight_(curl.w_h), dry_(tbar) {
+    const auto p = shape_from_intrinsic(tbar, {0, 0, 0}, Quatd::identity());
+    turn_ = turn_of_curl(p);
+    double length = 0, axis = 0;
     for (size_t i = 0; i < tbar.size(); ++i)
-        length += norm(tbar[i]), straight += norm(chord_of_turn(dry, turn, i)) / turn;
+        length += norm(tbar[i]), axis += norm(chord_of_turn(p, turn_, i)) / turn_;
     // A flat coil has no length to lose, and an axis that its points do not tell well.
-    const double slender = std::clamp((straight / length - 0.15) / 0.1, 0.0, 1.0);
-    if (slender == 0) turn = double(tbar.size());
-    const auto [frames, edges] = about_axis(dry, turn);
-    auto helix = curl.radius ? helix_about_axis(edges, turn, *curl.radius, *curl.pitch)
-                             : tightened(edges, turn, curl.contraction, 1 + slender * (curl.tightening - 1));
+    const double slender = std::clamp((axis / length - 0.15) / 0.1, 0.0, 1.0);
+    if (slender == 0) turn_ = double(tbar.size());
+
+    std::tie(frames_, edges_) = about_axis(p, turn_);
+    straight_ = intrinsic_shape(polyline(edges_));
+    std::tie(bend_left_, drawn_) = about_axis(polyline(edges_), turn_);
+    const Turning turning = turning_of(straight_);
+    segments_ = turning.segments_of_a_turn();
+    if (curl.radius) {
+        helix_ = intrinsic_shape(
+            polyline(helix_about_axis(edges_, turning.phase < 0 ? -1 : 1, *curl.radius, *curl.pitch)));
+        return;
+    }
+    auto tightened_by = [&](double q) {
+        std::vector<Vec3d> t = straight_;
+        for (size_t i = 1; i < t.size(); ++i) t[i] = turned(t[i], q);
+        return t;
+    };
+    auto extent_at = [&](double q) { return extent(straightened(tightened_by(q))); };
+    const double want = curl.contraction * extent_at(1);
+    double low = 1, high = 1 + slender * (curl.tightening - 1);
+    for (int k = 0; k < 24; ++k) {
+        const double middle = (low + high) / 2;
+        (extent_at(middle) > want ? low : high) = middle;
+    }
+    helix_ = tightened_by((low + high) / 2);
+}
+
+std::vector<Vec3d> WetCurl::straightened(const std::vector<Vec3d>& tbar) const {
+    return about_axis(shape_from_intrinsic(tbar, {0, 0, 0}, Quatd::identity()),
+                      turn_ * turning_of(tbar).segments_of_a_turn() / segments_)
+        .second;
+}
+
+std::vector<Vec3d> WetCurl::at(const float* saturation) const {
+    std::vector<double> s(dry_.size());
+    for (size_t i = 0; i < s.size(); ++i) s[i] = weight_ * saturation[i];
+    if (std::all_of(s.begin() + 1, s.end(), [](double x) { return x == 0; })) return dry_;
+    auto edges = straightened(between(straight_, helix_, s));
+    start_alike(edges, drawn_, turn_);
     // Along the axis as it is drawn, as far as the wet strand goes.
     double along = 0, passed = 0;
     size_t k = 0;
-    for (auto& e : helix) {
+    for (size_t i = 0; i < edges.size(); ++i) {
+        const Vec3d e = rotate(bend_left_[i], edges[i]);
         const double middle = along + e.x / 2;
-        while (k + 1 < edges.size() && passed + edges[k].x < middle) passed += edges[k++].x;
+        while (k + 1 < edges_.size() && passed + edges_[k].x < middle) passed += edges_[k++].x;
         along += e.x;
-        e = rotate(frames[k], e);
+        edges[i] = rotate(frames_[k], e);
     }
-    helix[0] = dry[1] - dry[0];  // the root holds it
-    return intrinsic_shape(polyline(helix));
-}
-
-// By angle and direction of each turn: curls of two phases added as vectors would straighten each other.
-std::vector<Vec3d> partly_curled(const Curl& curl, const std::vector<Vec3d>& tbar,
-                                 const std::vector<Vec3d>& helix, const float* saturation) {
-    std::vector<Vec3d> out = tbar;
-    auto across = [](const Vec3d& t) { return std::complex<double>(t.y, t.z); };
-    double ahead = 0;  // of the helix's direction, followed along the strand over whole turns
-    for (size_t i = 1; i < tbar.size(); ++i) {
-        const auto from = across(tbar[i]), to = across(helix[i]);
-        if (const auto change = to * std::conj(from); std::abs(change) > 0)
-            ahead += std::remainder(std::arg(change) - ahead, 2 * pi);
-        const double s = curl.w_h * saturation[i];
-        if (s == 0) continue;
-        const double theta =
-            (1 - s) * std::atan2(std::abs(from), tbar[i].x) + s * std::atan2(std::abs(to), helix[i].x);
-        const auto direction =
-            std::abs(from) > 0 ? std::polar(1.0, std::arg(from) + s * ahead) : std::polar(1.0, std::arg(to));
-        const double length = norm(tbar[i]), aside = length * std::sin(theta);
-        out[i] = {length * std::cos(theta), aside * direction.real(), aside * direction.imag()};
-    }
+    edges[0] = dry_[0];  // the root holds it
+    auto out = intrinsic_shape(polyline(edges));
+    for (size_t i = 0; i < out.size(); ++i)
+        if (s[i] == 0) out[i] = dry_[i];
     return out;
 }
 
+size_t WetCurl::bytes() const {
+    return sizeof(Vec3d) * (dry_.capacity() + straight_.capacity() + helix_.capacity() + edges_.capacity() +
+                            drawn_.capacity()) +
+           sizeof(Quatd) * (frames_.capacity() + bend_left_.capacity());
+}
+
 std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, const float* saturation) {
-    return partly_curled(curl, tbar, fully_curled(curl, tbar), saturation);
+    return WetCurl(curl, tbar).at(saturation);
 }
 
 Mat3<double> helix_rotation(const Vec3d& h, const Vec3d& p, const Vec3d& axis) {

@@ -48,12 +48,29 @@ struct Turning {
 };
 Turning turning_of(const std::vector<Vec3d>& tbar);
 
-// tbar (n-1) of the strand at saturation and weight 1.
-std::vector<Vec3d> fully_curled(const Curl& curl, const std::vector<Vec3d>& tbar);
-// The blend of Eq 9 between the two; `saturation` (n). Entries where it is 0 are returned as they were.
-std::vector<Vec3d> partly_curled(const Curl& curl, const std::vector<Vec3d>& tbar,
-                                 const std::vector<Vec3d>& helix, const float* saturation);
-// tbar of the wet strand.
+// How a strand curls as it takes up water: found once, asked for at any saturation.
+class WetCurl {
+  public:
+    WetCurl(const Curl& curl, const std::vector<Vec3d>& tbar);  // (n-1), dry
+    // tbar (n-1) at `saturation` (n). Entries where it is 0 are the dry ones, bit by bit.
+    std::vector<Vec3d> at(const float* saturation) const;
+    size_t bytes() const;
+
+  private:
+    // Edges about the axis of a strand that is curled by turns alone.
+    std::vector<Vec3d> straightened(const std::vector<Vec3d>& tbar) const;
+
+    double weight_, turn_, segments_;  // segments of a turn, and as the mean of turns tells them
+    std::vector<Vec3d> dry_;
+    // The strand along its axis, the axis' frames and, of the strand laid straight by them, edges; its tbar,
+    // dry and fully curled.
+    std::vector<Vec3d> edges_, straight_, helix_;
+    std::vector<Quatd> frames_;
+    // How far from straight that axis still is: near the root, where hair lifts off.
+    std::vector<Quatd> bend_left_;
+    std::vector<Vec3d> drawn_;
+};
+
 std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, const float* saturation);
 
 // Rotation M that turns unit h to unit p (Eq 7, 8): I + Psi + Psi²/(1+c), gamma = h x p, c = h.p.
