@@ -322,7 +322,7 @@ TEST(Simulation, without_bend_and_core_has_no_frames_targets_or_cores) {
 
 TEST(Simulation, memory_of_a_wet_scene_stays_under_400_bytes_a_particle) {
     const Scene scene = scene_of(wet_scene, {"groom.grid=[32, 32]", "groom.particles=50", "groom.length=0.25",
-                                             "cohesion.radius=0.0105"});
+                                             "cohesion.radius=0.0073", "integrator.settle=1"});
     const auto simulation = make_simulation(scene, "float");
     simulation->advance();
     size_t bytes = 0;
