@@ -256,8 +256,7 @@ std::vector<Vec3d> WetCurl::at(const float* saturation) const {
     }
     edges[0] = dry_[0];  // the root holds it
     auto out = intrinsic_shape(polyline(edges));
-    for (size_t i = 0; i < out.size(); ++i)
-        if (s[i] == 0) out[i] = dry_[i];
+    for (size_t i = 0; i < out.size() && (i == 0 || s[i] == 0); ++i) out[i] = dry_[i];
     return out;
 }
 

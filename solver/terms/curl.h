@@ -52,7 +52,7 @@ Turning turning_of(const std::vector<Vec3d>& tbar);
 class WetCurl {
   public:
     WetCurl(const Curl& curl, const std::vector<Vec3d>& tbar);  // (n-1), dry
-    // tbar (n-1) at `saturation` (n). Entries where it is 0 are the dry ones, bit by bit.
+    // tbar (n-1) at `saturation` (n). Up to where it is first above 0, the dry bits.
     std::vector<Vec3d> at(const float* saturation) const;
     size_t bytes() const;
 

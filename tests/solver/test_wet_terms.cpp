@@ -214,11 +214,16 @@ TEST(Curled, winds_about_the_axis_that_the_dry_strand_has) {
         EXPECT_GT(least, 0.002);
         EXPECT_LT(most, 0.009);
         EXPECT_NEAR(reached, contraction, 0.03);
-        // Damp, it reaches less far than dry and further than drenched.
-        const Points damp =
-            shape_from_intrinsic(curled(to_contraction(contraction), tbar, wet(n, 0.5f).data()), p[0],
-                                 root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0})));
-        EXPECT_NEAR(std::atan2(damp.back().y, damp.back().x) / angle, (1 + contraction) / 2, 0.05);
+        // Damp, or with dry tips, it reaches less far than dry and further than drenched.
+        auto rooted = wet(n);
+        std::fill(rooted.begin() + n / 2, rooted.end(), 0.f);
+        for (const auto& sigma : {wet(n, 0.5f), rooted}) {
+            const Points part =
+                shape_from_intrinsic(curled(to_contraction(contraction), tbar, sigma.data()), p[0],
+                                     root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0})));
+            EXPECT_NEAR(std::atan2(part.back().y, part.back().x) / angle, (1 + contraction) / 2, 0.05);
+            EXPECT_LT(std::hypot(std::hypot(part.back().x, part.back().y) - bend, part.back().z), 0.009);
+        }
     }
 }
 
