@@ -142,7 +142,9 @@ StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking) {
         // From the drawn shape a curl would tighten by whole turns at once, and end in a tangle. So the
         // strand begins as its wet curl.
         const Quatd root = root_frame_of(normalized(p[1] - p[0], Vec3d{1, 0, 0}));
-        rest.start = shape_from_intrinsic(curled(*scene.curl, intrinsic_shape(p), sigma), p[0], root);
+        const auto wet =
+            scene.rest == "sag_free" ? curled(*scene.curl, intrinsic_shape(p), sigma) : dry.curl->at(sigma);
+        rest.start = shape_from_intrinsic(wet, p[0], root);
     }
     soak(scene, dry, sigma, rest);
     rest.frame = frames_along(rest.start);

@@ -76,6 +76,8 @@ Turning turning_of(const std::vector<Vec3d>& tbar) {
 
 namespace {
 
+std::complex<double> across(const Vec3d& t) { return {t.y, t.z}; }
+
 // tbar with the turn at each vertex multiplied by q, its direction and length kept.
 Vec3d turned(const Vec3d& t, double q) {
     const double across = std::hypot(t.y, t.z), length = norm(t);
@@ -142,7 +144,6 @@ std::vector<Vec3d> polyline(const std::vector<Vec3d>& edges) {
 // The helix turned about its axis so that it leaves the root to the side to which `edges` do: over a quarter
 // of a turn, since the two may have different turns.
 void start_alike(std::vector<Vec3d>& helix, const std::vector<Vec3d>& edges, double turn) {
-    auto across = [](const Vec3d& e) { return std::complex<double>(e.y, e.z); };
     std::complex<double> phase = 0;
     for (size_t i = 0; i < edges.size() && double(i) <= turn / 4; ++i)
         phase += across(edges[i]) * std::conj(across(helix[i]));
@@ -160,12 +161,11 @@ double extent(const std::vector<Vec3d>& edges) {
     return sum;
 }
 
-// Between two shapes by angle and direction of each turn, s (n) of the way: curls of two phases added as
+// Between two shapes by angle and direction of each turn, s (n-1) of the way: curls of two phases added as
 // vectors would straighten each other.
 std::vector<Vec3d> between(const std::vector<Vec3d>& tbar, const std::vector<Vec3d>& other,
                            const std::vector<double>& s) {
     std::vector<Vec3d> out = tbar;
-    auto across = [](const Vec3d& t) { return std::complex<double>(t.y, t.z); };
     double ahead = 0;  // of the other's direction, followed along the strand over whole turns
     for (size_t i = 1; i < tbar.size(); ++i) {
         const auto from = across(tbar[i]), to = across(other[i]);

@@ -62,11 +62,11 @@ class WetCurl {
 
     double weight_, turn_, segments_;  // segments of a turn, and as the mean of turns tells them
     std::vector<Vec3d> dry_;
-    // The strand along its axis, the axis' frames and, of the strand laid straight by them, edges; its tbar,
-    // dry and fully curled.
+    // Of the strand laid straight by the frames along its axis: edges (n-1), and tbar (n-1) dry and fully
+    // curled.
     std::vector<Vec3d> edges_, straight_, helix_;
     std::vector<Quatd> frames_;
-    // How far from straight that axis still is: near the root, where hair lifts off.
+    // How far from straight it is still, near the root, where hair lifts off: frames, and edges in them.
     std::vector<Quatd> bend_left_;
     std::vector<Vec3d> drawn_;
 };
