@@ -17,6 +17,7 @@
 #include "app/commands.h"
 #include "app/dataset_recipe.h"
 #include "app/device.h"
+#include "app/learned_hair.h"
 #include "app/results.h"
 #include "app/run_of_scene.h"
 #include "base/interrupt.h"
@@ -81,7 +82,7 @@ class MemberRun {
   public:
     MemberRun(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to,
               const std::string& device)
-        : recipe_(recipe), member_(m), to_(to), high_(scene(1)), low_(scene(2)) {
+        : recipe_(recipe), member_(m), to_(to), high_(scene(1)), low_(scene(2)), reach_(reach_of(high_)) {
         if (!high_.wetness) throw Misuse(m.name + ": has no [wetness], which is what is to be learned");
         if (high_.flow)
             throw Misuse(m.name + ": its water moves ([wetness.flow]), allowed is wetness that stays");
@@ -102,7 +103,7 @@ class MemberRun {
         std::optional<StrandEncoder> strands;
         if (recipe_.strand) {
             const Strands shape = shape_at_rest(high_);
-            strands.emplace(high_.groom, low_.groom, high_.saturation, &shape, recipe_.low_is_wet);
+            strands.emplace(high_.groom, low_.groom, high_.saturation, &shape, recipe_.low_is_wet, reach_);
         }
         std::unique_ptr<RunWriter> low_writer, wet_writer;
         if (keeps_runs()) {
@@ -199,6 +200,7 @@ class MemberRun {
     const DatasetMember& member_;
     const Folder& to_;
     Scene high_, low_;
+    double reach_;  // of Eq 10, which may be left out of them [m]
     std::unique_ptr<Simulation> dry_, wet_;
     std::vector<int> frames_;  // kept
     std::vector<StrandImages> strand_images_;

@@ -54,6 +54,15 @@ float support_radius_of(const RunHeader& header) {
     return float(cohesion.h_c);
 }
 
+// Reach of Eq 10 on what is displayed of the run [m], 0 without it.
+double reach_of(const RunHeader& header) {
+    const bool coheres = Config::parse(header.scene, "the run's scene", header.scene_folder)
+                             .root()
+                             .table("cohesion")
+                             .present();
+    return coheres ? support_radius_of(header) : 0;
+}
+
 // The strands of a run at rest with their water.
 Strands shape_of(const RunHeader& header) {
     const bool curls =
@@ -77,7 +86,8 @@ Json encode_pairs(const EncodeOptions& o, Codec codec) {
         double floor_mm = 0;
         for (const auto& pair : pairs) {
             const Strands shape = shape_of(pair.wet->header());
-            floor_mm += encode_strands(pair, out, &shape) / double(pairs.size());
+            floor_mm +=
+                encode_strands(pair, out, &shape, reach_of(pair.wet->header())) / double(pairs.size());
         }
         out.attribute("floor_mm", floor_mm);
         json["floor_mm"] = floor_mm;

@@ -18,6 +18,8 @@ void require_solids_for(const ModelCard& card, const Scene& scene, const std::st
                 "with target = \"strands\" is kept out of every solid");
 }
 
+double reach_of(const Scene& scene) { return scene.cohesion ? scene.cohesion->h_c : 0; }
+
 std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
                                                    const std::string& scene_file, const Groom& low,
                                                    const std::string& device, int threads) {
@@ -27,8 +29,8 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
     require_solids_for(card, scene, scene_file);
     const Strands shape = shape_at_rest(scene);
     auto learned = network_module().load_strands(
-        model, StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet"), low, device,
-        threads);
+        model, StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet", reach_of(scene)),
+        low, device, threads);
     if (card.target == "displayed" && scene.has_attached_solid()) {
         HeadShapes head;
         for (const Solid& solid : scene.solids) head.shapes.push_back(solid.shape);

@@ -11,6 +11,9 @@ namespace wetcurl {
 // 10, and a solid of the scene is not attached to the head or deforms: nothing would keep strands out of it.
 void require_solids_for(const ModelCard& card, const Scene& scene, const std::string& file);
 
+// Reach of Eq 10 on what is displayed of the scene [m], 0 without it.
+double reach_of(const Scene& scene);
+
 // The model of that file with the codec of the scene's hair, kept out of what is attached to the head where
 // it predicts displayed strands. scene: of `scene_file`, at the resolution to predict, its saturation known;
 // low: the groom of the dry run. Throws Error where these do not fit, Misuse for a device's name.

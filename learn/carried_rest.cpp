@@ -21,6 +21,7 @@ static Strands cores_of(const Strands& strands) {
 RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom& low, const Strands* shape,
                          bool low_is_wet)
     : particles_(high.rest.particles),
+      low_is_wet_(low_is_wet),
       low_rest_cores_(cores_of(low.rest)),
       moved_(low.rest.count, low.rest.particles) {
     auto size = [](const Strands& s) {
@@ -110,6 +111,14 @@ void RestCarrier::apply(const Stencil& stencil, const Strands& low, const Pose& 
                 for (int lane = 0; lane < lanes; ++lane)
                     out.at(first + lane, i) = {x.x[lane], x.y[lane], x.z[lane]};
             });
+    }
+    if (!low_is_wet_) return;
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < low.count; ++s) {
+        const int twin = stencil.twin[size_t(s)], lane = twin % S::lanes;
+        const Quat<S>& q = to_root_[size_t(twin / S::lanes)];
+        const Quatf to_root = Quatf{q.w[lane], q.x[lane], q.y[lane], q.z[lane]} * to_head;
+        for (int i = 0; i < n; ++i) out.at(twin, i) = rotate(to_root, low.at(s, i) - low.at(s, 0));
     }
 }
 

@@ -47,17 +47,20 @@ class RestCarrier {
   public:
     // `shape` (high strands): how they lie at rest in the head's frame, null: as drawn. Throws Error where it
     // does not fit.
-    // `low_is_wet`: the low-resolution strands are curled and shortened by their water too.
+    // `low_is_wet`: the low-resolution strands are curled and shortened by their water too, and are kept as
+    // they are.
     RestCarrier(const Stencil& stencil, const Groom& high, const Groom& low, const Strands* shape,
                 bool low_is_wet = false);
     // low (low strands): world positions [m]; out (high strands): offsets in the root frames [m]. Throws
     // Error for other strands.
     void apply(const Stencil& stencil, const Strands& low, const Pose& head, Strands& out);
     RestParticle<float> rest(int strand, int particle) const;
+    bool low_is_wet() const { return low_is_wet_; }
 
   private:
     using S = Pack<float>;
     int particles_;
+    bool low_is_wet_;
     std::vector<RestParticle<S>> rest_;  // (block of lanes, particle)
     std::vector<Quat<S>> to_root_;       // (block): head's frame to the root frames
     Strands low_rest_cores_;

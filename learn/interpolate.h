@@ -25,7 +25,7 @@ Interpolation interpolation_named(const std::string& name);
 class Interpolator {
   public:
     // `shape` (high strands), for `rest` alone: how they lie at rest in the head's frame, where that is not
-    // as drawn. `low_is_wet`: the low-resolution strands are shortened by their water too.
+    // as drawn. `low_is_wet`: as of RestCarrier.
     Interpolator(Interpolation kind, Stencil stencil, const Groom& high, const Groom& low,
                  const Strands* shape = nullptr, bool low_is_wet = false);
     const Stencil& stencil() const { return stencil_; }

@@ -1,4 +1,4 @@
-// The pairs file: what training reads. HDF5 "wetcurl pairs", version 2, one group runs/NNN an encoded pair of
+// The pairs file: what training reads. HDF5 "wetcurl pairs", version 3, one group runs/NNN an encoded pair of
 // runs. Ours.
 //
 // Attributes: `codec` (strand | root | adhesion), `particles` a strand, `low` (dry, or wet where the
@@ -8,7 +8,7 @@
 // ("input 000 dry", "input 000 wet": "FILE HASH").
 //
 // codec strand, F frames, (H, W) the high-resolution root grid:
-//   static (82, H, W) f32, dynamic (F, 153, H, W) f32: channels in learn/strand_codec.h; the first 72 of
+//   static (85, H, W) f32, dynamic (F, 153, H, W) f32: channels in learn/strand_codec.h; the first 72 of
 //   `dynamic` are the base; target (F, 72, H, W) f32: wet amplitudes before cohesion, less the base;
 //   displayed (F, 72, H, W) f32, where known: the same after cohesion; mask (H, W) u8: 1 where a strand is;
 //   length (H, W) f32 [m]; frame (F) i32, where known: which of the run's frames these are, rising.
@@ -28,7 +28,7 @@
 namespace wetcurl {
 
 inline constexpr const char* pairs_format = "wetcurl pairs";
-inline constexpr int pairs_version = 2, oldest_pairs_version = 2;  // 1: other channels
+inline constexpr int pairs_version = 3, oldest_pairs_version = 3;  // before: other channels
 
 enum class Codec { strand, root, adhesion };
 std::string name_of(Codec codec);

@@ -20,8 +20,24 @@ static void profile(const float* sigma, int n, float* out, size_t stride) {
     }
 }
 
+// Mean distance of a pixel's root to those of the pixels beside it, 0 where there are none.
+static float root_spacing(const Groom& groom, int pixel) {
+    const RootGrid& size = groom.grid;
+    const int column = pixel % size.width, row = pixel / size.width;
+    const Vec3f root = groom.rest.at(groom.grid.at(column, row), 0);
+    float sum = 0;
+    int count = 0;
+    for (auto [c, r] :
+         {std::pair{column - 1, row}, {column + 1, row}, {column, row - 1}, {column, row + 1}}) {
+        if (c < 0 || r < 0 || c >= size.width || r >= size.height || groom.grid.at(c, r) < 0) continue;
+        sum += norm(groom.rest.at(groom.grid.at(c, r), 0) - root);
+        ++count;
+    }
+    return count ? sum / float(count) : 0;
+}
+
 StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                         const Strands* shape, bool low_is_wet)
+                         const Strands* shape, bool low_is_wet, double reach)
     : grid_(high.grid),
       pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
       dct_(high.rest.particles),
@@ -48,9 +64,15 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
             profile(saturation.data() + size_t(s) * n, n, at + size_t(strand_coefficients) * pixels(),
                     pixels());
         length_[pixel] = float(arc_length(high.rest.strand(s), n));
-        at[size_t(static_channels - 2) * pixels()] = length_[pixel];
-        at[size_t(static_channels - 1) * pixels()] = radius[size_t(s)];
+        at += size_t(strand_coefficients + saturation_pieces) * pixels();
+        for (float x :
+             {length_[pixel], radius[size_t(s)], 0.0f, root_spacing(high, int(pixel)), float(reach)}) {
+            *at = x;
+            at += pixels();
+        }
     }
+    constexpr int shared = static_channels - 3;
+    for (int twin : stencil_.twin) fixed_[size_t(shared) * pixels() + size_t(pixel_of_[size_t(twin)])] = 1;
 }
 
 void StrandCodec::dynamic(const Strands& low, const HeadWindow& heads, float* out) {

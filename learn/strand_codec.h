@@ -6,8 +6,9 @@
 // strands around it have moved from theirs (learn/carried_rest.h), at full resolution; the network sees its
 // amplitudes, and answers with those of what is to be added to it.
 //
-// static (82): 0-71 amplitudes of that rest shape, 72-79 saturation profile (means over eighths of the
-//   strand, root first), 80 length [m], 81 curl radius at rest [m].
+// static (85): 0-71 amplitudes of that rest shape, 72-79 saturation profile (means over eighths of the
+//   strand, root first), 80 length [m], 81 curl radius at rest [m], 82 whether the low-resolution run has the
+//   strand, 83 mean distance to the roots beside it on the grid [m], 84 reach of Eq 10 [m].
 // dynamic (153): 0-71 amplitudes of the base, 72-74 gravity [m/s^2], 75-77 angular velocity of the head
 //   [rad/s], 78-80 acceleration of the root [m/s^2]; then 18 for each of the frames 1, 2, 4 and 8 before:
 //   how the first 4 amplitudes an axis of the base have changed since (12) [m], angular velocity and
@@ -29,7 +30,7 @@ inline constexpr int saturation_pieces = 8;
 inline constexpr std::array<int, 4> history_lags{1, 2, 4, 8};  // [frames]
 inline constexpr int history_modes = 4;                        // amplitudes an axis
 inline constexpr int history_numbers = 3 * history_modes + 6;  // of a strand and frame
-inline constexpr int static_channels = strand_coefficients + saturation_pieces + 2;
+inline constexpr int static_channels = strand_coefficients + saturation_pieces + 5;
 inline constexpr int motion_channels = 9;
 inline constexpr int dynamic_channels =
     strand_coefficients + motion_channels + int(history_lags.size()) * history_numbers;
@@ -39,11 +40,13 @@ struct InputGroup {
     const char* name;
     int first, count;
 };
-inline constexpr std::array<InputGroup, 8> strand_inputs{{
+inline constexpr std::array<InputGroup, 10> strand_inputs{{
     {"rest", 0, strand_coefficients},
     {"saturation", strand_coefficients, saturation_pieces},
-    {"length", static_channels - 2, 1},
-    {"radius", static_channels - 1, 1},
+    {"length", static_channels - 5, 1},
+    {"radius", static_channels - 4, 1},
+    {"shared", static_channels - 3, 1},
+    {"density", static_channels - 2, 2},
     {"base", static_channels, strand_coefficients},
     {"gravity", static_channels + strand_coefficients, 3},
     {"motion", static_channels + strand_coefficients + 3, 6},
@@ -55,10 +58,10 @@ class StrandCodec {
   public:
     // high: the rest groom at full resolution; low: that of the dry run, every second root each way of it;
     // saturation: (high strand, particle), empty for dry; shape: the high strands at rest with their water,
-    // in the head's frame, null: as drawn; low_is_wet: the low-resolution run is a wet one. Throws Error
-    // where these do not fit.
+    // in the head's frame, null: as drawn; low_is_wet: the low-resolution run is a wet one; reach: of Eq 10
+    // [m], 0 without it. Throws Error where these do not fit.
     StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                const Strands* shape = nullptr, bool low_is_wet = false);
+                const Strands* shape = nullptr, bool low_is_wet = false, double reach = 0);
 
     int height() const { return grid_.height; }
     int width() const { return grid_.width; }
@@ -71,7 +74,7 @@ class StrandCodec {
     const RestCarrier& carrier() const { return carrier_; }
     const std::vector<int>& pixel_of() const { return pixel_of_; }  // (strand)
 
-    const std::vector<float>& fixed() const { return fixed_; }    // "static": (82, H, W)
+    const std::vector<float>& fixed() const { return fixed_; }    // "static": (85, H, W)
     const std::vector<uint8_t>& mask() const { return mask_; }    // (H, W)
     const std::vector<float>& length() const { return length_; }  // (H, W) [m]
 

@@ -91,6 +91,18 @@ __global__ void carry_kernel(int pixels, int low, int n, int width, const int* _
         });
 }
 
+// Wet low-resolution strands are their twins' base as they are.
+__global__ void keep_kernel(int pixels, int low, int n, const int* twin, const Quatf* turn, const Vec3f* rest,
+                            const float* departed, float* base) {
+    const int k = int(blockIdx.x) * threads + int(threadIdx.x);
+    if (k >= low * n) return;
+    const int s = k % low, i = k / low, pixel = twin[s];
+    const size_t plane = size_t(n) * low, out = size_t(n) * pixels, at = size_t(i) * pixels + pixel;
+    const Vec3f d{departed[k], departed[plane + k], departed[2 * plane + k]};
+    const Vec3f x = rotate(conjugate(turn[pixel]), rest[size_t(s) * n + i] + d);
+    base[at] = x.x, base[out + at] = x.y, base[2 * out + at] = x.z;
+}
+
 __global__ void describe_kernel(const HeadState* head, int pixels, const int* strand, const Quatf* turn,
                                 const Vec3f* root, float* past, float* dynamic) {
     const int s = int(blockIdx.x) * threads + int(threadIdx.x);
@@ -178,7 +190,8 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
       low_(low.rest.count),
       high_(codec.roots().count()),
       pixels_(int(codec.pixels())),
-      width_(codec.stencil().width) {
+      width_(codec.stencil().width),
+      low_is_wet_(codec.carrier().low_is_wet()) {
     const size_t n = size_t(n_), S = size_t(pixels_), width = size_t(width_);
     head() = {};
     std::vector<Vec3f> low_rest(low.rest.points);
@@ -204,6 +217,9 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
             for (size_t k = 0; k < rest_numbers; ++k) rest[(i * rest_numbers + k) * S + pixel] = numbers[k];
         }
     }
+    std::vector<int> twin;
+    for (int s : codec.stencil().twin) twin.push_back(codec.pixel_of()[size_t(s)]);
+    twin_ = DeviceBuffer<int>(twin);
     rest_ = DeviceBuffer<float>(rest), weight_ = DeviceBuffer<float>(weight);
     from_ = DeviceBuffer<int>(from), strand_ = DeviceBuffer<int>(strand);
     turn_ = DeviceBuffer<Quatf>(turn), root_ = DeviceBuffer<Vec3f>(root);
@@ -284,6 +300,10 @@ void StrandKernels::carry(cudaStream_t stream) const {
         pixels_, low_, n_, width_, strand_.data(), rest_.data(), from_.data(), weight_.data(), turn_.data(),
         moved_.data(), base_.data());
     check_launch("rest shapes carried");
+    if (!low_is_wet_) return;
+    keep_kernel<<<blocks_of(low_ * n_), threads, 0, stream>>>(
+        pixels_, low_, n_, twin_.data(), turn_.data(), low_rest_.data(), departed_.data(), base_.data());
+    check_launch("wet strands kept");
 }
 
 void StrandKernels::describe(cudaStream_t stream) const {

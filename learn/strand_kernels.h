@@ -44,7 +44,7 @@ class StrandKernels {
     float* moved() const { return moved_.data(); }
     // B (3, n, S): the base, offsets in root frames.
     float* base() const { return base_.data(); }
-    // (235, S): the network's input, its static channels filled.
+    // (238, S): the network's input, its static channels filled.
     float* image() const { return image_.data(); }
     // Before each frame.
     void begin_frame(const HeadWindow& heads, bool first);
@@ -64,6 +64,7 @@ class StrandKernels {
 
   private:
     int n_, low_, high_, pixels_, width_;
+    bool low_is_wet_;
     PinnedBuffer<HeadState> head_host_{1};
     DeviceBuffer<HeadState> head_{1};
     DeviceBuffer<Vec3f> low_rest_;            // (low, n) offsets from the root, in the head's frame
@@ -73,6 +74,7 @@ class StrandKernels {
     DeviceBuffer<Quatf> turn_;                // (S): root frame to the head's
     DeviceBuffer<Vec3f> root_;                // (S): in the head's frame
     DeviceBuffer<int> strand_;                // (S): of the pixel, or -1
+    DeviceBuffer<int> twin_;                  // (low): pixel
     std::vector<DeviceBuffer<float>> grids_;  // of level sets
     DeviceBuffer<ShapeView> shapes_;          // attached to the head
     DeviceBuffer<float> depth_;               // (n, S)

@@ -38,8 +38,10 @@ std::vector<float> product(const std::vector<float>& a, const std::vector<float>
     return out;
 }
 
-// A groom with a hole, whose low-resolution strands sway under a head that turns and drifts.
-TEST(StrandKernels, give_the_features_and_strands_of_the_host) {
+// A groom with a hole, whose low-resolution strands, dry or wet, sway under a head that turns and drifts.
+class CodecOnDevice : public ::testing::TestWithParam<bool> {};
+
+TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     if (!has_device()) GTEST_SKIP() << "SKIP: no CUDA device";
     Groom high = curly_groom({});
     high.grid.width = 9;
@@ -51,7 +53,7 @@ TEST(StrandKernels, give_the_features_and_strands_of_the_host) {
     high.grid.strand = wider;
     const Groom low = coarsened(high, 2);
     std::vector<float> saturation(high.rest.points.size(), 0.7f);
-    StrandCodec codec(high, low, saturation);
+    StrandCodec codec(high, low, saturation, nullptr, /*low_is_wet=*/GetParam());
     StrandKernels kernels(codec, low);
     const size_t n = size_t(codec.particles()), S = codec.pixels(), l = size_t(low.rest.count);
     ASSERT_EQ(size_t(kernels.pixels()), S);
@@ -133,6 +135,7 @@ TEST(StrandKernels, give_the_features_and_strands_of_the_host) {
     head.depth.pop_back();
     testing::expect_error([&] { kernels.keep_outside(head); }, {"3199", "3200"});
 }
+INSTANTIATE_TEST_SUITE_P(Low, CodecOnDevice, ::testing::Bool());
 
 }  // namespace
 }  // namespace wetcurl

@@ -139,7 +139,7 @@ TEST(StrandCodec, amplitudes_do_not_know_the_heads_pose) {
 TEST(StrandCodec, static_features_are_rest_shape_wetness_length_and_curl) {
     const Curls curls;
     const Groom high = curly_groom(curls);
-    const StrandCodec codec(high, coarsened(high, 2), tip_wetness(high));
+    const StrandCodec codec(high, coarsened(high, 2), tip_wetness(high), nullptr, false, /*reach=*/0.016);
     std::vector<float> rest(strand_coefficients * codec.pixels());
     codec.encode(high.rest, Pose{}, rest.data());
     for (size_t k = 0; k < rest.size(); ++k) ASSERT_EQ(codec.fixed()[k], rest[k]);
@@ -147,12 +147,22 @@ TEST(StrandCodec, static_features_are_rest_shape_wetness_length_and_curl) {
         auto channel = [&](int c) { return codec.fixed()[size_t(c) * codec.pixels() + pixel]; };
         // Fifty particles, the first six in the first piece, the last seven in the last one.
         constexpr int first = strand_coefficients, length = first + saturation_pieces;
-        static_assert(length + 2 == static_channels);
+        static_assert(length + 5 == static_channels);
         EXPECT_NEAR(channel(first), 2.5 / 49, 1e-6);
         EXPECT_NEAR(channel(length - 1), 46.0 / 49, 1e-6);
         EXPECT_EQ(channel(length), codec.length()[pixel]);
         EXPECT_NEAR(channel(length), arc_length(high.rest.strand(int(pixel)), 50), 1e-6);
         EXPECT_NEAR(channel(length + 1), curls.radius, 0.06 * curls.radius);
+        // Every second root each way of 8 x 8; the one to the right, or to the left at the end, and the like.
+        const int column = int(pixel) % 8, row = int(pixel) / 8;
+        EXPECT_EQ(channel(length + 2), column % 2 == 0 && row % 2 == 0);
+        double sum = 0;
+        int count = 0;
+        for (int other = 0; other < 64; ++other)
+            if (std::abs(other % 8 - column) + std::abs(other / 8 - row) == 1)
+                sum += norm(high.rest.at(other, 0) - high.rest.at(int(pixel), 0)), ++count;
+        EXPECT_NEAR(channel(length + 3), sum / count, 1e-7);
+        EXPECT_EQ(channel(length + 4), 0.016f);
     }
 }
 
