@@ -196,17 +196,19 @@ TEST(StrandDepthwise, SeesStrandsUpToTenPixelsAwayAndNoEmptyPixels) {
     torch::NoGradGuard no_grad;
     const ModelCard card = card_of(*find_architecture("strand_depthwise"), 0.1);
     auto model = stirred(card);
+    for (auto& p : model->named_parameters())  // so that ten pixels on it is more than rounding
+        if (p.key().find("mixer") != std::string::npos) p.value().mul_(20);
     Tensor x = torch::rand({1, strand_inputs, 1, 24});
     const Tensor before = model->forward(x);
     x.select(3, 0).add_(1);
     Tensor moved = (model->forward(x) - before).abs().amax(1).flatten();  // (24)
     EXPECT_GT(moved[0].item<float>(), 1e-3);
-    EXPECT_GT(moved[10].item<float>(), 0);
+    EXPECT_GT(moved[10].item<float>(), 1e-6);
     EXPECT_EQ(largest(moved.narrow(0, 11, 13)), 0);
     // Without its strand, pixel 0 is like the border: what is left is what a grid without it gives.
     x.select(3, 0).zero_();
     const Tensor without = model->forward(x.narrow(3, 1, 23));
-    EXPECT_LT(largest(model->forward(x).narrow(3, 1, 23) - without), 1e-5);
+    EXPECT_LT(largest(model->forward(x).narrow(3, 1, 23) - without), 1e-5 * largest(without));
 }
 
 TEST(EveryNetwork, GivesTheSameInChannelsLast) {

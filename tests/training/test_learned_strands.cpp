@@ -29,6 +29,9 @@ std::string made_model(const std::string& path, const char* architecture, int in
     card.input_channels = inputs, card.output_channels = strand_coefficients;
     card.arrays["input_mean"].assign(size_t(inputs), 0);
     card.arrays["input_std"].assign(size_t(inputs), 1);
+    // Accelerations come in tens: a trained network's deviations know that.
+    constexpr int motion = static_channels + strand_coefficients;
+    if (inputs > motion) std::fill_n(card.arrays["input_std"].begin() + motion, inputs - motion, 10.0f);
     card.arrays["output_scale"].assign(strand_coefficients, 2e-3f);
     torch::manual_seed(4);
     auto model = make_model(card);
