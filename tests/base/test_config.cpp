@@ -32,6 +32,10 @@ TEST(Config, getters_return_what_is_written) {
     EXPECT_NO_THROW(config.require_all_used());
 }
 
+TEST(Config, a_run_in_a_scenes_place_is_named) {
+    expect_error<Misuse>([] { scene("\x89HDF\r\n\x1a\n"); }, {"scene.toml", "HDF5", "a scene (TOML)"});
+}
+
 TEST(Config, absent_keys_give_their_default_and_absent_tables_are_not_there) {
     Config config = scene("frames = 3\n");
     Table root = config.root(), air = root.table("air");
