@@ -39,7 +39,7 @@ std::string read_file(const std::string& path) {
 
 toml::table parse_toml(const std::string& text, const std::string& name) {
     // A run or model in a scene's place would be called bad UTF-8.
-    if (text.starts_with("\x89HDF")) throw Misuse(name + ": found an HDF5 file, allowed is a scene (TOML)");
+    if (text.starts_with("\x89HDF")) throw Misuse(name + ":1: found an HDF5 file, allowed is a scene (TOML)");
     try {
         return toml::parse(text, name);
     } catch (const toml::parse_error& e) {
