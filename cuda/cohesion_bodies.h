@@ -1,11 +1,12 @@
-// Eq 10 on a device, particle by particle: cells, neighbour lists, displacements, and the smoothing along a
-// strand by the 32 lanes of a warp. The formulas are those of solver/terms/cohesion.h; the reference is
+// Eq 10 on a device, particle by particle: neighbour lists, displacements, and the smoothing along a strand
+// by the 32 lanes of a warp. The formulas are those of solver/terms/cohesion.h; the reference is
 // solver/passes/cohesion.h. Ours.
 #pragma once
 
 #include <cstdint>
 
 #include "base/geometry/filter.h"
+#include "cuda/cell_search.h"
 #include "solver/passes/contact.h"
 #include "solver/terms/cohesion.h"
 
@@ -16,67 +17,17 @@ struct alignas(32) HairPoint {
     float x, y, z, volume, wet_volume;
     WETCURL_HD Vec3f position() const { return {x, y, z}; }
 };
-// What the search asks.
-struct alignas(16) SortedPoint {
-    float x, y, z;
-    uint32_t id;
-    WETCURL_HD Vec3f position() const { return {x, y, z}; }
-};
-
-// A grid that wraps round: no bounds to find, and the 27 cells about a point are always 27 cells. What comes
-// from far away is turned down by its distance. Sides are powers of two, at least 4.
-struct WrappedGrid {
-    int bits_x, bits_y, bits_z;
-    float inverse;  // of the cells' side [1/m]
-    WETCURL_HD uint32_t cells() const { return 1u << (bits_x + bits_y + bits_z); }
-
-    // The cell of x [m, from the head], `cells()` where it is not finite or absurdly far.
-    struct Cell {
-        int x, y, z;
-    };
-    WETCURL_HD Cell cell_of(const Vec3f& x) const {
-        return {int(std::floor(x.x * inverse)), int(std::floor(x.y * inverse)),
-                int(std::floor(x.z * inverse))};
-    }
-    WETCURL_HD bool holds(const Vec3f& x) const {
-        return (std::abs(x.x) + std::abs(x.y) + std::abs(x.z)) * inverse < 1e9f;  // false for NaN
-    }
-    WETCURL_HD uint32_t key(int cx, int cy, int cz) const {
-        const uint32_t x = uint32_t(cx) & ((1u << bits_x) - 1), y = uint32_t(cy) & ((1u << bits_y) - 1),
-                       z = uint32_t(cz) & ((1u << bits_z) - 1);
-        return (((z << bits_y) | y) << bits_x) | x;
-    }
-};
-// Of at least as many cells as particles, their side `radius` and a little: rounding must not hide a
-// neighbour.
-inline WrappedGrid wrapped_grid(size_t particles, double radius) {
-    WrappedGrid grid{2, 2, 2, float(1 / (1.001 * radius))};
-    for (int k = 0; grid.cells() < particles; ++k)
-        ++(k % 3 == 0 ? grid.bits_x : k % 3 == 1 ? grid.bits_y : grid.bits_z);
-    return grid;
-}
-
-struct CellRange {
-    uint32_t begin, end;
-};
-inline constexpr uint32_t no_particle = 0xffffffffu;  // begin of an empty cell
 
 // Arrays of (strand, particle) unless said; `count` particles, and one more without volume where noted.
 struct CohesionMemory {
+    CellSearch search;  // within Eq 10's h
     uint32_t count;
     int particles;             // a strand
     HairPoint *now, *next;     // one more
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
-    uint32_t *key, *id;        // in the order of particles
-    uint32_t *sorted_key, *sorted_id;
-    SortedPoint* sorted;  // in the order of cells
-    CellRange* cell;      // (cells)
     // Neighbour lists of 32 particles in step: entry k of lane l at list[offset + 32 k + l], filled up with
     // `count`, who is nobody. Groups never cross a block of strands.
     uint32_t *list, *offset, *capacity, *length;
-    WrappedGrid grid;
-    Vec3f origin;  // of the cells: where the head was when the run began
-    float h;
 };
 
 struct CohesionBodies {
@@ -85,10 +36,6 @@ struct CohesionBodies {
 
     WETCURL_HD void place(uint32_t id, const Vec3f& p, float volume, float wet_volume) const {
         m.now[id] = m.next[id] = {p.x, p.y, p.z, volume, wet_volume};
-        const Vec3f x = p - m.origin;
-        const auto c = m.grid.holds(x) ? m.grid.cell_of(x) : WrappedGrid::Cell{0, 0, 0};
-        m.key[id] = m.grid.holds(x) ? m.grid.key(c.x, c.y, c.z) : m.grid.cells();
-        m.id[id] = id;
     }
     WETCURL_HD void measure(int strand) const {
         const HairPoint* p = m.now + size_t(strand) * size_t(m.particles);
@@ -99,42 +46,11 @@ struct CohesionBodies {
         m.own_weight[strand] = float(term.own_weight(segment));
         m.beta[strand] = float(filter_beta(segment, term.coherence));
     }
-    // After the sort by cell: sorted particle k finds where its cell begins or ends.
-    WETCURL_HD void mark_cell(uint32_t k) const {
-        const uint32_t key = m.sorted_key[k], id = m.sorted_id[k];
-        const Vec3f p = m.now[id].position();
-        m.sorted[k] = {p.x, p.y, p.z, id};
-        if (key == m.grid.cells()) return;
-        if (k == 0 || m.sorted_key[k - 1] != key) m.cell[key].begin = k;
-        if (k + 1 == m.count || m.sorted_key[k + 1] != key) m.cell[key].end = k + 1;
-    }
-
-    // Calls visit(j) for each particle nearer than h on another strand, always in the same order.
+    // Calls visit(j) for each particle that Eq 10 sees from particle `id`.
     template <class Visit>
     WETCURL_HD void neighbours(uint32_t id, Visit visit) const {
-        const Vec3f p = m.now[id].position(), from = p - m.origin;
-        if (!m.grid.holds(from)) return;
-        const auto c = m.grid.cell_of(from);
-        const uint32_t own = id - id % uint32_t(m.particles);
-        auto search = [&](uint32_t begin, uint32_t end) {
-            for (uint32_t k = begin; k < end; ++k) {
-                const SortedPoint s = m.sorted[k];
-                const Vec3f d = s.position() - p;
-                if (dot(d, d) < m.h * m.h && s.id - own >= uint32_t(m.particles)) visit(s.id);
-            }
-        };
-        for (int z = c.z - 1; z <= c.z + 1; ++z)
-            for (int y = c.y - 1; y <= c.y + 1; ++y) {
-                // Cells along x lie side by side in the order, but where the grid wraps round.
-                uint32_t begin = 0, end = 0;
-                for (int x = c.x - 1; x <= c.x + 1; ++x) {
-                    const CellRange cell = m.cell[m.grid.key(x, y, z)];
-                    if (cell.begin == no_particle) continue;
-                    if (cell.begin != end) search(begin, end), begin = cell.begin;
-                    end = cell.end;
-                }
-                search(begin, end);
-            }
+        m.search.neighbours(id, m.now[id].position(),
+                            [&](uint32_t, const SortedPoint& other) { visit(other.id); });
     }
 
     // p_i^w - p_i over a list of `length` entries, 32 apart.
@@ -144,7 +60,7 @@ struct CohesionBodies {
         Cohesion::Sums<float> sums{{0, 0, 0}, 0};
         for (uint32_t k = 0; k < length; ++k) {
             const HairPoint other = now[list[32 * k]];
-            sums.add(other.position() - own.position(), m.h, other.volume, other.wet_volume);
+            sums.add(other.position() - own.position(), m.search.radius, other.volume, other.wet_volume);
         }
         return term.displacement(sums, own.volume * m.own_weight[id / uint32_t(m.particles)]);
     }

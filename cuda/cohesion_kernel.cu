@@ -1,6 +1,5 @@
 // Kernels of the displayed positions: a block takes whole strands, a thread a particle.
 #include <algorithm>
-#include <cub/device/device_radix_sort.cuh>
 
 #include "cuda/cohesion_kernel.h"
 #include "cuda/driver.h"
@@ -23,10 +22,6 @@ __global__ void place(CohesionBodies b, const Vec3f* positions, const float* vol
 __global__ void measure(CohesionBodies b, int strands) {
     const int strand = int(blockIdx.x * blockDim.x + threadIdx.x);
     if (strand < strands) b.measure(strand);
-}
-__global__ void mark_cells(CohesionBodies b) {
-    const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k < b.m.count) b.mark_cell(k);
 }
 
 // The particles of a block: `count` from `first` on, and the groups of 32 among them.
@@ -123,8 +118,7 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
       volume_(size_t(strands) * size_t(particles)),
       wet_volume_(volume_.size()),
       rest_depth_(rest_depth),
-      grid_(wrapped_grid(volume_.size(), term.h_c)),
-      origin_(origin) {
+      search_(volume_.size(), particles, term.h_c, origin) {
     const size_t count = volume_.size();
     int device = 0, processors = 1, most_shared = 0;
     check_cuda(cudaGetDevice(&device), "device");
@@ -147,16 +141,8 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
     beta_ = DeviceBuffer<float>(size_t(strands)), own_weight_ = DeviceBuffer<float>(size_t(strands));
     const std::vector<HairPoint> points(count + 1, HairPoint{0, 0, 0, 0, 0});
     now_ = DeviceBuffer<HairPoint>(points), next_ = DeviceBuffer<HairPoint>(points);
-    sorted_ = DeviceBuffer<SortedPoint>(count);
-    for (auto* b : {&key_, &id_, &sorted_key_, &sorted_id_}) *b = DeviceBuffer<uint32_t>(count);
     const std::vector<uint32_t> none(size_t(blocks_) * size_t(groups_of_block_), 0);
     for (auto* b : {&offset_, &capacity_, &length_}) *b = DeviceBuffer<uint32_t>(none);
-    cell_ = DeviceBuffer<CellRange>(grid_.cells());
-    size_t needed = 0;
-    check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, needed, key_.data(), sorted_key_.data(), id_.data(),
-                                               sorted_id_.data(), int(count), 0, 32),
-               "size of the sort");
-    sort_memory_ = DeviceBuffer<char>(needed);
 }
 
 void CohesionDevice::take_volumes(const std::vector<float>& volume, const std::vector<float>& saturation) {
@@ -166,27 +152,17 @@ void CohesionDevice::take_volumes(const std::vector<float>& volume, const std::v
 }
 
 CohesionBodies CohesionDevice::bodies() const {
-    return {
-        term_,
-        {uint32_t(volume_.size()), particles_, now_.data(), next_.data(), beta_.data(), own_weight_.data(),
-         key_.data(), id_.data(), sorted_key_.data(), sorted_id_.data(), sorted_.data(), cell_.data(),
-         list_.data(), offset_.data(), capacity_.data(), length_.data(), grid_, origin_, float(term_.h_c)}};
+    return {term_,
+            {search_.view(), uint32_t(volume_.size()), particles_, now_.data(), next_.data(), beta_.data(),
+             own_weight_.data(), list_.data(), offset_.data(), capacity_.data(), length_.data()}};
 }
 
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
     const CohesionBodies b = bodies();
-    const unsigned blocks = blocks_for(volume_.size(), small_block);
-    place<<<blocks, small_block, 0, stream>>>(b, positions, volume_.data(), wet_volume_.data());
+    search_.launch(positions, stream);
+    place<<<blocks_for(volume_.size(), small_block), small_block, 0, stream>>>(b, positions, volume_.data(),
+                                                                               wet_volume_.data());
     measure<<<blocks_for(size_t(strands_), warp), warp, 0, stream>>>(b, strands_);
-    size_t size = sort_memory_.size();
-    // One bit more than a cell's number has: the key of what lies nowhere.
-    const int bits = grid_.bits_x + grid_.bits_y + grid_.bits_z + 1;
-    check_cuda(
-        cub::DeviceRadixSort::SortPairs(sort_memory_.data(), size, key_.data(), sorted_key_.data(),
-                                        id_.data(), sorted_id_.data(), int(volume_.size()), 0, bits, stream),
-        "sort");
-    check_cuda(cudaMemsetAsync(cell_.data(), 0xff, cell_.bytes(), stream), "clearing of cells");
-    mark_cells<<<blocks, small_block, 0, stream>>>(b);
     build_lists<<<blocks_, unsigned(threads_), 0, stream>>>(b, strands_of_block_, groups_of_block_, report);
     check_cuda(cudaGetLastError(), "launch of the neighbour lists");
 }
@@ -230,11 +206,10 @@ void CohesionDevice::grow() {
 }
 
 size_t CohesionDevice::bytes() const {
-    size_t sum = sort_memory_.bytes() + cell_.bytes();
+    size_t sum = search_.bytes();
     for (const auto* b : {&volume_, &wet_volume_, &rest_depth_, &beta_, &own_weight_}) sum += b->bytes();
-    sum += now_.bytes() + next_.bytes() + sorted_.bytes();
-    for (const auto* b : {&key_, &id_, &sorted_key_, &sorted_id_, &list_, &offset_, &capacity_, &length_})
-        sum += b->bytes();
+    sum += now_.bytes() + next_.bytes();
+    for (const auto* b : {&list_, &offset_, &capacity_, &length_}) sum += b->bytes();
     return sum;
 }
 

@@ -1,9 +1,10 @@
-// The displayed positions on a device: cells, sort, lists, Jacobi passes, projection. Ours.
+// The displayed positions on a device: lists, Jacobi passes, projection. Ours.
 #pragma once
 
 #include <cuda_runtime.h>
 
 #include "base/device_buffer.h"
+#include "cuda/cell_search_device.h"
 #include "cuda/cohesion_bodies.h"
 #include "cuda/strand_memory.h"
 
@@ -20,7 +21,7 @@ struct FrameReport {
 // `grow`, so that launches can be captured into a graph.
 class CohesionDevice {
   public:
-    // `rest_depth` (strand, particle) [m], or empty.
+    // `origin`: where the head is when the run begins. `rest_depth` (strand, particle) [m], or empty.
     CohesionDevice(const Cohesion& term, int strands, int particles, const Vec3f& origin,
                    const std::vector<float>& rest_depth);
     // V [m^3] and sigma (strand, particle), from now on.
@@ -45,12 +46,8 @@ class CohesionDevice {
     size_t shared_bytes_;
     DeviceBuffer<float> volume_, wet_volume_, rest_depth_, beta_, own_weight_;
     DeviceBuffer<HairPoint> now_, next_;
-    DeviceBuffer<SortedPoint> sorted_;
-    DeviceBuffer<uint32_t> key_, id_, sorted_key_, sorted_id_, list_, offset_, capacity_, length_;
-    DeviceBuffer<CellRange> cell_;
-    DeviceBuffer<char> sort_memory_;
-    WrappedGrid grid_;
-    Vec3f origin_;
+    CellSearchDevice search_;
+    DeviceBuffer<uint32_t> list_, offset_, capacity_, length_;
 };
 
 }  // namespace wetcurl

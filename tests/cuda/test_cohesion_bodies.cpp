@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "cuda/cohesion_bodies.h"
 #include "solver/passes/cohesion.h"
 #include "tests/base/scratch.h"
+#include "tests/cuda/host_search.h"
 
 namespace wetcurl {
 namespace {
@@ -47,40 +47,15 @@ Result by_bodies(const Tuft& hair, const Cohesion& term) {
     const size_t count = hair.p.points.size();
     const int n = hair.p.particles, groups = (n + 31) / 32;
     std::vector<HairPoint> now(count + 1), next(count + 1);
-    std::vector<SortedPoint> sorted(count);
     std::vector<float> beta(size_t(hair.p.count)), own(size_t(hair.p.count));
-    std::vector<uint32_t> key(count), id(count), sorted_key, sorted_id(count), list, none;
-    const WrappedGrid grid = wrapped_grid(count, term.h_c);
-    std::vector<CellRange> cell(grid.cells(), {no_particle, no_particle});
-    CohesionBodies b{term,
-                     {uint32_t(count),
-                      n,
-                      now.data(),
-                      next.data(),
-                      beta.data(),
-                      own.data(),
-                      key.data(),
-                      id.data(),
-                      nullptr,
-                      sorted_id.data(),
-                      sorted.data(),
-                      cell.data(),
-                      nullptr,
-                      nullptr,
-                      nullptr,
-                      nullptr,
-                      grid,
-                      {1, 2, 0},
-                      float(term.h_c)}};
+    std::vector<uint32_t> list;
+    const HostSearch search(hair.p.points, n, term.h_c, {1, 2, 0});
+    const CohesionBodies b{term,
+                           {search.view, uint32_t(count), n, now.data(), next.data(), beta.data(), own.data(),
+                            nullptr, nullptr, nullptr, nullptr}};
     for (size_t k = 0; k < count; ++k)
         b.place(uint32_t(k), hair.p.points[k], hair.volume[k], hair.volume[k] * hair.saturation[k]);
     for (int s = 0; s < hair.p.count; ++s) b.measure(s);
-    std::iota(sorted_id.begin(), sorted_id.end(), 0u);
-    std::stable_sort(sorted_id.begin(), sorted_id.end(),
-                     [&](uint32_t i, uint32_t j) { return key[i] < key[j]; });
-    for (uint32_t k : sorted_id) sorted_key.push_back(key[k]);
-    b.m.sorted_key = sorted_key.data();
-    for (size_t k = 0; k < count; ++k) b.mark_cell(uint32_t(k));
 
     // A list of 32 particles of a strand in step, as the device keeps it.
     constexpr uint32_t room = 512;
