@@ -12,69 +12,93 @@
 
 namespace wetcurl {
 
-// What a particle's neighbours ask of it, in one sector of memory: V = m / rho and sigma V.
-struct alignas(32) HairPoint {
-    float x, y, z, volume, wet_volume;
+// Where a particle is, and V = m / rho: read at once.
+struct alignas(16) HairPoint {
+    float x, y, z, volume;
     WETCURL_HD Vec3f position() const { return {x, y, z}; }
 };
+// How far a pass moves a particle, before that is smoothed along its strand, and where it is in the order.
+struct alignas(16) Displaced {
+    float x, y, z;
+    uint32_t rank;
+};
+// Neighbour lists of 32 particles that follow each other in the order of cells: entry e of lane l at
+// list[32 (row + e) + l] for e < rows.
+struct ListGroup {
+    uint32_t row, rows;
+};
 
-// Arrays of (strand, particle) unless said; `count` particles, and one more without volume where noted.
+// Particles are taken in the order of cells, those who share their neighbours side by side, so that these
+// come from the caches.
 struct CohesionMemory {
     CellSearch search;  // within Eq 10's h
-    uint32_t count;
-    int particles;             // a strand
-    HairPoint *now, *next;     // one more
+    // In the order of cells, and one more who is nobody, without volume.
+    HairPoint* point;
+    float* wet_volume;         // sigma V
+    ListGroup* group;          // (groups of 32)
+    uint32_t* list;            // ranks; filled up with nobody's, which is the particles' count
+    Displaced* displaced;      // (strand, particle)
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
-    // Neighbour lists of 32 particles in step: entry k of lane l at list[offset + 32 k + l], filled up with
-    // `count`, who is nobody. Groups never cross a block of strands.
-    uint32_t *list, *offset, *capacity, *length;
 };
 
 struct CohesionBodies {
     Cohesion term;
     CohesionMemory m;
 
-    WETCURL_HD void place(uint32_t id, const Vec3f& p, float volume, float wet_volume) const {
-        m.now[id] = m.next[id] = {p.x, p.y, p.z, volume, wet_volume};
-    }
-    WETCURL_HD void measure(int strand) const {
-        const HairPoint* p = m.now + size_t(strand) * size_t(m.particles);
+    WETCURL_HD void measure(int strand, const Vec3f* positions) const {
+        const int n = m.search.particles;
+        const Vec3f* p = positions + size_t(strand) * size_t(n);
         double length = 0;
-        for (int i = 0; i + 1 < m.particles; ++i)
-            length += norm(cast<double>(p[i + 1].position() - p[i].position()));
-        const float segment = float(length / (m.particles - 1));
+        for (int i = 0; i + 1 < n; ++i) length += norm(cast<double>(p[i + 1] - p[i]));
+        const float segment = float(length / (n - 1));
         m.own_weight[strand] = float(term.own_weight(segment));
         m.beta[strand] = float(filter_beta(segment, term.coherence));
     }
-    // Calls visit(j) for each particle that Eq 10 sees from particle `id`.
+    // Particle k of the order comes with its V and sigma V, of (strand, particle), and stands still as yet.
+    WETCURL_HD void take(uint32_t k, const float* volume, const float* wet_volume) const {
+        const SortedPoint p = m.search.sorted[k];
+        m.point[k] = {p.x, p.y, p.z, volume[p.id]};
+        m.wet_volume[k] = wet_volume[p.id];
+        m.displaced[p.id] = {0, 0, 0, k};
+    }
+    // Calls visit(j), a rank, for each particle that Eq 10 sees from particle k of the order.
     template <class Visit>
-    WETCURL_HD void neighbours(uint32_t id, Visit visit) const {
-        m.search.neighbours(id, m.now[id].position(),
-                            [&](uint32_t, const SortedPoint& other) { visit(other.id); });
+    WETCURL_HD void neighbours(uint32_t k, Visit visit) const {
+        const SortedPoint p = m.search.sorted[k];
+        m.search.neighbours(p.id, p.position(), [&](uint32_t j, const SortedPoint&) { visit(j); });
     }
 
-    // p_i^w - p_i over a list of `length` entries, 32 apart.
-    WETCURL_HD Vec3f displacement(const HairPoint* now, uint32_t id, const uint32_t* list,
-                                  uint32_t length) const {
-        const HairPoint own = now[id];
+    // p_i^w - p_i of particle k of the order. Roots stay, and who has no neighbour.
+    WETCURL_HD void displace(uint32_t k) const {
+        const ListGroup group = m.group[k / 32];
+        const uint32_t* list = m.list + 32 * size_t(group.row) + k % 32;
+        const uint32_t id = m.search.sorted_id[k], n = uint32_t(m.search.particles);
+        if (group.rows == 0 || list[0] == m.search.count || id % n == 0) return;
+        const HairPoint own = m.point[k];
         Cohesion::Sums<float> sums{{0, 0, 0}, 0};
-        for (uint32_t k = 0; k < length; ++k) {
-            const HairPoint other = now[list[32 * k]];
-            sums.add(other.position() - own.position(), m.search.radius, other.volume, other.wet_volume);
+        for (uint32_t e = 0; e < group.rows; ++e) {
+            const uint32_t j = list[32 * size_t(e)];
+            const HairPoint other = m.point[j];
+            sums.add(other.position() - own.position(), m.search.radius, other.volume, m.wet_volume[j]);
         }
-        return term.displacement(sums, own.volume * m.own_weight[id / uint32_t(m.particles)]);
+        const Vec3f d = term.displacement(sums, own.volume * m.own_weight[id / n]);
+        m.displaced[id] = {d.x, d.y, d.z, k};
     }
+    WETCURL_HD void move(uint32_t id, const Vec3f& by) const {
+        HairPoint& p = m.point[m.displaced[id].rank];
+        p = {p.x + by.x, p.y + by.y, p.z + by.z, p.volume};
+    }
+    WETCURL_HD Vec3f position(uint32_t id) const { return m.point[m.displaced[id].rank].position(); }
 
     // A strand after the last pass, no edge longer than the term allows: place(id, x), root to tip.
     template <class Place>
-    WETCURL_HD void within_lengths(int strand, const HairPoint* now, const Vec3f* simulated,
-                                   Place place) const {
-        uint32_t id = uint32_t(strand) * uint32_t(m.particles);
-        Vec3f x = now[id].position(), before = simulated[id];
+    WETCURL_HD void within_lengths(int strand, const Vec3f* simulated, Place place) const {
+        uint32_t id = uint32_t(strand) * uint32_t(m.search.particles);
+        Vec3f x = position(id), before = simulated[id];
         place(id, x);
-        for (int i = 1; i < m.particles; ++i) {
+        for (int i = 1; i < m.search.particles; ++i) {
             const Vec3f p = simulated[++id];
-            x = term.within_length(x, now[id].position(), norm(p - before));
+            x = term.within_length(x, position(id), norm(p - before));
             before = p;
             place(id, x);
         }

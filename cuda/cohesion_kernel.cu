@@ -1,4 +1,4 @@
-// Kernels of the displayed positions: a block takes whole strands, a thread a particle.
+// Kernels of the displayed positions: neighbours in the order of cells, smoothing strand by strand.
 #include <algorithm>
 
 #include "cuda/cohesion_kernel.h"
@@ -14,99 +14,97 @@ unsigned blocks_for(size_t items, int threads) {
     return unsigned((items + size_t(threads) - 1) / size_t(threads));
 }
 
-__global__ void place(CohesionBodies b, const Vec3f* positions, const float* volume,
-                      const float* wet_volume) {
-    const uint32_t id = blockIdx.x * blockDim.x + threadIdx.x;
-    if (id < b.m.count) b.place(id, positions[id], volume[id], wet_volume[id]);
-}
-__global__ void measure(CohesionBodies b, int strands) {
+__global__ void measure(CohesionBodies b, int strands, const Vec3f* positions) {
     const int strand = int(blockIdx.x * blockDim.x + threadIdx.x);
-    if (strand < strands) b.measure(strand);
+    if (strand < strands) b.measure(strand, positions);
 }
 
-// The particles of a block: `count` from `first` on, and the groups of 32 among them.
-struct Share {
-    uint32_t first;
-    int count, group;
-    __device__ Share(const CohesionMemory& m, int strands_of_block, int groups_of_block)
-        : first(blockIdx.x * unsigned(strands_of_block) * unsigned(m.particles)),
-          count(int(min(m.count - first, unsigned(strands_of_block) * unsigned(m.particles)))),
-          group(int(blockIdx.x) * groups_of_block) {}
-};
+constexpr int list_threads = 128, staged = 64;
 
-__global__ void __launch_bounds__(1024)
-    build_lists(CohesionBodies b, int strands_of_block, int groups_of_block, FrameReport* report) {
-    const Share share(b.m, strands_of_block, groups_of_block);
-    const int lane = int(threadIdx.x) % warp;
-    for (int begin = int(threadIdx.x) - lane; begin < share.count; begin += int(blockDim.x)) {
-        const int group = share.group + begin / warp;
-        const uint32_t room = b.m.capacity[group];
-        uint32_t *list = b.m.list + b.m.offset[group] + lane, found = 0;
-        if (begin + lane < share.count)
-            b.neighbours(share.first + uint32_t(begin + lane), [&](uint32_t j) {
-                if (found < room) list[warp * found] = j;
-                ++found;
-            });
-        const unsigned longest = __reduce_max_sync(0xffffffffu, found),
-                       pairs = __reduce_add_sync(0xffffffffu, found);
-        for (uint32_t k = found; k < min(longest, room); ++k) list[warp * k] = b.m.count;
-        if (lane == 0) {
-            b.m.length[group] = longest;
-            if (longest > room) atomicOr(&report->overflow, 1u);
-            atomicAdd(&report->pairs, static_cast<unsigned long long>(pairs));
-        }
+// A thread a particle in the order of cells. Lists lie where a warp finds room, which differs from run to
+// run; what is in them does not.
+__global__ void __launch_bounds__(list_threads)
+    build_lists(const CohesionBodies b, const float* volume, const float* wet_volume, size_t room,
+                FrameReport* report) {
+    // What is found stays near until it is known how much it is: memory is written to a warp at a time.
+    __shared__ uint32_t stage[staged * list_threads];
+    const uint32_t lane = threadIdx.x % warp, k = blockIdx.x * list_threads + threadIdx.x;
+    const uint32_t count = b.m.search.count;
+    if (k - lane >= count) return;
+    uint32_t *near = stage + staged * (threadIdx.x - lane) + lane, found = 0;
+    if (k < count) {
+        b.take(k, volume, wet_volume);
+        b.neighbours(k, [&](uint32_t j) {
+            if (found < staged) near[warp * found] = j;
+            ++found;
+        });
     }
+    const unsigned rows = __reduce_max_sync(0xffffffffu, found),
+                   pairs = __reduce_add_sync(0xffffffffu, found);
+    unsigned long long row = 0;
+    if (lane == 0) {
+        row = atomicAdd(&report->list_rows, static_cast<unsigned long long>(rows));
+        atomicAdd(&report->pairs, static_cast<unsigned long long>(pairs));
+        const bool fits = row + rows <= room;
+        b.m.group[k / warp] = {fits ? uint32_t(row) : 0, fits ? rows : 0};
+    }
+    row = __shfl_sync(0xffffffffu, row, 0);
+    if (row + rows > room) return;  // the frame is done again
+    uint32_t *list = b.m.list + warp * row + lane, e = 0;
+    if (rows > staged) {
+        if (k < count) b.neighbours(k, [&](uint32_t j) { list[warp * e++] = j; });
+        e = found;
+    }
+    for (; e < rows; ++e) list[warp * e] = e < found ? near[warp * e] : count;
 }
 
-// One Jacobi pass. Shared memory: displacements (3, count), and 32 numbers a warp.
-__global__ void __launch_bounds__(1024) jacobi(CohesionBodies b, int strands_of_block, int groups_of_block,
-                                               const HairPoint* now, HairPoint* next) {
+constexpr int pass_threads = 256;
+
+// Half of a Jacobi pass, in the order of cells.
+__global__ void __launch_bounds__(pass_threads) displace(const CohesionBodies b) {
+    const uint32_t k = blockIdx.x * pass_threads + threadIdx.x;
+    if (k < b.m.search.count) b.displace(k);
+}
+
+// The other, whole strands a block. Shared memory: displacements (3, count), and 32 numbers a warp.
+__global__ void __launch_bounds__(pass_threads) move_strands(const CohesionBodies b, int strands_of_block) {
     extern __shared__ float u[];
-    const Share share(b.m, strands_of_block, groups_of_block);
-    const int n = b.m.particles, lane = int(threadIdx.x) % warp;
-    for (int k = int(threadIdx.x); k < share.count; k += int(blockDim.x)) {
-        const int group = share.group + k / warp;
-        const uint32_t id = share.first + uint32_t(k);
-        Vec3f d{0, 0, 0};
-        if (k % n != 0)
-            d = b.displacement(now, id, b.m.list + b.m.offset[group] + lane,
-                               min(b.m.length[group], b.m.capacity[group]));
-        u[k] = d.x, u[share.count + k] = d.y, u[2 * share.count + k] = d.z;
+    const int n = b.m.search.particles, lane = int(threadIdx.x) % warp;
+    const uint32_t first = blockIdx.x * unsigned(strands_of_block * n);
+    const int count = int(min(b.m.search.count - first, unsigned(strands_of_block * n)));
+    for (int k = int(threadIdx.x); k < count; k += int(blockDim.x)) {
+        const Displaced d = b.m.displaced[first + uint32_t(k)];
+        u[k] = d.x, u[count + k] = d.y, u[2 * count + k] = d.z;
     }
     if (b.term.coherence > 0) {
         __syncthreads();
-        float* ends = u + 3 * share.count + int(threadIdx.x) - lane;
-        const int warps = int(blockDim.x) / warp, lines = 3 * (share.count / n);
+        float* ends = u + 3 * count + int(threadIdx.x) - lane;
+        const int warps = int(blockDim.x) / warp, strands = count / n;
         // A line is one coordinate of one strand.
-        for (int line = int(threadIdx.x) / warp; line < lines; line += warps) {
-            const uint32_t strand = share.first / uint32_t(n) + uint32_t(line % (share.count / n));
-            smooth_along(u + line / (share.count / n) * share.count + line % (share.count / n) * n, n,
-                         b.m.beta[strand], ends, [&](auto body) {
+        for (int line = int(threadIdx.x) / warp; line < 3 * strands; line += warps) {
+            const int axis = line / strands, strand = line % strands;
+            smooth_along(u + axis * count + strand * n, n, b.m.beta[first / uint32_t(n) + uint32_t(strand)],
+                         ends, [&](auto body) {
                              body(lane);
                              __syncwarp();
                          });
         }
         __syncthreads();
     }
-    for (int k = int(threadIdx.x); k < share.count; k += int(blockDim.x)) {
-        HairPoint p = now[share.first + uint32_t(k)];
-        p.x += u[k], p.y += u[share.count + k], p.z += u[2 * share.count + k];
-        next[share.first + uint32_t(k)] = p;
-    }
+    for (int k = int(threadIdx.x); k < count; k += int(blockDim.x))
+        b.move(first + uint32_t(k), {u[k], u[count + k], u[2 * count + k]});
 }
 
 template <class T>
-__global__ void show(CohesionBodies b, int strands, const HairPoint* now, const Vec3f* simulated,
-                     const float* rest_depth, const SubstepMotion<T>* motion, Vec3f* displayed) {
+__global__ void show(CohesionBodies b, int strands, const Vec3f* simulated, const float* rest_depth,
+                     const SubstepMotion<T>* motion, Vec3f* displayed) {
     const int strand = int(blockIdx.x * blockDim.x + threadIdx.x);
     if (strand >= strands) return;
-    const uint32_t root = uint32_t(strand) * uint32_t(b.m.particles);
-    b.within_lengths(strand, now, simulated, [&](uint32_t id, const Vec3f& x) {
+    const uint32_t root = uint32_t(strand) * uint32_t(b.m.search.particles);
+    b.within_lengths(strand, simulated, [&](uint32_t id, const Vec3f& x) {
         displayed[id] = id == root ? x : pushed_out(*motion, x, rest_depth ? rest_depth[id] : 0.f);
     });
 }
-
-constexpr int small_block = 128;
 
 }  // namespace
 
@@ -115,34 +113,39 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
     : term_(term),
       strands_(strands),
       particles_(particles),
+      search_(size_t(strands) * size_t(particles), particles, term.h_c, origin),
       volume_(size_t(strands) * size_t(particles)),
       wet_volume_(volume_.size()),
       rest_depth_(rest_depth),
-      search_(volume_.size(), particles, term.h_c, origin) {
-    const size_t count = volume_.size();
+      point_(volume_.size() + 1),
+      sorted_wet_volume_(volume_.size() + 1),
+      group_((volume_.size() + warp - 1) / warp),
+      displaced_(volume_.size()),
+      beta_(size_t(strands)),
+      own_weight_(size_t(strands)) {
     int device = 0, processors = 1, most_shared = 0;
     check_cuda(cudaGetDevice(&device), "device");
     check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "attribute");
     check_cuda(cudaDeviceGetAttribute(&most_shared, cudaDevAttrMaxSharedMemoryPerBlockOptin, device),
                "attribute");
-    // Whole strands up to a thousand particles, but at least two blocks a processor.
-    strands_of_block_ = std::max(1, std::min(1024 / particles, strands / (2 * processors)));
+    // Whole strands, a thread a particle where they fit, but at least two blocks a processor.
+    strands_of_block_ = std::max(1, std::min(pass_threads / particles, strands / (2 * processors)));
     blocks_ = unsigned((strands + strands_of_block_ - 1) / strands_of_block_);
     const int items = strands_of_block_ * particles;
-    groups_of_block_ = (items + warp - 1) / warp;
-    threads_ = std::min(1024, groups_of_block_ * warp);
+    threads_ = std::min(pass_threads, (items + warp - 1) / warp * warp);
     shared_bytes_ = sizeof(float) * (3 * size_t(items) + size_t(threads_));
     if (shared_bytes_ > size_t(most_shared))
         throw Error("cohesion on a CUDA device: found strands of " + std::to_string(particles) +
                     " particles, allowed at most " +
-                    std::to_string((size_t(most_shared) / sizeof(float) - 1024) / 3));
-    allow_shared_memory(jacobi);
-
-    beta_ = DeviceBuffer<float>(size_t(strands)), own_weight_ = DeviceBuffer<float>(size_t(strands));
-    const std::vector<HairPoint> points(count + 1, HairPoint{0, 0, 0, 0, 0});
-    now_ = DeviceBuffer<HairPoint>(points), next_ = DeviceBuffer<HairPoint>(points);
-    const std::vector<uint32_t> none(size_t(blocks_) * size_t(groups_of_block_), 0);
-    for (auto* b : {&offset_, &capacity_, &length_}) *b = DeviceBuffer<uint32_t>(none);
+                    std::to_string((size_t(most_shared) / sizeof(float) - pass_threads) / 3));
+    allow_shared_memory(move_strands);
+    // What a pass reads again shall be near: it shares nothing else.
+    check_cuda(cudaFuncSetAttribute(displace, cudaFuncAttributePreferredSharedMemoryCarveout,
+                                    cudaSharedmemCarveoutMaxL1),
+               "memory of a processor");
+    // Nobody is the last of them.
+    check_cuda(cudaMemset(point_.data(), 0, point_.bytes()), "nobody");
+    check_cuda(cudaMemset(sorted_wet_volume_.data(), 0, sorted_wet_volume_.bytes()), "nobody");
 }
 
 void CohesionDevice::take_volumes(const std::vector<float>& volume, const std::vector<float>& saturation) {
@@ -153,17 +156,16 @@ void CohesionDevice::take_volumes(const std::vector<float>& volume, const std::v
 
 CohesionBodies CohesionDevice::bodies() const {
     return {term_,
-            {search_.view(), uint32_t(volume_.size()), particles_, now_.data(), next_.data(), beta_.data(),
-             own_weight_.data(), list_.data(), offset_.data(), capacity_.data(), length_.data()}};
+            {search_.view(), point_.data(), sorted_wet_volume_.data(), group_.data(), list_.data(),
+             displaced_.data(), beta_.data(), own_weight_.data()}};
 }
 
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
     const CohesionBodies b = bodies();
     search_.launch(positions, stream);
-    place<<<blocks_for(volume_.size(), small_block), small_block, 0, stream>>>(b, positions, volume_.data(),
-                                                                               wet_volume_.data());
-    measure<<<blocks_for(size_t(strands_), warp), warp, 0, stream>>>(b, strands_);
-    build_lists<<<blocks_, unsigned(threads_), 0, stream>>>(b, strands_of_block_, groups_of_block_, report);
+    measure<<<blocks_for(size_t(strands_), warp), warp, 0, stream>>>(b, strands_, positions);
+    build_lists<<<blocks_for(volume_.size(), list_threads), list_threads, 0, stream>>>(
+        b, volume_.data(), wet_volume_.data(), list_.size() / warp, report);
     check_cuda(cudaGetLastError(), "launch of the neighbour lists");
 }
 
@@ -171,45 +173,37 @@ template <class T>
 void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T>* motion, Vec3f* displayed,
                                    cudaStream_t stream) {
     const CohesionBodies b = bodies();
-    const HairPoint* now = now_.data();
-    HairPoint* next = next_.data();
     for (int pass = 0; pass < term_.passes; ++pass) {
-        jacobi<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_, groups_of_block_,
-                                                                       now, next);
-        HairPoint* newer = next;
-        next = const_cast<HairPoint*>(now), now = newer;
+        displace<<<blocks_for(volume_.size(), pass_threads), pass_threads, 0, stream>>>(b);
+        move_strands<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_);
     }
     show<<<blocks_for(size_t(strands_), warp), warp, 0, stream>>>(
-        b, strands_, now, simulated, rest_depth_.size() ? rest_depth_.data() : nullptr, motion, displayed);
+        b, strands_, simulated, rest_depth_.size() ? rest_depth_.data() : nullptr, motion, displayed);
     check_cuda(cudaGetLastError(), "launch of the cohesion passes");
 }
 template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<float>*, Vec3f*, cudaStream_t);
 template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<double>*, Vec3f*, cudaStream_t);
 
-void CohesionDevice::grow() {
-    // Half as much again as was sought, and never less than before: of thousands of groups of moving hair one
-    // or another would else ask every frame.
-    const std::vector<uint32_t> length = length_.host();
-    std::vector<uint32_t> capacity = capacity_.host(), offset;
-    size_t total = 0;
-    for (size_t group = 0; group < length.size(); ++group) {
-        capacity[group] = std::max(capacity[group], length[group] * 3 / 2 + 16);
-        offset.push_back(uint32_t(total));
-        total += size_t(capacity[group]) * warp;
-    }
-    if (total > 0xffffffffu)
-        throw Error("cohesion: more than 2^32 neighbours; a smaller [cohesion] radius may help");
+bool CohesionDevice::grow(const FrameReport& report) {
+    const size_t rows = report.list_rows, row = warp * sizeof(uint32_t);
+    if (rows <= list_.size() / warp) return false;
     list_ = {};
-    list_ = DeviceBuffer<uint32_t>(total);
-    offset_.upload(offset.data(), offset.size());
-    capacity_.upload(capacity.data(), capacity.size());
+    size_t free = 0, all = 0;
+    check_cuda(cudaMemGetInfo(&free, &all), "free memory");
+    if (rows * row > free)
+        throw Error("cohesion on a CUDA device: lists of neighbours take " +
+                    std::to_string(rows * row >> 20) + " MiB, of which " + std::to_string(free >> 20) +
+                    " are free; a smaller [cohesion] radius may help");
+    // Half as much again, where there is: hair that falls comes together more and more.
+    const size_t ample = rows + rows / 2;
+    list_ = DeviceBuffer<uint32_t>(warp * (ample * row < free ? ample : rows));
+    return true;
 }
 
 size_t CohesionDevice::bytes() const {
-    size_t sum = search_.bytes();
-    for (const auto* b : {&volume_, &wet_volume_, &rest_depth_, &beta_, &own_weight_}) sum += b->bytes();
-    sum += now_.bytes() + next_.bytes();
-    for (const auto* b : {&list_, &offset_, &capacity_, &length_}) sum += b->bytes();
+    size_t sum = search_.bytes() + point_.bytes() + group_.bytes() + list_.bytes() + displaced_.bytes();
+    for (const auto* b : {&volume_, &wet_volume_, &rest_depth_, &sorted_wet_volume_, &beta_, &own_weight_})
+        sum += b->bytes();
     return sum;
 }
 

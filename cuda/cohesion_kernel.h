@@ -13,8 +13,8 @@ namespace wetcurl {
 // What a frame leaves for the host to read when it is done.
 struct FrameReport {
     int diverged = 0x7fffffff;  // first strand that has, if any
-    unsigned overflow = 0;      // a group's list was longer than its room
     unsigned long long pairs = 0, limited = 0;
+    unsigned long long list_rows = 0;  // that neighbour lists ask for, of 32 entries each
 };
 
 // Buffers and launches for one scene. Nothing is allocated and nothing read by the host between two calls of
@@ -33,21 +33,26 @@ class CohesionDevice {
     template <class T>
     void launch_passes(const Vec3f* simulated, const SubstepMotion<T>* motion, Vec3f* displayed,
                        cudaStream_t stream);
-    // Room for lists as long as those last sought, where a frame's report says that some did not fit.
-    void grow();
+    // Makes room for lists as long as a frame's report says; false where there was.
+    bool grow(const FrameReport& report);
 
     size_t bytes() const;
 
   private:
     CohesionBodies bodies() const;
     Cohesion term_;
-    int strands_, particles_, strands_of_block_, groups_of_block_, threads_;
+    int strands_, particles_, strands_of_block_, threads_;
     unsigned blocks_;
     size_t shared_bytes_;
-    DeviceBuffer<float> volume_, wet_volume_, rest_depth_, beta_, own_weight_;
-    DeviceBuffer<HairPoint> now_, next_;
     CellSearchDevice search_;
-    DeviceBuffer<uint32_t> list_, offset_, capacity_, length_;
+    DeviceBuffer<float> volume_, wet_volume_, rest_depth_;  // (strand, particle)
+    // As CohesionMemory says.
+    DeviceBuffer<HairPoint> point_;
+    DeviceBuffer<float> sorted_wet_volume_;
+    DeviceBuffer<ListGroup> group_;
+    DeviceBuffer<uint32_t> list_;
+    DeviceBuffer<Displaced> displaced_;
+    DeviceBuffer<float> beta_, own_weight_;
 };
 
 }  // namespace wetcurl

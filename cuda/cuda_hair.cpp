@@ -300,10 +300,9 @@ template <class T>
 void CudaHair<T>::read_report() {
     check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
     limited_ += long(host_report_[1].limited);
-    while (host_report_[1].overflow) {
+    while (cohesion_ && cohesion_->grow(host_report_[1])) {
         // Longer lists than ever before: the display again, with room for them. The graph holds the old
         // addresses.
-        cohesion_->grow();
         graph_.forget();
         upload_motion();
         launch_display();
