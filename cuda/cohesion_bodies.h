@@ -22,6 +22,11 @@ struct alignas(16) Displaced {
     float x, y, z;
     uint32_t rank;
 };
+// Where it is shown, and how long the edge to it was simulated.
+struct alignas(16) ShownPoint {
+    float x, y, z, length;
+    WETCURL_HD Vec3f position() const { return {x, y, z}; }
+};
 // Neighbour lists of 32 particles that follow each other in the order of cells: entry e of lane l at
 // list[32 (row + e) + l] for e < rows.
 struct ListGroup {
@@ -45,12 +50,9 @@ struct CohesionBodies {
     Cohesion term;
     CohesionMemory m;
 
-    WETCURL_HD void measure(int strand, const Vec3f* positions) const {
-        const int n = m.search.particles;
-        const Vec3f* p = positions + size_t(strand) * size_t(n);
-        double length = 0;
-        for (int i = 0; i + 1 < n; ++i) length += norm(cast<double>(p[i + 1] - p[i]));
-        const float segment = float(length / (n - 1));
+    // `length` [m] of the strand.
+    WETCURL_HD void measure(int strand, double length) const {
+        const float segment = float(length / (m.search.particles - 1));
         m.own_weight[strand] = float(term.own_weight(segment));
         m.beta[strand] = float(filter_beta(segment, term.coherence));
     }
@@ -88,19 +90,17 @@ struct CohesionBodies {
         HairPoint& p = m.point[m.displaced[id].rank];
         p = {p.x + by.x, p.y + by.y, p.z + by.z, p.volume};
     }
-    WETCURL_HD Vec3f position(uint32_t id) const { return m.point[m.displaced[id].rank].position(); }
-
-    // A strand after the last pass, no edge longer than the term allows: place(id, x), root to tip.
-    template <class Place>
-    WETCURL_HD void within_lengths(int strand, const Vec3f* simulated, Place place) const {
-        uint32_t id = uint32_t(strand) * uint32_t(m.search.particles);
-        Vec3f x = position(id), before = simulated[id];
-        place(id, x);
+    // After the last pass; `simulated` (strand, particle).
+    WETCURL_HD ShownPoint shown(uint32_t id, const Vec3f* simulated) const {
+        const HairPoint p = m.point[m.displaced[id].rank];
+        const bool root = id % uint32_t(m.search.particles) == 0;
+        return {p.x, p.y, p.z, root ? 0 : norm(simulated[id] - simulated[id - 1])};
+    }
+    // A strand x (particle), root to tip: no edge is longer than the term allows.
+    WETCURL_HD void within_lengths(ShownPoint* x) const {
         for (int i = 1; i < m.search.particles; ++i) {
-            const Vec3f p = simulated[++id];
-            x = term.within_length(x, position(id), norm(p - before));
-            before = p;
-            place(id, x);
+            const Vec3f p = term.within_length(x[i - 1].position(), x[i].position(), x[i].length);
+            x[i].x = p.x, x[i].y = p.y, x[i].z = p.z;
         }
     }
 };

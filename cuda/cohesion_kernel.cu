@@ -14,9 +14,20 @@ unsigned blocks_for(size_t items, int threads) {
     return unsigned((items + size_t(threads) - 1) / size_t(threads));
 }
 
-__global__ void measure(CohesionBodies b, int strands, const Vec3f* positions) {
-    const int strand = int(blockIdx.x * blockDim.x + threadIdx.x);
-    if (strand < strands) b.measure(strand, positions);
+constexpr int most_strands = 4;  // of a block whose warps take a strand each
+
+// The strand of this warp; at least `strands` where there is none.
+__device__ int strand_of_warp() { return int((blockIdx.x * blockDim.x + threadIdx.x) / warp); }
+
+__global__ void __launch_bounds__(most_strands* warp)
+    measure(const CohesionBodies b, int strands, const Vec3f* positions) {
+    const int strand = strand_of_warp(), lane = int(threadIdx.x) % warp, n = b.m.search.particles;
+    if (strand >= strands) return;
+    const Vec3f* p = positions + size_t(strand) * size_t(n);
+    double length = 0;
+    for (int i = lane; i + 1 < n; i += warp) length += norm(cast<double>(p[i + 1] - p[i]));
+    for (int other = 1; other < warp; other *= 2) length += __shfl_xor_sync(0xffffffffu, length, other);
+    if (lane == 0) b.measure(strand, length);
 }
 
 constexpr int list_threads = 128, staged = 64;
@@ -95,15 +106,25 @@ __global__ void __launch_bounds__(pass_threads) move_strands(const CohesionBodie
         b.move(first + uint32_t(k), {u[k], u[count + k], u[2 * count + k]});
 }
 
+// Shared memory: (strand, particle).
 template <class T>
-__global__ void show(CohesionBodies b, int strands, const Vec3f* simulated, const float* rest_depth,
-                     const SubstepMotion<T>* motion, Vec3f* displayed) {
-    const int strand = int(blockIdx.x * blockDim.x + threadIdx.x);
+__global__ void __launch_bounds__(most_strands* warp)
+    show(const CohesionBodies b, int strands, const Vec3f* simulated, const float* rest_depth,
+         const SubstepMotion<T>* motion, Vec3f* displayed) {
+    extern __shared__ ShownPoint shown[];
+    const int strand = strand_of_warp(), lane = int(threadIdx.x) % warp, n = b.m.search.particles;
     if (strand >= strands) return;
-    const uint32_t root = uint32_t(strand) * uint32_t(b.m.search.particles);
-    b.within_lengths(strand, simulated, [&](uint32_t id, const Vec3f& x) {
-        displayed[id] = id == root ? x : pushed_out(*motion, x, rest_depth ? rest_depth[id] : 0.f);
-    });
+    const uint32_t root = uint32_t(strand) * uint32_t(n);
+    ShownPoint* const x = shown + int(threadIdx.x) / warp * n;
+    for (int i = lane; i < n; i += warp) x[i] = b.shown(root + uint32_t(i), simulated);
+    __syncwarp();
+    if (lane == 0) b.within_lengths(x);
+    __syncwarp();
+    for (int i = lane; i < n; i += warp) {
+        const uint32_t id = root + uint32_t(i);
+        const Vec3f p = x[i].position();
+        displayed[id] = i == 0 ? p : pushed_out(*motion, p, rest_depth ? rest_depth[id] : 0.f);
+    }
 }
 
 }  // namespace
@@ -134,11 +155,13 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
     const int items = strands_of_block_ * particles;
     threads_ = std::min(pass_threads, (items + warp - 1) / warp * warp);
     shared_bytes_ = sizeof(float) * (3 * size_t(items) + size_t(threads_));
-    if (shared_bytes_ > size_t(most_shared))
+    const size_t strand_bytes = size_t(particles) * sizeof(ShownPoint);
+    if (std::max(strand_bytes, shared_bytes_) > size_t(most_shared))
         throw Error("cohesion on a CUDA device: found strands of " + std::to_string(particles) +
                     " particles, allowed at most " +
-                    std::to_string((size_t(most_shared) / sizeof(float) - pass_threads) / 3));
-    allow_shared_memory(move_strands);
+                    std::to_string(size_t(most_shared) / sizeof(ShownPoint)));
+    shown_of_block_ = int(std::min<size_t>(most_strands, size_t(most_shared) / strand_bytes));
+    allow_shared_memory(move_strands), allow_shared_memory(show<float>), allow_shared_memory(show<double>);
     // What a pass reads again shall be near: it shares nothing else.
     check_cuda(cudaFuncSetAttribute(displace, cudaFuncAttributePreferredSharedMemoryCarveout,
                                     cudaSharedmemCarveoutMaxL1),
@@ -146,6 +169,7 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
     // Nobody is the last of them.
     check_cuda(cudaMemset(point_.data(), 0, point_.bytes()), "nobody");
     check_cuda(cudaMemset(sorted_wet_volume_.data(), 0, sorted_wet_volume_.bytes()), "nobody");
+    check_cuda(cudaStreamSynchronize(nullptr), "nobody");  // streams of launches do not wait for this one
 }
 
 void CohesionDevice::take_volumes(const std::vector<float>& volume, const std::vector<float>& saturation) {
@@ -163,7 +187,8 @@ CohesionBodies CohesionDevice::bodies() const {
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
     const CohesionBodies b = bodies();
     search_.launch(positions, stream);
-    measure<<<blocks_for(size_t(strands_), warp), warp, 0, stream>>>(b, strands_, positions);
+    measure<<<blocks_for(size_t(strands_), most_strands), most_strands * warp, 0, stream>>>(b, strands_,
+                                                                                            positions);
     build_lists<<<blocks_for(volume_.size(), list_threads), list_threads, 0, stream>>>(
         b, volume_.data(), wet_volume_.data(), list_.size() / warp, report);
     check_cuda(cudaGetLastError(), "launch of the neighbour lists");
@@ -177,7 +202,8 @@ void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T
         displace<<<blocks_for(volume_.size(), pass_threads), pass_threads, 0, stream>>>(b);
         move_strands<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_);
     }
-    show<<<blocks_for(size_t(strands_), warp), warp, 0, stream>>>(
+    show<<<blocks_for(size_t(strands_), shown_of_block_), unsigned(shown_of_block_ * warp),
+           size_t(shown_of_block_ * particles_) * sizeof(ShownPoint), stream>>>(
         b, strands_, simulated, rest_depth_.size() ? rest_depth_.data() : nullptr, motion, displayed);
     check_cuda(cudaGetLastError(), "launch of the cohesion passes");
 }

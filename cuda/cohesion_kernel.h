@@ -41,7 +41,7 @@ class CohesionDevice {
   private:
     CohesionBodies bodies() const;
     Cohesion term_;
-    int strands_, particles_, strands_of_block_, threads_;
+    int strands_, particles_, strands_of_block_, shown_of_block_, threads_;
     unsigned blocks_;
     size_t shared_bytes_;
     CellSearchDevice search_;

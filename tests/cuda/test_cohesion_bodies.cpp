@@ -57,7 +57,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term) {
     CohesionBodies b{term,
                      {search.view, point.data(), sorted_wet_volume.data(), group.data(), nullptr,
                       displaced.data(), beta.data(), own.data()}};
-    for (int s = 0; s < hair.p.count; ++s) b.measure(s, simulated.data());
+    for (int s = 0; s < hair.p.count; ++s) b.measure(s, arc_length(hair.p.strand(s), n));
     for (uint32_t k = 0; k < count; ++k) wet_volume[k] = hair.volume[k] * hair.saturation[k];
     for (uint32_t k = 0; k < count; ++k) b.take(k, hair.volume.data(), wet_volume.data());
 
@@ -98,9 +98,10 @@ Result by_bodies(const Tuft& hair, const Cohesion& term) {
         }
     }
     Result out{hair.p, pairs / double(count)};
-    for (int s = 0; s < hair.p.count; ++s)
-        b.within_lengths(s, simulated.data(),
-                         [&](uint32_t k, const Vec3f& x) { out.displayed.points[k] = x; });
+    std::vector<ShownPoint> shown;
+    for (uint32_t id = 0; id < count; ++id) shown.push_back(b.shown(id, simulated.data()));
+    for (uint32_t root = 0; root < count; root += uint32_t(n)) b.within_lengths(&shown[root]);
+    for (uint32_t id = 0; id < count; ++id) out.displayed.points[id] = shown[id].position();
     return out;
 }
 
