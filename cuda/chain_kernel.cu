@@ -86,20 +86,9 @@ StrandGroup strand_group(int n, int strands, const ChainTerms& terms) {
 
 template <class T>
 void launch_chain(const ChainLaunch<T>& launch, cudaStream_t stream) {
-    using namespace present;
-    constexpr unsigned dry = these<Stretch, Bend, Twist, Core>,
-                       wet = these<Stretch, Bend, Twist, Core, Stiffness>;
-    constexpr unsigned solid = 1u << contact;
-    // Common sets have kernels of their own, with nothing in them of what is absent.
+    if (launch.lanes.count) return launch_lanes(launch, stream);
     if (!launch.group.near) return run<T, AnySet, false>(launch, {launch.set}, stream);
-    switch (launch.set) {
-        case dry:
-            return run<T, ExactSet<dry>, true>(launch, {}, stream);
-        case wet | solid:
-            return run<T, ExactSet<wet | solid>, true>(launch, {}, stream);
-        default:
-            return run<T, AnySet, true>(launch, {launch.set}, stream);
-    }
+    with_set(launch.set, [&](auto set) { run<T, decltype(set), true>(launch, set, stream); });
 }
 
 template <class T>

@@ -25,12 +25,12 @@ bool needs_reference(const Scene& scene) {
 }  // namespace
 
 template <class T>
-CudaHair<T>::CudaHair(const Scene& scene, bool by_reference)
+CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
     : state(scene),
       head(scene.motion.at(0)),
       scene_(scene),
       dt_(1 / (scene.fps * scene.integrator.substeps)),
-      by_reference_(by_reference || needs_reference(scene)),
+      by_reference_(stepping == Stepping::by_reference || needs_reference(scene)),
       slots_(scene.integrator.substeps),
       solids_each_(scene.solids.size()),
       deforming_each_(deforming_in(scene)),
@@ -49,6 +49,9 @@ CudaHair<T>::CudaHair(const Scene& scene, bool by_reference)
         const auto rules = substep_rules<T>(scene);
         room_ =
             DeviceBuffer<T>(size_t(state.strands) * reference_room(state.n, rules, !scene.solids.empty()));
+    } else if (stepping == Stepping::by_lanes || state.strands >= strands_for_lanes) {
+        lanes_ = LaneNumbers(scene.chain, !scene.solids.empty());
+        room_ = DeviceBuffer<T>(lanes_.total(state.n, state.strands));
     } else {
         group_ = strand_group<T>(state.n, state.strands, scene.chain);
         const size_t blocks = size_t((state.strands + group_.strands - 1) / group_.strands);
@@ -226,7 +229,8 @@ void CudaHair<T>::launch_chain(int substeps) {
                                 set_of(scene_, given),
                                 &report_.data()->limited,
                                 room_.data(),
-                                group_};
+                                group_,
+                                lanes_};
     if (by_reference_)
         launch_reference(launch, stream_.handle);
     else

@@ -9,6 +9,7 @@
 #include "cuda/chain_kernel.h"
 #include "cuda/cohesion_kernel.h"
 #include "cuda/frame_record.h"
+#include "cuda/simulation.h"
 #include "solver/plan.h"
 #include "solver/schedule.h"
 
@@ -62,7 +63,7 @@ class CudaHair {
     using S = T;
     using Air = AirAround<T>;
 
-    CudaHair(const Scene& scene, bool by_reference);
+    CudaHair(const Scene& scene, Stepping stepping);
 
     // The host's view: as uploaded, and as fetched last.
     mutable ChainState<T> state;
@@ -155,7 +156,8 @@ class CudaHair {
     DeviceBuffer<T> touching_, pushed_, mass_, rest_length_, rest_core_, saturation_, rest_depth_;
     const bool by_reference_;  // stepped by the CPU's own pass
     StrandGroup group_{};
-    DeviceBuffer<T> room_;  // of strands that do not fit a processor
+    LaneNumbers lanes_;     // where strands are many
+    DeviceBuffer<T> room_;  // of strands that do not fit a processor, or are a thread's
     DeviceBuffer<Vec3f> positions_, displayed_;
     mutable Strands seen_;
     // What others give, and where adhesion was asked for; empty where nobody does.

@@ -33,11 +33,11 @@ void require_cuda_device(int device) {
 }
 
 std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::string& precision, int device,
-                                                 bool by_reference) {
+                                                 Stepping stepping) {
     require_cuda_device(device);
     check_cuda(cudaSetDevice(device), "choice of the device");
-    if (precision == "double") return std::make_unique<SimulationOf<CudaHair<double>>>(scene, by_reference);
-    return std::make_unique<SimulationOf<CudaHair<float>>>(scene, by_reference);
+    if (precision == "double") return std::make_unique<SimulationOf<CudaHair<double>>>(scene, stepping);
+    return std::make_unique<SimulationOf<CudaHair<float>>>(scene, stepping);
 }
 
 }  // namespace wetcurl

@@ -8,13 +8,16 @@
 
 namespace wetcurl {
 
+// Who steps strands: whoever is the faster for so many of them; a thread each; the CPU's own pass, a thread
+// each, as explicit steps and builds for parity always do.
+enum class Stepping { chosen, by_lanes, by_reference };
+
 // `precision` as for make_simulation; `device` counts from 0. The scene must outlive the simulation. Strands,
 // cohesion on display, contact with solids and the air are the device's; what else acts on all strands at
 // once (flow, strands on each other, compared methods, level sets that deform, networks) the host computes
-// between launches. `by_reference`: strands are stepped by the CPU's own pass, a thread each, as explicit
-// steps and builds for parity always are. Throws Error where there is no such device.
+// between launches. Throws Error where there is no such device.
 std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::string& precision, int device,
-                                                 bool by_reference = false);
+                                                 Stepping stepping = Stepping::chosen);
 
 // Throws Error where there is no such device, with what the driver said.
 void require_cuda_device(int device);

@@ -5,10 +5,7 @@
 // solver/passes/chain_step.h, which is the reference.
 #pragma once
 
-#include <utility>
-
-#include "cuda/present.h"
-#include "cuda/strand_memory.h"
+#include "cuda/strand_parts.h"
 #include "cuda/strand_system.h"
 #include "cuda/team.h"
 
@@ -41,7 +38,13 @@ class StrandStep {
     // Strands first .. first + count - 1. `room`: of each, aligned to four numbers; `flags` (count).
     WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants, const Team& team,
                           int first, int count, bool limits, T* room, Flags* flags)
-        : m_(m), k_(constants), team_(team), count_(count), first_(size_t(first)), flags_(flags) {
+        : m_(m),
+          k_(constants),
+          parts_(m, constants),
+          team_(team),
+          count_(count),
+          first_(size_t(first)),
+          flags_(flags) {
         const size_t cells = size_t(count) * size_t(m.n);
         auto take = [&](size_t numbers) {
             T* at = room;
@@ -125,9 +128,14 @@ class StrandStep {
     WETCURL_HD int cell(int g, int i) const { return g * m_.n + i; }
     WETCURL_HD bool is(unsigned what, int g) const { return flags_[g].now & what; }
     // Of what is in the memory alone.
+    WETCURL_HD size_t place(int k) const { return first_ * size_t(m_.n) + size_t(k); }
     template <class E>
     WETCURL_HD E of(const E* numbers, int k) const {
-        return numbers[first_ * size_t(m_.n) + size_t(k)];
+        return numbers[place(k)];
+    }
+    WETCURL_HD Particle<T> particle(int k) const {
+        return {x_[k],  x_before_[k], v_[k],    v_before_[k],
+                at_[k], rate_[k],     mass_[k], m_.rest_depth ? of(m_.rest_depth, k) : T(0)};
     }
     // f(strand, particle) for first <= particle < end. Waits.
     template <class F>
@@ -143,32 +151,14 @@ class StrandStep {
     }
     WETCURL_HD V edge_at(int k) const { return at_[k + 1] - at_[k]; }
     WETCURL_HD V placed_root(const SubstepMotion<T>& motion, int g, int i) const {
-        return rotate(motion.head_rotation, m_.root[(first_ + size_t(g)) * 2 + size_t(i)]) +
-               motion.head_translation;
+        return parts_.placed_root(motion, first_ + size_t(g), i);
     }
     WETCURL_HD V known(const SubstepMotion<T>& motion, const Bdf2<T>& scheme, int g, int i) const {
         return (T(1) / scheme.h) * (placed_root(motion, g, i) - at_[cell(g, i)]);
     }
-    WETCURL_HD T rest_depth(int k) const { return m_.rest_depth ? of(m_.rest_depth, k) : T(0); }
 
     // --- where particles are expected, and which surfaces hold them
 
-    WETCURL_HD Hold<T> expected_hold(int k, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, const V& x,
-                                     T& momentum) const {
-        return expected_contact(motion, rest_depth(k),
-                                hold_stiffness(k_.rules.spring_sum, scheme.h, mass_[k]), x, V(v_[k]),
-                                momentum);
-    }
-    // The contact of a particle that a solid has pushed or is to push: held while `pushed` is above 0;
-    // below it the surface may hold it again.
-    WETCURL_HD Hold<T> hold_of(int k, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, T pushed) const {
-        T momentum = pushed < 0 ? -pushed : pushed;
-        Hold<T> hold =
-            expected_hold(k, motion, scheme, scheme.predicted(x_[k], x_before_[k], v_[k]), momentum);
-        hold.gap += scheme.h * dot(rate_[k] - scheme.expected_velocity(v_[k]), hold.normal);
-        hold.weight = pushed > 0 ? hold.stiff : T(0);
-        return hold;
-    }
     template <class Set>
     WETCURL_HD void expect(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
         for_each_particle(0, m_.n, [&](int g, int i) {
@@ -177,7 +167,7 @@ class StrandStep {
             at_[k] = x, rate_[k] = scheme.expected_velocity(v_[k]);
             if (!set.has(present::contact) || i < 2) return;
             T momentum = pushed_[k];
-            const Hold<T> hold = expected_hold(k, motion, scheme, x, momentum);
+            const Hold<T> hold = parts_.expected_hold(motion, scheme, particle(k), x, momentum);
             gap_[k] = hold.gap;
             if (!(momentum > 0)) return;
             pushed_[k] = hold.weight > 0 ? momentum : -momentum;
@@ -308,74 +298,25 @@ class StrandStep {
                 torque_after - torque - slope};
     }
 
-    // The surface that adhesion sees from x.
-    template <class Set>
-    WETCURL_HD void nearest(const Set& set, const SubstepMotion<T>& motion, int k, const V& x, T& phi,
-                            V& normal, V& velocity) const {
-        if (set.has(present::given) && m_.given_adhesion)
-            phi = of(m_.given_phi, k), normal = of(m_.given_normal, k),
-            velocity = of(m_.given_surface_velocity, k);
-        else
-            sample_nearest(motion, x, phi, normal, velocity);
-    }
-
     // --- the system
 
-    // What the elements that end at a particle add to its row and the two before.
-    struct Element {
-        V force[3];
-        Sym3<T> diagonal[3];
-        M upper1[2], upper2[1];
-    };
-    template <class Set, size_t... place>
-    WETCURL_HD void assemble_present(const Set& set, const ChainView<T>& view, const ChainSystem<T>& system,
-                                     std::index_sequence<place...>) const {
-        ((set.has(int(place)) ? std::get<place>(k_.rules.terms)->assemble(view, system, 2, 3) : void()), ...);
-    }
     // Those that end at particle j of strand g.
     template <class Set>
-    WETCURL_HD Element element(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, int g,
-                               int j) const {
-        const V zero{T(0), T(0), T(0)};
-        const Sym3<T> no_sym = identity_times(T(0));
-        const M no_mat{zero, zero, zero};
-        Element e{{zero, zero, zero}, {no_sym, no_sym, no_sym}, {no_mat, no_mat}, {no_mat}};
+    WETCURL_HD Element<T> element(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
+                                  int g, int j) const {
         const int k = cell(g, j);
-        V x[3], v[3], target[2], core[2], push[2], limit_edge[2], normal[3], surface_velocity[3], air[3];
-        Q frame[2];
-        T mass[3], rest_length[2], saturation[3], touching[3], phi[3];
+        Window<T> w;
         for (int l = 0; l < 3; ++l)
-            x[l] = at_[k - 2 + l], v[l] = rate_[k - 2 + l], mass[l] = mass_[k - 2 + l];
-        rest_length[1] = rest_length_[k - 1];
+            w.x[l] = at_[k - 2 + l], w.v[l] = rate_[k - 2 + l], w.mass[l] = mass_[k - 2 + l];
+        w.rest_length[1] = rest_length_[k - 1];
         if (has<Bend>(set))
-            frame[0] = frame_[k - 2], frame[1] = frame_[k - 1], target[1] = of(m_.target, k - 1);
-        if (has<Core>(set)) core[1] = core_[k - 1];
-        if (has<CurlPush>(set)) push[1] = of(m_.push, k - 1);
-        if (has<AirDrag>(set)) air[1] = of(m_.air, k - 1), air[2] = of(m_.air, k);
-        if (has<StrainLimit>(set)) limit_edge[1] = limit_edge_[k - 1];
-        const bool wet = (has<Adhesion>(set) || has<Stiffness>(set)) && m_.saturation;
-        saturation[2] = wet ? of(m_.saturation, k) : T(0);
-        normal[2] = {T(0), T(1), T(0)}, surface_velocity[2] = zero;
-        T adhesion[3];
-        const bool is_given = set.has(present::given) && m_.given_adhesion;
-        if (has<Adhesion>(set)) {
-            touching[2] = of(m_.touching, k);
-            nearest(set, motion, k, x[2], phi[2], normal[2], surface_velocity[2]);
-            if (is_given) adhesion[2] = of(m_.given_adhesion, k);
-        }
-        ChainView<T> view{};
-        view.n = 3;
-        view.x = x, view.v = v, view.mass = mass, view.rest_length = rest_length;
-        view.limit_edge = limit_edge;
-        view.target = target, view.frame = frame, view.core_pull = core, view.push = push;
-        view.saturation = saturation, view.touching = touching, view.phi = phi, view.normal = normal;
-        view.surface_velocity = surface_velocity, view.air = air;
-        if (is_given) view.given_adhesion = adhesion;
-        view.turn = motion.turn, view.turn_center = motion.turn_center, view.drift = motion.drift;
-        if (has<CurlPush>(set)) view.chord = at_[cell(g, m_.n - 1)] - at_[cell(g, 0)];
-        assemble_present(set, view, {scheme.h, e.force, e.diagonal, e.upper1, e.upper2},
-                         std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
-        return e;
+            w.frame[0] = frame_[k - 2], w.frame[1] = frame_[k - 1], w.target[1] = of(m_.target, k - 1);
+        if (has<Core>(set)) w.core[1] = core_[k - 1];
+        if (has<StrainLimit>(set)) w.limit_edge[1] = limit_edge_[k - 1];
+        if (has<CurlPush>(set)) w.chord = at_[cell(g, m_.n - 1)] - at_[cell(g, 0)];
+        w.saturation[2] = parts_.sees_water(set) ? of(m_.saturation, k) : T(0);
+        parts_.fill(set, motion, place(k), w);
+        return parts_.element(set, motion, scheme, w);
     }
     // The rows of strands that are to be solved. From the tips, so that a row is set by the first element
     // that reaches it; elements that share one take turns.
@@ -386,7 +327,7 @@ class StrandStep {
             const int job = begin + team_.thread, g = int((float(job) + 0.5f) / float(span)),
                       j = n - 1 - (job - g * span);
             const bool mine = job < count_ * span && is(solved, g);
-            Element e;
+            Element<T> e;
             if (mine) {
                 e = element(set, motion, scheme, g, j);
                 system_.set_row(g, j - 2, e.diagonal[0], e.force[0], e.upper1[0], e.upper2[0]);
@@ -410,23 +351,14 @@ class StrandStep {
                 return;
             }
             const int k = cell(g, i);
-            const T mass = mass_[k];
-            const V v = rate_[k];
-            V force = r + mass * k_.gravity;
-            Sym3<T> diagonal = identity_times(mass);
-            if (set.has(present::given) && m_.given_force) {
-                force += of(m_.given_force, k);
-                if (m_.given_stiffness) {
-                    const T stiffness = of(m_.given_stiffness, k);
-                    force -= stiffness * (at_[k] - scheme.predicted(x_[k], x_before_[k], v_[k]));
-                    diagonal += identity_times(scheme.h * scheme.h * stiffness);
-                }
-            }
-            r = scheme.right_side(mass, v_[k], v_before_[k], v, force);
+            const Particle<T> p = particle(k);
+            Sym3<T> diagonal = identity_times(T(0));
+            r = parts_.own_row(set, scheme, place(k), p, r, diagonal);
             if (i < 4)
                 r -= system_.known_part(g, i, known(motion, scheme, g, 0), known(motion, scheme, g, 1));
             const T pushed = set.has(present::contact) ? pushed_[k] : T(0);
-            if (pushed > 0) add_hold(hold_of(k, motion, scheme, pushed), scheme.h, v, diagonal, r);
+            if (pushed > 0)
+                add_hold(parts_.hold_of(motion, scheme, p, pushed), scheme.h, p.rate, diagonal, r);
             system_.add_diagonal(g, i, diagonal);
         });
     }
@@ -459,7 +391,7 @@ class StrandStep {
                                       .unsettled(edge_at(k - 1) + way, limit_edge_[k - 1], rest) > 0)
                     seen |= limit_moved;
                 if (holds && contacts && pushed_[k] != 0) {
-                    Hold<T> hold = hold_of(k, motion, scheme, pushed_[k]);
+                    Hold<T> hold = parts_.hold_of(motion, scheme, particle(k), pushed_[k]);
                     if (weigh_again(scheme.h, system_.right(g, i), hold) > 0)
                         pushed_[k] = -pushed_[k], seen |= hold_changed;
                 }
@@ -496,25 +428,12 @@ class StrandStep {
             V x = i < 2 ? placed_root(motion, g, i) : expected + scheme.h * d, v = rate_[k] + d;
             if (has<StrainLimit>(set) && i >= 2)
                 limited += get<StrainLimit>(k_.rules.terms).holds(limit_edge_[k - 1], rest_length_[k - 1]);
-            if (has<Adhesion>(set)) {
-                T phi;
-                V normal, surface_velocity;
-                nearest(set, motion, k, expected, phi, normal, surface_velocity);
-                T& touching = m_.touching[first_ * size_t(m_.n) + size_t(k)];
-                touching = updated_touching(touching, phi, T(get<Adhesion>(k_.rules.terms).h_a));
-            }
-            if (set.has(present::contact) && i >= 2) {
-                const T pushed_before = pushed_[k];
-                // Where forces were taken once the gap tells which particles no surface can have met.
-                if (pushed_before != 0 || is(looked_anew, g) || !(gap_[k] - scheme.h * norm(d) > T(1e-6))) {
-                    T pushed = pushed_before > 0
-                                   ? pushed_by(hold_of(k, motion, scheme, pushed_before), scheme.h, d)
-                                   : T(0);
-                    for (const auto& solid : motion)
-                        resolve_contact(solid, T(0), solid.attached ? rest_depth(k) : T(0), k_.dt, mass_[k],
-                                        pushed, x, x_[k], v, v_[k]);
-                    pushed_[k] = pushed;
-                }
+            if (has<Adhesion>(set)) parts_.touch(set, motion, place(k), expected);
+            if (set.has(present::contact) && i >= 2 &&
+                parts_.may_meet(scheme, is(looked_anew, g), pushed_[k], gap_[k], d)) {
+                Particle<T> p = particle(k);
+                parts_.meet(motion, scheme, d, p, pushed_[k], x, v);
+                x_[k] = p.x, v_[k] = p.v;
             }
             x_before_[k] = x, v_before_[k] = v;
         });
@@ -528,6 +447,7 @@ class StrandStep {
 
     const StrandMemory<T>& m_;
     const ChainConstants<T>& k_;
+    const StrandParts<T> parts_;
     Team team_;
     int count_;
     size_t first_;

@@ -19,8 +19,8 @@ class Cuda : public ::testing::Test {
         if (cuda_devices(&reason).empty()) GTEST_SKIP() << "SKIP: no CUDA device (" << reason << ")";
     }
     static RunFrame on_device(const Scene& scene, int frames, const std::string& precision = "float",
-                              bool by_reference = false) {
-        const auto simulation = make_cuda_simulation(scene, precision, 0, by_reference);
+                              Stepping stepping = Stepping::chosen) {
+        const auto simulation = make_cuda_simulation(scene, precision, 0, stepping);
         for (int f = 0; f < frames; ++f) simulation->advance();
         EXPECT_FALSE(simulation->divergence());
         RunFrame frame;
@@ -118,7 +118,7 @@ TEST_F(Cuda, a_run_repeats_to_the_bit) {
 TEST_F(Cuda, frames_that_are_not_shown_change_none_that_are) {
     for (const auto& c : cases()) {
         const Scene scene = scene_of(c.text, c.set);
-        const auto simulation = make_cuda_simulation(scene, "float", 0, false);
+        const auto simulation = make_cuda_simulation(scene, "float", 0);
         RunFrame some, before;
         for (int f = 1; f <= 6; ++f) {
             simulation->advance(f == 2 || f == 6);
@@ -224,6 +224,25 @@ TEST_F(Cuda, what_acts_on_all_strands_at_once_does_what_it_does_on_the_cpu) {
     }
 }
 
+// As where strands are many.
+TEST_F(Cuda, steps_a_strand_a_thread_are_the_cpus) {
+    for (const auto& c : cases()) {
+        SCOPED_TRACE(c.name);
+        const Scene scene = scene_of(c.text, c.set);
+        const int frames = c.creases ? 1 : 8;
+        const RunFrame wanted = after(scene, frames, "double"),
+                       got = on_device(scene, frames, "double", Stepping::by_lanes);
+        EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
+        EXPECT_EQ(got.contact, wanted.contact);
+        const RunFrame a = on_device(scene, 8, "float", Stepping::by_lanes),
+                       b = on_device(scene, 8, "float", Stepping::by_lanes);
+        EXPECT_TRUE(same_bits(a.positions, b.positions));
+        EXPECT_LT(strands_astray(on_device(scene, 1, "float", Stepping::by_lanes).positions,
+                                 on_device(scene, 1).positions, c.creases ? 1e-4 : 3e-6),
+                  9);
+    }
+}
+
 // The strands of a block share its launches, and no strand another's numbers.
 TEST_F(Cuda, steps_by_the_cpus_own_pass_are_the_cpus) {
     for (const auto& c : cases()) {
@@ -231,11 +250,11 @@ TEST_F(Cuda, steps_by_the_cpus_own_pass_are_the_cpus) {
         const Scene scene = scene_of(c.text, c.set);
         const int frames = c.creases ? 1 : 8;
         const RunFrame wanted = after(scene, frames, "double"),
-                       got = on_device(scene, frames, "double", true);
+                       got = on_device(scene, frames, "double", Stepping::by_reference);
         EXPECT_LT(farthest(got.positions, wanted.positions), 1e-7);
         EXPECT_EQ(got.contact, wanted.contact);
-        EXPECT_LT(strands_astray(on_device(scene, 1, "float", true).positions, on_device(scene, 1).positions,
-                                 c.creases ? 1e-4 : 3e-6),
+        EXPECT_LT(strands_astray(on_device(scene, 1, "float", Stepping::by_reference).positions,
+                                 on_device(scene, 1).positions, c.creases ? 1e-4 : 3e-6),
                   9);
     }
 }

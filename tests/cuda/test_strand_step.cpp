@@ -1,5 +1,6 @@
 // The device's steps run on the host by a team of one, against the reference passes.
 #include "cuda/chain_setup.h"
+#include "cuda/lane_step.h"
 #include "solver/chain_state.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
@@ -9,50 +10,92 @@ namespace {
 
 using namespace testing;
 
-// A scene in the host's memory, stepped.
-template <class T, class Set>
-Strands stepped(const Scene& scene, const Set& set, int frames) {
-    ChainState<T> state(scene);
-    auto of = [](auto& buffer) { return buffer.empty() ? nullptr : buffer.data(); };
+// A scene in the host's memory, and its motion over some frames.
+template <class T>
+struct OnHost {
+    const Scene& scene;
+    ChainState<T> state;
     StrandMemory<T> memory{};
-    memory.n = state.n, memory.strands = state.strands;
-    memory.x = of(state.x), memory.x_before = of(state.x_before);
-    memory.v = of(state.v), memory.v_before = of(state.v_before);
-    memory.touching = of(state.touching), memory.pushed = of(state.pushed), memory.frame = of(state.frame);
-    memory.root = of(state.root), memory.target = of(state.target), memory.push = of(state.push);
-    memory.mass = of(state.mass), memory.rest_length = of(state.rest_length);
-    memory.rest_core = of(state.rest_core), memory.saturation = of(state.saturation);
-    memory.rest_depth = of(state.rest_depth);
-    const int substeps = frames * scene.integrator.substeps;
-    const double dt = 1 / (scene.fps * scene.integrator.substeps);
-    const ChainConstants<T> constants = chain_constants<T>(scene, dt);
+    ChainConstants<T> constants;
     std::vector<ShapeView> shapes;
-    for (const auto& solid : scene.solids) shapes.push_back(view_of(solid.shape));
     std::vector<SubstepMotion<T>> motion;
     std::vector<DeviceSolid<T>> solids;
-    for (int k = 0; k < substeps; ++k) {
-        const auto p = placement_at<T>(scene, (k + 1) * dt, dt);
-        motion.push_back(substep_motion(p, shapes.data(), nullptr, solids));
-    }
-    for (int k = 0; k < substeps; ++k) motion[size_t(k)].solids = solids.data() + size_t(k) * shapes.size();
 
+    OnHost(const Scene& s, int frames)
+        : scene(s), state(s), constants(chain_constants<T>(s, 1 / (s.fps * s.integrator.substeps))) {
+        auto of = [](auto& buffer) { return buffer.empty() ? nullptr : buffer.data(); };
+        memory.n = state.n, memory.strands = state.strands;
+        memory.x = of(state.x), memory.x_before = of(state.x_before);
+        memory.v = of(state.v), memory.v_before = of(state.v_before);
+        memory.touching = of(state.touching), memory.pushed = of(state.pushed),
+        memory.frame = of(state.frame);
+        memory.root = of(state.root), memory.target = of(state.target), memory.push = of(state.push);
+        memory.mass = of(state.mass), memory.rest_length = of(state.rest_length);
+        memory.rest_core = of(state.rest_core), memory.saturation = of(state.saturation);
+        memory.rest_depth = of(state.rest_depth);
+        const size_t substeps = size_t(frames * scene.integrator.substeps);
+        const double dt = 1 / (scene.fps * scene.integrator.substeps);
+        for (const auto& solid : scene.solids) shapes.push_back(view_of(solid.shape));
+        for (size_t k = 0; k < substeps; ++k)
+            motion.push_back(substep_motion(placement_at<T>(scene, double(k + 1) * dt, dt), shapes.data(),
+                                            nullptr, solids));
+        for (size_t k = 0; k < substeps; ++k) motion[k].solids = solids.data() + k * shapes.size();
+    }
+    Strands strands() const {
+        Strands out(state.strands, state.n);
+        for (size_t k = 0; k < out.points.size(); ++k) out.points[k] = cast<float>(memory.x[k]);
+        return out;
+    }
+};
+
+// Stepped by a team of one.
+template <class T, class Set>
+Strands stepped(const Scene& scene, const Set& set, int frames) {
+    OnHost<T> host(scene, frames);
+    const auto& m = host.memory;
     const bool limits = scene.term<StrainLimit>().has_value();
     constexpr int together = 3;
     std::vector<typename StrandStep<T>::Flags> flags(together);
     struct alignas(32) Aligned {
         T numbers[32 / sizeof(T)];
     };
-    std::vector<Aligned> room(StrandStep<T>::room(state.n, limits) * together * sizeof(T) / 32 + 1);
-    Strands out(state.strands, state.n);
-    for (int first = 0; first < state.strands; first += together) {
-        StrandStep<T> strands(memory, constants, Team{}, first, std::min(together, state.strands - first),
-                              limits, room[0].numbers, flags.data());
+    std::vector<Aligned> room(StrandStep<T>::room(m.n, limits) * together * sizeof(T) / 32 + 1);
+    for (int first = 0; first < m.strands; first += together) {
+        StrandStep<T> strands(m, host.constants, Team{}, first, std::min(together, m.strands - first), limits,
+                              room[0].numbers, flags.data());
         strands.load(set);
-        for (size_t k = 0; k < size_t(substeps); ++k) strands.step(set, motion[k], k == 0);
+        for (size_t k = 0; k < host.motion.size(); ++k) strands.step(set, host.motion[k], k == 0);
         strands.store(set);
     }
-    for (size_t k = 0; k < out.points.size(); ++k) out.points[k] = cast<float>(memory.x[k]);
-    return out;
+    return host.strands();
+}
+
+// Stepped a strand a lane.
+template <class T, class Set>
+Strands stepped_by_lanes(const Scene& scene, const Set& set, int frames) {
+    OnHost<T> host(scene, frames);
+    const auto& m = host.memory;
+    const LaneNumbers of(scene.chain, !scene.solids.empty());
+    std::vector<T> numbers(of.total(m.n, m.strands), T(NAN));
+    // Calls f(value outside, as lanes hold it from `first` on).
+    auto each = [&](auto* values, const TakenAlong<T>& taken, unsigned first, auto f) {
+        for (int p = 0; values && p < m.strands * m.n; ++p)
+            for (unsigned k = 0; k < taken.numbers; ++k)
+                f(values[unsigned(p) * taken.numbers + k],
+                  numbers[of.place(m.n, p / m.n, p % m.n, first + k)]);
+    };
+    const bool odd = host.motion.size() % 2;
+    for_each_taken_along(m, of, odd, [&](const TakenAlong<T>& t) {
+        each(t.values, t, t.first, [](const T& outside, T& inside) { inside = outside; });
+    });
+    for (int s = 0; s < m.strands; ++s) {
+        LaneStep<T> strand(m, host.constants, of, numbers.data(), s);
+        for (size_t k = 0; k < host.motion.size(); ++k) strand.step(set, host.motion[k], k == 0);
+    }
+    for_each_taken_along(m, of, odd, [&](const TakenAlong<T>& t) {
+        each(t.changed, t, t.after, [](T& outside, const T& inside) { outside = inside; });
+    });
+    return host.strands();
 }
 
 struct Case {
@@ -129,6 +172,16 @@ TEST(StrandStep, does_what_the_reference_passes_do) {
         ASSERT_GT(farthest(wanted, scene.groom.rest), 1e-3) << c.name;
         // The whip of a chain without bends magnifies rounding.
         EXPECT_LT(farthest(stepped<double>(scene, AnySet{set_of(scene)}, 4), wanted), 1e-6) << c.name;
+    }
+}
+
+TEST(LaneStep, does_what_the_reference_passes_do) {
+    for (const auto& c : cases()) {
+        const Scene scene = scene_of(c.text, c.set);
+        const Strands wanted = after(scene, 4, "double").positions;
+        ASSERT_GT(farthest(wanted, scene.groom.rest), 1e-3) << c.name;
+        EXPECT_LT(farthest(stepped_by_lanes<double>(scene, AnySet{set_of(scene)}, 4), wanted), 1e-6)
+            << c.name;
     }
 }
 
