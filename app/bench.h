@@ -78,7 +78,10 @@ struct Workload {
     int particles = 100;  // a strand
     int strands() const { return across * along; }
 };
-Scene scene_of(const Workload& w, bool wet, const std::vector<std::string>& set = {});
+// Every `stride`-th root each way.
+Scene scene_of(const Workload& w, bool wet, const std::vector<std::string>& set = {}, int stride = 1);
+// The lines of whole_frames.
+std::vector<std::string> names_of(const Workload& w, bool wet);
 // A line for the frame and for each of its stages. `with_error`: beside the reference.
 std::vector<Line> whole_frames(const Workload& w, bool wet, const std::string& device, bool with_error);
 // A point for each number of substeps. `integrator` and `precision` as a scene and --precision name them.

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "app/bench.h"
+#include "app/device.h"
 #include "app/learned_hair.h"
 #include "learn/network_module.h"
 #include "solver/plan.h"
@@ -19,44 +20,83 @@ namespace {
 // Dry strands of every second root each way.
 const Workload workloads[] = {{64, 32, 0.0042, 0}, {220, 180, 0.0012, 0}};
 
-// The frame as it lies in the memory that the network reads and writes.
-class Frame {
+// A network on the workload's hair, in and out where it computes.
+class LearnedHair {
   public:
-    Frame(LearnedStrands& learned, const Strands& low, size_t out, bool on_device) {
-        if (!on_device) {
-            low_ = low.points, out_.resize(out);
-            learned.bind(low_.data(), out_.data());
-            return;
-        }
+    LearnedHair(const Workload& w, const std::string& model, const std::string& device, int threads)
+        : high_(scene_of(w, true)),
+          low_(scene_of(w, false, {}, 2)),
+          device_(device),
+          learned_(learned_strands_of(model, high_, high_.title, low_.groom, device, threads)) {}
+
+    const Strands& high() const { return high_.groom.rest; }
+    const Scene& low() const { return low_; }
+    // Of strands that hang at rest.
+    Times at_rest() {
+        low_points_ = low_.groom.rest.points;
+        const Vec3f* low = low_points_.data();
 #ifdef WETCURL_HAVE_CUDA
-        device_low_ = DeviceBuffer<Vec3f>(low.points), device_out_ = DeviceBuffer<Vec3f>(out);
-        learned.bind(device_low_.data(), device_out_.data(), true);
+        if (on_device()) low = (device_low_ = DeviceBuffer<Vec3f>(low_points_)).data();
 #endif
+        bind(low);
+        return repeated([&] { return [&] { learned_->run(HeadWindow()); }; });
     }
+    // Of strands that are simulated, dry, before each frame: read where they are.
+    Times simulated() {
+        const auto simulation = make_simulation_on(device_, low_, "float");
+        RunFrame frame;
+        simulation->snapshot(frame);
+        low_points_ = frame.positions.points;
+        bind(on_device() ? simulation->positions_on_device() : low_points_.data());
+        return repeated([&] {
+            return [&] {
+                simulation->advance();
+                if (!on_device()) {
+                    simulation->snapshot(frame);
+                    std::copy(frame.positions.points.begin(), frame.positions.points.end(),
+                              low_points_.begin());
+                }
+                learned_->run(HeadWindow());
+            };
+        });
+    }
+    size_t parameters() const { return size_t(learned_->card().parameters); }
 
   private:
-    std::vector<Vec3f> low_, out_;
+    bool on_device() const { return device_ != "cpu"; }
+    void bind(const Vec3f* low) {
+        const size_t count = high().points.size();
+        if (!on_device()) {
+            out_.resize(count);
+            learned_->bind(low, out_.data());
+        }
+#ifdef WETCURL_HAVE_CUDA
+        if (on_device())
+            learned_->bind(low, (device_out_ = DeviceBuffer<Vec3f>(count)).data(), /*on_device=*/true);
+#endif
+        learned_->run(HeadWindow());  // the second one captures
+    }
+
+    Scene high_, low_;
+    std::string device_;
+    std::unique_ptr<LearnedStrands> learned_;
+    std::vector<Vec3f> low_points_, out_;
 #ifdef WETCURL_HAVE_CUDA
     DeviceBuffer<Vec3f> device_low_, device_out_;
 #endif
 };
 
 Line learned_frame(const Workload& w, const std::string& model, const std::string& name,
-                   const std::string& device, int threads) {
-    const Scene high = scene_of(w, true);
-    const Groom low = coarsened(high.groom, 2);
-    const auto learned = learned_strands_of(model, high, high.title, low, device, threads);
-    const Strands& shape = high.groom.rest;
-    const Frame frame(*learned, low.rest, shape.points.size(), device != "cpu");
-    const HeadWindow heads;
-    learned->run(heads);  // the second one captures
+                   const std::string& device, int threads, bool simulated) {
+    LearnedHair hair(w, model, device, threads);
+    const Strands& shape = hair.high();
     Line line;
     line.name = name, line.series = name.substr(0, name.find(',')) + name.substr(name.rfind(','));
     line.size = shape.count, line.item = "particle", line.items = double(shape.points.size());
-    line.bytes = line.items * sizeof(Vec3f) + double(low.rest.points.size()) * sizeof(Vec3f);
-    line.operations = 2.0 * double(learned->card().parameters) * shape.count;
+    line.bytes = sizeof(Vec3f) * (line.items + double(hair.low().groom.rest.points.size()));
+    line.operations = 2.0 * double(hair.parameters()) * shape.count;
     line.strands = shape.count, line.particles = shape.particles;
-    line.seconds = repeated([&] { return [&] { learned->run(heads); }; });
+    line.seconds = simulated ? hair.simulated() : hair.at_rest();
     return line;
 }
 
@@ -65,19 +105,33 @@ Line learned_frame(const Workload& w, const std::string& model, const std::strin
 std::vector<Entry> learned_entries(const std::vector<std::string>& models, const std::string& device,
                                    int threads) {
     std::vector<Entry> out;
+    // What they stand in for, where no other entry is that.
+    const Workload& large = workloads[1];
+    if (!models.empty())
+        out.push_back({names_of(large, true), "wet frame",
+                       [=](Results& results) {
+                           const auto lines = whole_frames(large, true, device, false);
+                           results.lines.insert(results.lines.end(), lines.begin(), lines.end());
+                       },
+                       ""});
     for (const auto& model : models)
         for (const Workload& w : workloads) {
             // After other networks Eq 10 follows, which is not of this frame.
             const bool whole = network_module().card(model).target == "displayed";
-            const std::string name =
-                fmt::format("learned frame{}, {} strands, {}", whole ? "" : " before cohesion", w.strands(),
-                            std::filesystem::path(model).stem().string());
-            out.push_back({{name},
-                           "learned frame",
-                           [=](Results& results) {
-                               results.lines.push_back(learned_frame(w, model, name, device, threads));
-                           },
-                           ""});
+            for (bool simulated : {false, true}) {
+                if (simulated && !whole) continue;
+                const std::string name =
+                    fmt::format("{}learned frame{}, {} strands, {}", simulated ? "simulated and " : "",
+                                whole ? "" : " before cohesion", w.strands(),
+                                std::filesystem::path(model).stem().string());
+                out.push_back({{name},
+                               "learned frame",
+                               [=](Results& results) {
+                                   results.lines.push_back(
+                                       learned_frame(w, model, name, device, threads, simulated));
+                               },
+                               ""});
+            }
         }
     return out;
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/device.h"
 #include "app/learned_hair.h"
 #include "app/results.h"
 #include "base/interrupt.h"
@@ -245,7 +246,8 @@ SimulateOptions simulation_of(const InferOptions& o) {
 void simulate_low(InferOptions& o, const Scene& low, bool wet) {
     SimulateOptions run = simulation_of(o);
     run.json.clear();
-    run.device = "cpu";  // the network's alone
+    // A program built without the solver's CUDA backend may still have a network there.
+    if (names_of_cuda_devices().empty()) run.device = "cpu";
     run.output = o.output + (wet ? ".wet.h5" : ".dry.h5");
     run.dry = !wet;
     run.strands = low.groom.rest.count;

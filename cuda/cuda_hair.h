@@ -91,6 +91,7 @@ class CudaHair {
     void run(const std::vector<Placement<T>>& path, const GivenToChain<T>& given, bool ends_frame);
     void show(double time, const MovingGrid* surfaces);
     const Strands& seen() const;
+    const Vec3f* positions_on_device() const { return positions_.data(); }
     void begin_record(RunFrame& frame);
     void finish_record(RunFrame& frame) const { record_->finish(frame); }
 

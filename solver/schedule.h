@@ -41,6 +41,7 @@ class SimulationOf final : public Simulation {
                : between_strands_ ? between_strands_->neighbours_mean()
                                   : 0;
     }
+    const Vec3f* positions_on_device() const override { return hair_.positions_on_device(); }
     long limited_edges() const override { return hair_.limited_edges(); }
     std::optional<WaterBalance> water() const override {
         return water_ ? std::optional(water_->flow().water()) : std::nullopt;

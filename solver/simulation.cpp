@@ -57,6 +57,7 @@ class CpuHair : public ChainStepper<T> {
         if (!display_) positions(seen_);
         return seen_;
     }
+    const Vec3f* positions_on_device() const { return nullptr; }
     // Positions, what is displayed, energy and contact: here all of it is at hand at once.
     void begin_record(RunFrame& frame) {
         positions(frame.positions);

@@ -41,6 +41,10 @@ class Simulation {
     virtual std::optional<Divergence> divergence() const = 0;
     virtual BufferList buffers() const = 0;
     virtual double neighbours_mean() const = 0;
+    // Where a device keeps the positions (strand, particle) [m] of the frame shown last, the same place as
+    // long as the simulation lives: whoever reads them there must be through when the next frame begins.
+    // null: on the CPU.
+    virtual const Vec3f* positions_on_device() const { return nullptr; }
     virtual long limited_edges() const = 0;  // by the strain limiter, so far
     virtual void use_adhesion_model(AdhesionModel* model) = 0;
     // Of the flow, where the scene has one.
