@@ -297,7 +297,7 @@ std::vector<Entry> frame_entries(const std::string& device) {
     const int most_with_error = device == "cpu" ? 512 : 9900;
     for (bool wet : {true, false})
         for (Workload w : workloads) {
-            if (device != "cpu") w.settle = fixed.settle;  // of many strands hours on a CPU, seconds there
+            if (device != "cpu") w.settle = fixed.settle;  // minutes on a CPU, seconds there
             auto measure = [w, wet, device, most_with_error](Results& out) {
                 if (!fits(w)) return;
                 const auto lines = whole_frames(w, wet, device, w.strands() <= most_with_error);

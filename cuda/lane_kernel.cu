@@ -86,7 +86,7 @@ void launch_lanes(const ChainLaunch<T>& launch, cudaStream_t stream) {
     auto for_each = [&](auto f) { for_each_taken_along(m, launch.lanes, launch.substeps % 2, f); };
     auto grid = [&](const TakenAlong<T>& t) { return dim3(groups, tiles(unsigned(m.n) * t.numbers)); };
     for_each([&](const TakenAlong<T>& t) {
-        if (t.values) take_along<<<grid(t), warp, 0, stream>>>(t, m.n, m.strands, launch.lanes, launch.room);
+        take_along<<<grid(t), warp, 0, stream>>>(t, m.n, m.strands, launch.lanes, launch.room);
     });
     with_set(launch.set, [&](auto set) { run_lanes<<<groups, warp, 0, stream>>>(launch, set); });
     for_each([&](const TakenAlong<T>& t) {

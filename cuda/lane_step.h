@@ -14,6 +14,7 @@ namespace wetcurl {
 // begin what; what the scene has not has no place.
 struct LaneNumbers {
     static constexpr int lanes = 32;
+    static constexpr unsigned nowhere = ~0u;
     unsigned at = 0, rate = 0, v = 0, v_before = 0, x = 0, x_before = 0, frame = 0, pushed = 0;
     unsigned mass = 0, rest_length = 0, target = 0, rest_core = 0, saturation = 0, rest_depth = 0, gap = 0,
              twist = 0, core = 0, limit_edge = 0;
@@ -23,7 +24,7 @@ struct LaneNumbers {
     LaneNumbers() = default;
     LaneNumbers(const ChainTerms& terms, bool contact) {
         auto take = [&](unsigned& first, unsigned numbers, bool needed) {
-            first = count;
+            first = needed ? count : nowhere;
             count += needed ? numbers : 0;
         };
         const bool bends = named<Bend>(terms), cores = named<Core>(terms);
@@ -54,22 +55,24 @@ struct LaneNumbers {
 // A buffer of the strands that lanes take along.
 template <class T>
 struct TakenAlong {
-    const T* values;   // (strand, particle); null where the scene has none
-    T* changed;        // the same where substeps change them
+    const T* values;   // (strand, particle)
+    T* changed;        // the same where substeps change them; else null
     unsigned first;    // which of a particle's numbers they become
     unsigned after;    // which it is after an even or `odd` number of substeps
     unsigned numbers;  // of a particle
 };
-// Calls f(TakenAlong) for each.
+// Calls f(TakenAlong) for each that there is, and a place for it.
 template <class T, class F>
 void for_each_taken_along(const StrandMemory<T>& m, const LaneNumbers& of, bool odd, F f) {
     auto state = [&](auto* values, unsigned first, unsigned after) {
         T* plain = reinterpret_cast<T*>(values);
-        f(TakenAlong<T>{plain, plain, first, after, unsigned(sizeof *values / sizeof(T))});
+        if (plain && first != LaneNumbers::nowhere)
+            f(TakenAlong<T>{plain, plain, first, after, unsigned(sizeof *values / sizeof(T))});
     };
     auto constant = [&](const auto* values, unsigned first) {
-        f(TakenAlong<T>{reinterpret_cast<const T*>(values), nullptr, first, first,
-                        unsigned(sizeof *values / sizeof(T))});
+        if (values && first != LaneNumbers::nowhere)
+            f(TakenAlong<T>{reinterpret_cast<const T*>(values), nullptr, first, first,
+                            unsigned(sizeof *values / sizeof(T))});
     };
     state(m.x, of.x, odd ? of.x_before : of.x), state(m.x_before, of.x_before, odd ? of.x : of.x_before);
     state(m.v, of.v, odd ? of.v_before : of.v), state(m.v_before, of.v_before, odd ? of.v : of.v_before);
