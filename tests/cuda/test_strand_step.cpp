@@ -165,6 +165,72 @@ TEST(StrandSystem, solves_every_length) {
     }
 }
 
+// Against Thomas's elimination, for rows that lean on nothing but their neighbours and such that do.
+TEST(StrandSweeps, solve_for_twists_of_every_length) {
+    Random random(5);
+    for (int n = 1; n < 120; ++n)
+        for (double most : {0.0, 2.0}) {
+            std::vector<TwistRow<double>> rows(size_t(n) + 1, {NAN, NAN, NAN, NAN});
+            double after = 0;
+            for (int i = 1; i <= n; ++i) {
+                const double before = after;
+                after = i < n ? random.number(0.5, 2) : 0;
+                // The root holds the first.
+                rows[size_t(i)] = {before, after, random.number(0, most) + (i == 1 ? 1 : 0),
+                                   random.number(-1, 1)};
+            }
+            std::vector<TwistShare<double>> shares(size_t(n) + 1, {NAN, NAN, NAN, NAN});
+            const TwistPieces<double> pieces(rows.data(), shares.data(), n);
+            for (int piece = 0; piece < pieces.pieces(); ++piece) pieces.eliminate(piece);
+            pieces.solve();
+            double largest = 0;
+            for (int i = 1; i <= n; ++i) {
+                const auto& row = rows[size_t(i)];
+                double left = (row.before + row.after + row.excess) * pieces.turn(i) - row.right;
+                if (i > 1) left -= row.before * pieces.turn(i - 1);
+                if (i < n) left -= row.after * pieces.turn(i + 1);
+                largest = std::max(largest, std::abs(pieces.turn(i)));
+                EXPECT_LT(std::abs(left), 1e-11) << "row " << i << " of " << n;
+            }
+            EXPECT_GT(largest, 1e-3);
+        }
+}
+
+TEST(StrandSweeps, filter_every_length_and_back) {
+    Random random(6);
+    for (int n : {1, 2, 3, 4, 5, 31, 99, 128, 129, 300}) {
+        const double beta = 0.12, q = 1 - beta;
+        std::vector<Vec3d> value;
+        for (int i = 0; i < n; ++i) value.push_back(random.vector(1));
+        const FilterPieces pieces(n);
+        EXPECT_LE(pieces.pieces, 32);
+        for (bool back : {false, true}) {
+            std::vector<FilterState<double>> of(size_t(pieces.pieces));
+            auto sweep = [&](int piece, FilterState<double> state, auto visit) {
+                const int begin = pieces.begin(piece), end = pieces.end(piece);
+                for (int k = begin; k < end; ++k) {
+                    const int i = back ? begin + end - 1 - k : k;
+                    state.take(q, value[size_t(i)]);
+                    visit(i, state);
+                }
+                return state;
+            };
+            for (int p = 0; p < pieces.pieces; ++p) of[size_t(p)] = sweep(p, {}, [](int, const auto&) {});
+            EdgeFilterAdjoint<double> reference(beta);  // from zero, and so either way
+            std::vector<Vec3d> wanted(value.size());
+            for (int k = 0; k < n; ++k) {
+                const int i = back ? n - 1 - k : k;
+                wanted[size_t(i)] = reference(value[size_t(i)]);
+            }
+            for (int p = 0; p < pieces.pieces; ++p)
+                sweep(p, pieces.before(p, back, q, of.data()), [&](int i, const auto& state) {
+                    EXPECT_LT(norm(beta * beta * state.twice - wanted[size_t(i)]), 1e-13) << i << " of " << n;
+                });
+            EXPECT_GT(norm(wanted[size_t(back ? 0 : n - 1)]), 1e-3);
+        }
+    }
+}
+
 TEST(StrandStep, does_what_the_reference_passes_do) {
     for (const auto& c : cases()) {
         const Scene scene = scene_of(c.text, c.set);
