@@ -5,6 +5,7 @@
 
 #include "cuda/rates.h"
 #include "cuda/simulation.h"
+#include "solver/couplings/forces_on_strands.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {
@@ -221,6 +222,46 @@ TEST_F(Cuda, what_acts_on_all_strands_at_once_does_what_it_does_on_the_cpu) {
         EXPECT_EQ(got.stage_seconds.size(), wanted.stage_seconds.size());
         for (size_t k = 0; k < got.energy.size(); ++k)
             EXPECT_NEAR(got.energy[k], wanted.energy[k], 1e-3 * std::abs(wanted.energy[k]) + 1e-9) << k;
+    }
+}
+
+// A frame as one graph, substep by substep, from a settled state, by the CPU's own pass.
+TEST_F(Cuda, strands_on_each_other_do_the_same_however_they_are_run) {
+    const Scratch scratch;
+    for (const auto& c : coupled(scratch)) {
+        SCOPED_TRACE(c.name);
+        const Scene scene = scene_of(c.text, c.set);
+        if (!scene.strand_contact && !has_particle_forces(scene)) continue;
+        const RunFrame one = on_device(scene, 4), again = on_device(scene, 4);
+        EXPECT_TRUE(same_bits(one.positions, again.positions));
+        EXPECT_EQ(one.energy, again.energy);
+        const auto unseen = make_cuda_simulation(scene, "float", 0);
+        for (int f = 1; f <= 4; ++f) unseen->advance(f == 4);
+        RunFrame last;
+        unseen->snapshot(last);
+        EXPECT_TRUE(same_bits(one.positions, last.positions));
+        EXPECT_EQ(one.energy, last.energy);
+
+        auto set = c.set;
+        set.push_back("integrator.settle=0.1");
+        const Scene settled = scene_of(c.text, set);
+        const auto cpu = make_simulation(settled, "double");
+        for (bool by_reference : {false, true}) {
+            const auto gpu = make_cuda_simulation(settled, "double", 0, by_reference);
+            if (!by_reference)
+                for (int f = 0; f < 4; ++f) cpu->advance();
+            for (int f = 0; f < 4; ++f) gpu->advance();
+            RunFrame wanted, got;
+            cpu->snapshot(wanted), gpu->snapshot(got);
+            ASSERT_GT(farthest(wanted.positions, settled.groom.rest), 1e-4);
+            EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
+            // The CPU's contact counts those within its lists' margin too.
+            EXPECT_GT(gpu->neighbours_mean(), 0);
+            EXPECT_LT(gpu->neighbours_mean(), 1.02 * cpu->neighbours_mean());
+            if (!scene.strand_contact) {
+                EXPECT_GT(gpu->neighbours_mean(), 0.98 * cpu->neighbours_mean());
+            }
+        }
     }
 }
 
