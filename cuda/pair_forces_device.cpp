@@ -36,23 +36,23 @@ PairMemory ForcesDevice<T>::pairs_within(double radius) {
     return {search_->view(), point_.data(), nullptr, nullptr};
 }
 template <class T>
-Pulls ForcesDevice<T>::pulls_of(const Cohesion& method) {
+AnyPulls ForcesDevice<T>::pulls_of(const Cohesion& method) {
     return StrandPulls<CohesionPairs>{{method}, pairs_within(method.h_c)};
 }
 template <class T>
-Pulls ForcesDevice<T>::pulls_of(const Lin2015& method) {
+AnyPulls ForcesDevice<T>::pulls_of(const Lin2015& method) {
     return StrandPulls<LinPairs>{{method, take({akinci2013::adhesion_kernel, method.h})},
                                  pairs_within(method.h)};
 }
 template <class T>
-Pulls ForcesDevice<T>::pulls_of(const Kim2016& method) {
+AnyPulls ForcesDevice<T>::pulls_of(const Kim2016& method) {
     PairMemory memory = pairs_within(method.h);
     density_ = DeviceBuffer<double>(x_.size()), normal_ = DeviceBuffer<Vec3d>(x_.size());
     memory.density = density_.data(), memory.normal = normal_.data();
     return StrandPulls<KimPairs>{{method, take({akinci2013::cohesion_kernel, method.h})}, memory};
 }
 template <class T>
-Pulls ForcesDevice<T>::pulls_of(const BoundaryParticles2013& method) {
+AnyPulls ForcesDevice<T>::pulls_of(const BoundaryParticles2013& method) {
     const Stream stream;
     std::vector<SampledSurface> views;
     for (const auto& solid : scene_.solids) {
@@ -98,9 +98,9 @@ void ForcesDevice<T>::upload_motion(cudaStream_t stream) const {
 
 // Pulls of particles where the scheme expects them, where they are without one, and of solids of the slot.
 template <class T>
-Pulls ForcesDevice<T>::seen(const StrandMemory<T>& memory, const Bdf2<T>* scheme, int slot,
-                            cudaStream_t stream) const {
-    Pulls pulls = pulls_;
+AnyPulls ForcesDevice<T>::seen(const StrandMemory<T>& memory, const Bdf2<T>* scheme, int slot,
+                               cudaStream_t stream) const {
+    AnyPulls pulls = pulls_;
     launch_sight(memory, scheme, x_.data(), near_.data(), stream);
     if (search_) search_->launch(near_.data(), stream);
     std::visit(

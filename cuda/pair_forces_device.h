@@ -45,11 +45,11 @@ class ForcesDevice {
   private:
     akinci2013::KernelTable take(const akinci2013::KernelSum& sum);
     PairMemory pairs_within(double radius);
-    Pulls pulls_of(const Cohesion& method);
-    Pulls pulls_of(const Lin2015& method);
-    Pulls pulls_of(const Kim2016& method);
-    Pulls pulls_of(const BoundaryParticles2013& method);
-    Pulls seen(const StrandMemory<T>& memory, const Bdf2<T>* scheme, int slot, cudaStream_t stream) const;
+    AnyPulls pulls_of(const Cohesion& method);
+    AnyPulls pulls_of(const Lin2015& method);
+    AnyPulls pulls_of(const Kim2016& method);
+    AnyPulls pulls_of(const BoundaryParticles2013& method);
+    AnyPulls seen(const StrandMemory<T>& memory, const Bdf2<T>* scheme, int slot, cudaStream_t stream) const;
     double energy(const StrandMemory<T>& memory, double time, cudaStream_t stream) const;
 
     const Scene& scene_;
@@ -73,7 +73,7 @@ class ForcesDevice {
     std::optional<PinnedBuffer<Pose>> host_pose_;  // (slot and one for `potential`, surface)
     DeviceBuffer<Pose> pose_;
     DeviceBuffer<double> energy_;  // parts of it [J]
-    Pulls pulls_;
+    AnyPulls pulls_;
 };
 
 extern template class ForcesDevice<float>;

@@ -85,7 +85,7 @@ void launch_points(const PairMemory& memory, const Vec3d* x, const double* mass,
 }
 
 template <class T>
-void launch_pulls(const Pulls& pulls, Vec3<T>* force, T* stiffness, unsigned long long* pairs,
+void launch_pulls(const AnyPulls& pulls, Vec3<T>* force, T* stiffness, unsigned long long* pairs,
                   cudaStream_t stream) {
     std::visit(
         [&](const auto& of) {
@@ -99,7 +99,7 @@ void launch_pulls(const Pulls& pulls, Vec3<T>* force, T* stiffness, unsigned lon
 }
 
 size_t energy_parts(size_t particles) { return blocks_for(particles); }
-void launch_energies(const Pulls& pulls, double* parts, cudaStream_t stream) {
+void launch_energies(const AnyPulls& pulls, double* parts, cudaStream_t stream) {
     std::visit(
         [&](const auto& of) { sum_energies<<<blocks_for(of.count()), threads, 0, stream>>>(of, parts); },
         pulls);
@@ -108,7 +108,7 @@ void launch_energies(const Pulls& pulls, double* parts, cudaStream_t stream) {
 
 template void launch_sight(const StrandMemory<float>&, const Bdf2<float>*, Vec3d*, Vec3f*, cudaStream_t);
 template void launch_sight(const StrandMemory<double>&, const Bdf2<double>*, Vec3d*, Vec3f*, cudaStream_t);
-template void launch_pulls(const Pulls&, Vec3f*, float*, unsigned long long*, cudaStream_t);
-template void launch_pulls(const Pulls&, Vec3d*, double*, unsigned long long*, cudaStream_t);
+template void launch_pulls(const AnyPulls&, Vec3f*, float*, unsigned long long*, cudaStream_t);
+template void launch_pulls(const AnyPulls&, Vec3d*, double*, unsigned long long*, cudaStream_t);
 
 }  // namespace wetcurl

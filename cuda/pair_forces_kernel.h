@@ -10,7 +10,7 @@
 
 namespace wetcurl {
 
-using Pulls =
+using AnyPulls =
     std::variant<StrandPulls<CohesionPairs>, StrandPulls<LinPairs>, StrandPulls<KimPairs>, BoundaryPulls>;
 
 // x (strand, particle) [m]: where the scheme expects particles; where they are without one. `near`: the same
@@ -24,10 +24,10 @@ void launch_points(const PairMemory& memory, const Vec3d* x, const double* mass,
 // -> force [N], stiffness [N/m] (null: none) (strand, particle). Pairs are added to `pairs`, unless it is
 // null.
 template <class T>
-void launch_pulls(const Pulls& pulls, Vec3<T>* force, T* stiffness, unsigned long long* pairs,
+void launch_pulls(const AnyPulls& pulls, Vec3<T>* force, T* stiffness, unsigned long long* pairs,
                   cudaStream_t stream);
 // -> parts (energy_parts) [J], whose sum is the potential.
 size_t energy_parts(size_t particles);
-void launch_energies(const Pulls& pulls, double* parts, cudaStream_t stream);
+void launch_energies(const AnyPulls& pulls, double* parts, cudaStream_t stream);
 
 }  // namespace wetcurl

@@ -39,8 +39,8 @@ struct Cohesion {
             weight += volume * w;
         }
     };
-    // The spring of two particles, r [m] apart: touching ones', both drenched, and theirs, `wet` = sigma_i
-    // sigma_j [N/m]; its energy [J].
+    // The spring [N/m] of two that touch, both drenched; of two that are r [m] apart, `wet` = sigma_i
+    // sigma_j, and their energy [J].
     WETCURL_HD double touching_spring(double m_i, double m_j) const {
         return strength * 2 * m_i * m_j / (m_i + m_j);
     }
