@@ -61,7 +61,7 @@ CellSearch CellSearchDevice::view() const {
             radius_};
 }
 
-void CellSearchDevice::launch(const Vec3f* positions, cudaStream_t stream) {
+void CellSearchDevice::launch(const Vec3f* positions, cudaStream_t stream) const {
     const CellSearch v = view();
     place<<<blocks_for(grid_.cells()), threads, 0, stream>>>(v, positions);
     size_t bytes = sort_memory_.size();

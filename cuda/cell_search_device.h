@@ -15,7 +15,7 @@ class CellSearchDevice {
     // far from it cells are no finer than floats.
     CellSearchDevice(size_t count, int particles, double radius, const Vec3f& origin);
     // Positions (strand, particle) -> what `view` is for.
-    void launch(const Vec3f* positions, cudaStream_t stream);
+    void launch(const Vec3f* positions, cudaStream_t stream) const;
     CellSearch view() const;
     size_t bytes() const;
 

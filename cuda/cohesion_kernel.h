@@ -14,7 +14,8 @@ namespace wetcurl {
 struct FrameReport {
     int diverged = 0x7fffffff;  // first strand that has, if any
     unsigned long long pairs = 0, limited = 0;
-    unsigned long long list_rows = 0;  // that neighbour lists ask for, of 32 entries each
+    unsigned long long pulled = 0, touching = 0;  // pairs of the last substep's forces and contacts
+    unsigned long long list_rows = 0;             // that neighbour lists ask for, of 32 entries each
 };
 
 // Buffers and launches for one scene. Nothing is allocated and nothing read by the host between two calls of

@@ -132,6 +132,16 @@ void CudaHair<T>::take_surfaces(const DeformingSolids& surfaces) {
 }
 
 template <class T>
+void CudaHair<T>::take_couplings(Forces* forces, Touching* touching) {
+    if constexpr (couples) {
+        forces_ = forces, between_strands_ = touching;
+        if (forces) given_force_ = DeviceBuffer<Vec3<T>>(x_.size());
+        if (forces && forces->has_stiffness()) given_stiffness_ = DeviceBuffer<T>(x_.size());
+        if (forces || touching) marks_ = std::vector<Event>(3 * size_t(slots_) + 1);
+    }
+}
+
+template <class T>
 void CudaHair<T>::find_nearest(const Placement<T>& p) {
     const size_t cells = state.x.size();
     nearest_.phi.resize(cells, T(1e9)), nearest_.normal.resize(cells, {T(0), T(1), T(0)});
@@ -199,6 +209,7 @@ void CudaHair<T>::put_motion(int slot, const Placement<T>& p) {
     motion.solids = solids_.data() + begin;
     host_motion_[size_t(slot)] = motion;
     std::copy(solids.begin(), solids.end(), host_solids_.data() + begin);
+    if (forces_) forces_->put_motion(slot, p.begins);
 }
 
 // From page-locked memory, which a graph reads anew each time it is replayed.
@@ -211,26 +222,40 @@ void CudaHair<T>::upload_motion() {
                 "motion");
     };
     copy(motion_, host_motion_), copy(solids_, host_solids_), copy(deforming_, host_deforming_);
+    if (forces_) forces_->upload_motion(stream_.handle);
     check_cuda(cudaMemcpyAsync(report_.data(), host_report_.data(), sizeof(FrameReport),
                                cudaMemcpyHostToDevice, stream_.handle),
                "report");
 }
 
-// The last `substeps` of the motion.
+// The last `substeps` of the motion: at once, or one by one where others act on the strands in each.
 template <class T>
-void CudaHair<T>::launch_chain(int substeps) {
+void CudaHair<T>::launch_substeps(int substeps) {
+    if (!forces_ && !between_strands_) return launch_chain(slots_ - substeps, substeps, first);
+    for (int slot = slots_ - substeps; slot < slots_; ++slot) {
+        const bool begins = always_first() || (first && slot == slots_ - substeps), last = slot + 1 == slots_;
+        const Event* const mark = &marks_[3 * size_t(slot)];
+        FrameReport* const report = report_.data();
+        mark[0].record(stream_.handle);
+        if (forces_)
+            forces_->launch(memory(), {T(dt_), begins, T(predictor_share(scene_))}, slot, given_force_.data(),
+                            given_stiffness_.data(), last ? &report->pulled : nullptr, stream_.handle);
+        mark[1].record(stream_.handle);
+        launch_chain(slot, 1, begins);
+        mark[2].record(stream_.handle);
+        if (between_strands_)
+            between_strands_->launch(memory(), last ? &report->touching : nullptr, stream_.handle);
+    }
+    marks_.back().record(stream_.handle);
+}
+
+template <class T>
+void CudaHair<T>::launch_chain(int slot, int substeps, bool begins) {
     const bool given = given_force_.size() || given_adhesion_.size();
-    const ChainLaunch<T> launch{memory(),
-                                chain_constants<T>(scene_, dt_),
-                                motion_.data() + slots_ - substeps,
-                                substeps,
-                                first,
-                                always_first(),
-                                set_of(scene_, given),
-                                &report_.data()->limited,
-                                room_.data(),
-                                group_,
-                                lanes_};
+    const ChainLaunch<T> launch{
+        memory(),       chain_constants<T>(scene_, dt_), motion_.data() + slot,    substeps,     begins,
+        always_first(), set_of(scene_, given),           &report_.data()->limited, room_.data(), group_,
+        lanes_};
     if (by_reference_)
         launch_reference(launch, stream_.handle);
     else
@@ -257,7 +282,7 @@ template <class T>
 void CudaHair<T>::launch_frame() {
     upload_motion();
     events_[0].record(stream_.handle);
-    launch_chain(slots_);
+    launch_substeps(slots_);
     launch_display();
 }
 
@@ -276,13 +301,14 @@ void CudaHair<T>::run(const std::vector<Placement<T>>& path, const GivenToChain<
         const int substeps = int(std::min(path.size() - done, size_t(slots_)));
         for (int k = slots_ - substeps; k < slots_; ++k) put_motion(k, path[done++]);
         upload_motion();
-        launch_chain(substeps);
+        launch_substeps(substeps);
         first = always_first();
         check_cuda(cudaMemcpyAsync(&host_report_[1], report_.data(), sizeof(FrameReport),
                                    cudaMemcpyDeviceToHost, stream_.handle),
                    "report");
         check_cuda(cudaStreamSynchronize(stream_.handle), "substeps");
         limited_ += long(host_report_[1].limited);
+        read_couplings(substeps);
     }
 }
 
@@ -294,7 +320,7 @@ void CudaHair<T>::show(double time, const MovingGrid* surfaces) {
         launch_display();
     }
     read_report();
-    if (shown_) seconds.chain = events_[1].since(events_[0]);
+    if (shown_) seconds.chain += events_[1].since(events_[0]);
     if (cohesion_)
         seconds.lists = events_[2].since(events_[1]), seconds.cohesion = events_[3].since(events_[2]);
     shown_ = false;
@@ -304,6 +330,7 @@ template <class T>
 void CudaHair<T>::read_report() {
     check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
     limited_ += long(host_report_[1].limited);
+    if (shown_) read_couplings(slots_);
     while (cohesion_ && cohesion_->grow(host_report_[1])) {
         // Longer lists than ever before: the display again, with room for them. The graph holds the old
         // addresses.
@@ -313,6 +340,21 @@ void CudaHair<T>::read_report() {
         check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
     }
     neighbours_mean_ = double(host_report_[1].pairs) / double(positions_.size());
+}
+
+// Of substeps that are done: the time that was not the steps' own, and who was near.
+template <class T>
+void CudaHair<T>::read_couplings(int substeps) {
+    if (!forces_ && !between_strands_) return;
+    double pulling = 0, touching = 0;
+    for (size_t mark = 3 * size_t(slots_ - substeps); mark + 1 < marks_.size(); mark += 3) {
+        pulling += marks_[mark + 1].since(marks_[mark]);
+        touching += marks_[mark + 3].since(marks_[mark + 2]);
+    }
+    seconds.chain -= pulling + touching;
+    if (forces_) forces_->seconds += pulling, forces_->pairs = host_report_[1].pulled;
+    if (between_strands_)
+        between_strands_->seconds += touching, between_strands_->pairs = host_report_[1].touching;
 }
 
 template <class T>

@@ -9,7 +9,9 @@
 #include "cuda/chain_kernel.h"
 #include "cuda/cohesion_kernel.h"
 #include "cuda/frame_record.h"
+#include "cuda/pair_forces_device.h"
 #include "cuda/simulation.h"
+#include "cuda/touching_strands_device.h"
 #include "solver/plan.h"
 #include "solver/schedule.h"
 
@@ -62,6 +64,16 @@ class CudaHair {
     using Number = T;
     using S = T;
     using Air = AirAround<T>;
+#ifdef WETCURL_PARITY
+    // The CPU's own: sums over neighbours have its order.
+    using Forces = ForcesOnStrands<T>;
+    using Touching = TouchingStrands<T>;
+    static constexpr bool couples = false;
+#else
+    using Forces = ForcesDevice<T>;
+    using Touching = TouchingDevice<T>;
+    static constexpr bool couples = true;
+#endif
 
     CudaHair(const Scene& scene, Stepping stepping);
 
@@ -83,6 +95,7 @@ class CudaHair {
     void give_velocities();
     void give_water();
     void take_surfaces(const DeformingSolids& surfaces);
+    void take_couplings(Forces* forces, Touching* touching);
 
     void find_nearest(const Placement<T>& p);
     const NearestSurface<T>& nearest() const { return nearest_; }
@@ -113,6 +126,7 @@ class CudaHair {
         return {x_.data(), v_.data(), rest_length_.data(), state.n, x_.size(), scene_.term<AirDrag>()->c};
     }
     Vec3<T>* air() const { return air_.data(); }
+    StrandMemory<T> memory() const;
     cudaStream_t stream() const { return stream_.handle; }
 
   private:
@@ -137,14 +151,15 @@ class CudaHair {
         to.count = state.strands, to.particles = state.n;
         download(from, to.points);
     }
-    StrandMemory<T> memory() const;
     void take_given(const GivenToChain<T>& given);
     void put_motion(int slot, const Placement<T>& p);
     void upload_motion();
-    void launch_chain(int substeps);
+    void launch_substeps(int substeps);
+    void launch_chain(int slot, int substeps, bool begins);
     void launch_display();
     void launch_frame();
     void read_report();
+    void read_couplings(int substeps);
     std::vector<T> energies() const;  // (strand, kind) [J]
 
     const Scene& scene_;
@@ -165,6 +180,10 @@ class CudaHair {
     NearestSurface<T> nearest_;
     DeviceBuffer<Vec3<T>> given_force_, given_normal_, given_surface_velocity_;
     DeviceBuffer<T> given_stiffness_, given_adhesion_, given_phi_;
+    // What acts on all strands in each substep, before it and after it; null where nothing does, or the host.
+    ForcesDevice<T>* forces_ = nullptr;
+    TouchingDevice<T>* between_strands_ = nullptr;
+    std::vector<Event> marks_;  // (slot, 3) and one: of forces, of the step, of contact
     // Solids.
     std::vector<DeviceBuffer<float>> level_sets_;
     DeviceBuffer<ShapeView> shapes_;  // of rigid ones

@@ -18,6 +18,7 @@ struct Placement {
     std::vector<PosedSolid<T>> solids;  // rigid ones
     std::vector<PosedSolid<T, MovingGrid>> deforming;
     std::optional<SolidTree<T>> tree;  // of `solids`, where they are many
+    double begins;                     // [s] the substep that ends here
     // Whether a plain loop over `solids` is all there is to do.
     bool few() const { return !tree && deforming.empty(); }
 };
@@ -110,7 +111,8 @@ Placement<T> placement_at(const Scene& scene, double time, double dt, bool movin
                    cast<T>((1 / dt) * (head.translation - head_before.translation)),
                    std::move(room.solids),
                    std::move(room.deforming),
-                   {}};
+                   {},
+                   moving ? time - dt : time};
     p.solids.clear(), p.deforming.clear();
     for (const auto& solid : scene.solids) {
         const Pose now = solid.at(time, head), before = moving ? solid.at(time - dt, head_before) : now;

@@ -66,8 +66,11 @@ class SimulationOf final : public Simulation {
         return placement_at<T>(scene_, time, dt_, moving, surfaces_ ? surfaces_->after(done) : nullptr,
                                std::move(room));
     }
-    // Who answers for all strands at once needs them at the same substep.
-    bool alone() const { return !forces_ && !between_strands_ && !(network_ && network_->asked()); }
+    // Who answers on the host for all strands at once needs them at the same substep.
+    bool alone() const {
+        return (Hair::couples || (!forces_ && !between_strands_)) && !(network_ && network_->asked());
+    }
+    void pull_strands(GivenToChain<S>& given);
     void ask_network(int done);
     void run(const std::vector<Placement<T>>& path, bool ends_frame);
     void move_water();
@@ -94,8 +97,8 @@ class SimulationOf final : public Simulation {
     std::optional<WaterInHair<S>> water_;
     std::optional<typename Hair::Air> air_;
     std::optional<DeformingSolids> surfaces_;
-    std::optional<ForcesOnStrands<S>> forces_;
-    std::optional<TouchingStrands<S>> between_strands_;
+    std::optional<typename Hair::Forces> forces_;
+    std::optional<typename Hair::Touching> between_strands_;
     std::optional<AdhesionNetwork<S>> network_;  // once it is asked for
     std::vector<Placement<T>> path_;             // of the substeps at hand
     double surface_seconds_ = 0, frame_seconds_ = 0;
@@ -113,8 +116,9 @@ SimulationOf<Hair>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
         hair_.begin_display(scene.saturation, 0);
     if (scene.air) air_.emplace(scene, hair_);
     if (scene.has_deforming_solid()) surfaces_.emplace(scene), hair_.take_surfaces(*surfaces_);
-    if (auto method = make_particle_forces(scene)) forces_.emplace(std::move(method), hair_.state);
+    if (has_particle_forces(scene)) forces_.emplace(scene, hair_.state);
     if (scene.strand_contact) between_strands_.emplace(scene, hair_.state);
+    hair_.take_couplings(forces_ ? &*forces_ : nullptr, between_strands_ ? &*between_strands_ : nullptr);
     for_each_stage(*this, [&](const char* name, double) { stages.push_back(name); });
     energy_kinds = kinds_of_energy(scene.chain);
     if (forces_) energy_kinds.push_back(forces_->name());
@@ -169,19 +173,24 @@ void SimulationOf<Hair>::ask_network(int done) {
 // Substeps from the time as it is: one where strands do not go alone.
 template <class Hair>
 void SimulationOf<Hair>::run(const std::vector<Placement<T>>& path, bool ends_frame) {
-    if (forces_) {
-        hair_.fetch(), hair_.fetch_history();
-        forces_->evaluate(hair_.state, hair_.scheme(), time_, dt_, hair_.counts_work());
-    }
     GivenToChain<S> given;
-    if (forces_) given.force = forces_->force(), given.stiffness = forces_->stiffness();
+    if constexpr (!Hair::couples) pull_strands(given);
     if (network_) given.adhesion = network_->given();
     hair_.run(path, given, ends_frame);
-    if (between_strands_) touch_strands();
+    if constexpr (!Hair::couples) touch_strands();
+}
+
+template <class Hair>
+void SimulationOf<Hair>::pull_strands(GivenToChain<S>& given) {
+    if (!forces_) return;
+    hair_.fetch(), hair_.fetch_history();
+    forces_->evaluate(hair_.state, hair_.scheme(), time_, dt_, hair_.counts_work());
+    given.force = forces_->force(), given.stiffness = forces_->stiffness();
 }
 
 template <class Hair>
 void SimulationOf<Hair>::touch_strands() {
+    if (!between_strands_) return;
     const StageTimer timer(between_strands_->seconds);
     hair_.fetch(), hair_.fetch_history();
     if (!between_strands_->look(hair_.state)) return;
@@ -211,9 +220,7 @@ void SimulationOf<Hair>::follow_water() {
 
 template <class Hair>
 double SimulationOf<Hair>::potential() const {
-    if (!forces_) return 0;
-    hair_.fetch();
-    return forces_->potential(hair_.state, time_);
+    return forces_ ? forces_->potential(hair_, time_) : 0;
 }
 
 template <class Hair>

@@ -14,6 +14,10 @@ class CpuHair : public ChainStepper<T> {
     using Number = T;
     using typename ChainStepper<T>::S;
     using Air = HairInAir<CpuHair>;
+    using Forces = ForcesOnStrands<S>;
+    using Touching = TouchingStrands<S>;
+    // Whether forces and contact between strands come within `run`; else the host adds them between runs.
+    static constexpr bool couples = false;
 
     explicit CpuHair(const Scene& scene) : ChainStepper<T>(scene), scene_(scene) {}
 
@@ -34,6 +38,8 @@ class CpuHair : public ChainStepper<T> {
     void give_water() {}
     // Level sets as they are for the substeps that follow.
     void take_surfaces(const DeformingSolids&) {}
+    // What `run` lets act on the strands where it couples them; null: the scene has none.
+    void take_couplings(Forces*, Touching*) {}
 
     void run(const std::vector<Placement<T>>& path, const GivenToChain<S>& given, bool /*ends_frame*/) {
         const StageTimer timer(seconds.chain);

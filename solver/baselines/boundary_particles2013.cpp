@@ -142,7 +142,7 @@ class BoundaryForces final : public ParticleForces {
                 const Vec3d at = pose.inverse(x[i]);
                 s.grid.around(cast<float>(at), [&](uint32_t k) {
                     const Vec3d d = at - cast<double>(s.grid.sorted(k));
-                    if (dot(d, d) < method_.h * method_.h) visit(i, wet_mass, d, pose.rotation, s.volume[k]);
+                    if (method_.reaches(d)) visit(i, wet_mass, d, pose.rotation, s.volume[k]);
                 });
             }
         }

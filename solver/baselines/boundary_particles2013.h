@@ -29,11 +29,13 @@ struct BoundaryParticles2013 {
     };
 
     // On a particle of mass m [kg] by a boundary particle of volume V [m^3], d away from it [m].
-    Vec3d pair_force(const Vec3d& d, double m, double volume) const {
+    WETCURL_HD Vec3d pair_force(const Vec3d& d, double m, double volume) const {
         return -strength(m, volume) * akinci2013::adhesion_kernel(norm(d), h) * akinci2013::direction(d);
     }
+    // Whether a boundary particle d away is in reach [m].
+    WETCURL_HD bool reaches(const Vec3d& d) const { return dot(d, d) < h * h; }
     // Of the pair [N m^3].
-    double strength(double m, double volume) const { return beta * m * water_density * volume; }
+    WETCURL_HD double strength(double m, double volume) const { return beta * m * water_density * volume; }
     std::unique_ptr<ParticleForces> forces(const Scene& scene) const;
 };
 

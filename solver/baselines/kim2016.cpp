@@ -18,10 +18,10 @@ class KimForces final : public StrandForces {
           normal_(mass_.size()) {}
 
     void evaluate(const std::vector<Vec3d>& x, double, std::vector<Vec3d>& force) override {
-        const double h = method_.h;
         pairs_.find(x);
-        pairs_.for_each([&](size_t i) { density_[i] = mass_[i] * kernel_at_zero(h); },
-                        [&](size_t i, size_t j) { density_[i] += mass_[j] * kernel(norm(x[i] - x[j]), h); });
+        pairs_.for_each(
+            [&](size_t i) { density_[i] = method_.own_density(mass_[i]); },
+            [&](size_t i, size_t j) { density_[i] += method_.density_part(x[i] - x[j], mass_[j]); });
         pairs_.for_each(
             [&](size_t i) {
                 normal_[i] = {0, 0, 0};

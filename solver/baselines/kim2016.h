@@ -27,10 +27,15 @@ struct Kim2016 {
         {"radius", &Kim2016::h, "m", 0.012, 1e-4, 1, "kim: Akinci 2013, Eq 2, h: support of C and W"},
     };
 
+    // What i itself and what j add to rho_i [kg/m^3].
+    WETCURL_HD double own_density(double m) const { return m * kernel_at_zero(h); }
+    WETCURL_HD double density_part(const Vec3d& d, double m) const { return m * kernel(norm(d), h); }
     // What j adds to the normal n_i [1], volume m_j / rho_j [m^3]. Eq 3 with its sign turned.
-    Vec3d normal_part(const Vec3d& d, double volume) const { return (-h * volume) * kernel_gradient(d, h); }
+    WETCURL_HD Vec3d normal_part(const Vec3d& d, double volume) const {
+        return (-h * volume) * kernel_gradient(d, h);
+    }
     // On i by j: d = x_i - x_j [m], n = n_i - n_j, masses [kg], `wet` = sigma_i sigma_j.
-    Vec3d pair_force(const Vec3d& d, const Vec3d& n, double m_i, double m_j, double wet) const {
+    WETCURL_HD Vec3d pair_force(const Vec3d& d, const Vec3d& n, double m_i, double m_j, double wet) const {
         const Vec3d cohesion =
             (-gamma * m_i * m_j * akinci2013::cohesion_kernel(norm(d), h)) * akinci2013::direction(d);
         return wet * (cohesion - (gamma_area * 2 * m_i * m_j / (m_i + m_j)) * n);

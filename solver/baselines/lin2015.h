@@ -25,7 +25,7 @@ struct Lin2015 {
     };
 
     // On i by j: d = x_i - x_j [m], masses [kg], `wet` = sigma_i sigma_j.
-    Vec3d pair_force(const Vec3d& d, double m_i, double m_j, double wet) const {
+    WETCURL_HD Vec3d pair_force(const Vec3d& d, double m_i, double m_j, double wet) const {
         return -beta * wet * m_i * m_j * akinci2013::adhesion_kernel(norm(d), h) * akinci2013::direction(d);
     }
     std::unique_ptr<ParticleForces> forces(const Scene& scene) const;

@@ -13,8 +13,8 @@ StrandForces::StrandForces(const Scene& scene, double strength, double radius,
 double StrandForces::potential(const std::vector<Vec3d>& x, double) {
     pairs_.find(x);
     return pairs_.sum([&](size_t i, size_t j) {
-        return -strength_ * pairs_.saturation(i) * pairs_.saturation(j) * mass_[i] * mass_[j] *
-               kernel_sum_(norm(x[i] - x[j]));
+        return akinci2013::pair_energy(strength_, pairs_.saturation(i), pairs_.saturation(j), mass_[i],
+                                       mass_[j], kernel_sum_(norm(x[i] - x[j])));
     });
 }
 

@@ -6,14 +6,14 @@
 namespace wetcurl {
 
 std::unique_ptr<ParticleForces> make_particle_forces(const Scene& scene) {
-    if (scene.cohesion && scene.cohesion->strength > 0) return make_cohesion_forces(scene);
-    if (!scene.baseline) return nullptr;
-    return std::visit(
-        [&](const auto& method) -> std::unique_ptr<ParticleForces> {
-            if constexpr (requires { method.forces(scene); }) return method.forces(scene);
-            return nullptr;
-        },
-        *scene.baseline);
+    std::unique_ptr<ParticleForces> forces;
+    with_particle_forces(scene, [&]<class Term>(const Term& term) {
+        if constexpr (std::is_same_v<Term, Cohesion>)
+            forces = make_cohesion_forces(scene);
+        else
+            forces = term.forces(scene);
+    });
+    return forces;
 }
 
 }  // namespace wetcurl

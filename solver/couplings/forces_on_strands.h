@@ -11,14 +11,31 @@
 
 namespace wetcurl {
 
+// Calls use(term) with the cohesion or the compared method whose forces a scene names, if it names one.
+template <class Use>
+void with_particle_forces(const Scene& scene, Use use) {
+    if (scene.cohesion && scene.cohesion->strength > 0) return use(*scene.cohesion);
+    if (scene.baseline)
+        std::visit(
+            [&](const auto& method) {
+                if constexpr (requires { method.forces(scene); }) use(method);
+            },
+            *scene.baseline);
+}
+inline bool has_particle_forces(const Scene& scene) {
+    bool any = false;
+    with_particle_forces(scene, [&](const auto&) { any = true; });
+    return any;
+}
 // Of the scene; null where it names none. The scene must outlive it.
 std::unique_ptr<ParticleForces> make_particle_forces(const Scene& scene);
 
 template <class S>
 class ForcesOnStrands {
   public:
-    ForcesOnStrands(std::unique_ptr<ParticleForces> method, const ChainState<S>& state)
-        : method_(std::move(method)), given_(state.x.size(), {S(0), S(0), S(0)}) {}
+    // For a scene that names some, which must outlive it.
+    ForcesOnStrands(const Scene& scene, const ChainState<S>& state)
+        : method_(make_particle_forces(scene)), given_(state.x.size(), {S(0), S(0), S(0)}) {}
 
     // For the substep that follows `time` [s] by `scheme`; `counted`: so is the work that solids do through
     // them. Explicit forces are those of the positions now, others of those that the scheme expects.
@@ -42,9 +59,11 @@ class ForcesOnStrands {
         }
     }
     // [J] where the strands are; NaN where they are too far gone to tell.
-    double potential(const ChainState<S>& state, double time) const {
+    template <class Hair>
+    double potential(const Hair& hair, double time) const {
+        hair.fetch();
         std::vector<Vec3d> x;
-        state.template unpack<double>(state.x, x);
+        hair.state.template unpack<double>(hair.state.x, x);
         return is_finite(x) ? method_->potential(x, time) : NAN;
     }
     const Vec3<S>* force() const { return given_.data(); }  // (block, particle) [N]

@@ -10,24 +10,22 @@ class CohesionForces final : public ParticleForces {
     explicit CohesionForces(const Scene& scene)
         : term_(*scene.cohesion), mass_(particle_masses(scene)), pairs_(scene, term_.h_c) {}
 
-    const char* name() const override { return "cohesion in the solve"; }
+    const char* name() const override { return cohesion_in_the_solve; }
     void evaluate(const std::vector<Vec3d>& x, double, std::vector<Vec3d>& force) override {
         pairs_.find(x);
         force.assign(x.size(), {0, 0, 0}), stiffness_.assign(x.size(), 0);
         pairs_.for_each([&](size_t i, size_t j) {
             const Vec3d d = x[j] - x[i];
-            const double k = spring(i, j) * kernel_shape(norm(d), term_.h_c);
+            const double k = term_.pair_spring(norm(d), mass_[i], mass_[j], wet(i, j));
             force[i] += k * d;
-            // The potential is concave in the squared distance: springs of today's stiffness bound it, and
-            // twice the sum at each end bounds those.
-            stiffness_[i] += 2 * k;
+            stiffness_[i] += Cohesion::outweighed * k;
         });
     }
     const std::vector<double>* stiffness() const override { return &stiffness_; }
     double potential(const std::vector<Vec3d>& x, double) override {
         pairs_.find(x);
         return pairs_.sum([&](size_t i, size_t j) {
-            return -spring(i, j) * kernel_shape_moment(norm(x[i] - x[j]), term_.h_c);
+            return term_.pair_energy(norm(x[i] - x[j]), mass_[i], mass_[j], wet(i, j));
         });
     }
     double neighbours_mean() const override { return pairs_.neighbours_mean(); }
@@ -36,9 +34,7 @@ class CohesionForces final : public ParticleForces {
     }
 
   private:
-    double spring(size_t i, size_t j) const {
-        return pairs_.saturation(i) * pairs_.saturation(j) * term_.spring(mass_[i], mass_[j]);
-    }
+    double wet(size_t i, size_t j) const { return pairs_.saturation(i) * pairs_.saturation(j); }
     const Cohesion term_;
     const std::vector<double> mass_;  // (strand, particle) [kg]
     StrandPairs pairs_;

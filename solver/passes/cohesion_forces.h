@@ -9,6 +9,8 @@
 
 namespace wetcurl {
 
+inline constexpr const char* cohesion_in_the_solve = "cohesion in the solve";
+
 // For a scene with [cohesion] of some strength, which must outlive it.
 std::unique_ptr<ParticleForces> make_cohesion_forces(const Scene& scene);
 

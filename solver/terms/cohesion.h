@@ -39,8 +39,20 @@ struct Cohesion {
             weight += volume * w;
         }
     };
-    // The spring of touching particles [N/m], both drenched.
-    double spring(double m_i, double m_j) const { return strength * 2 * m_i * m_j / (m_i + m_j); }
+    // The spring [N/m] of two that touch, both drenched; of two that are r [m] apart, `wet` = sigma_i
+    // sigma_j, and their energy [J].
+    WETCURL_HD double touching_spring(double m_i, double m_j) const {
+        return strength * 2 * m_i * m_j / (m_i + m_j);
+    }
+    WETCURL_HD double pair_spring(double r, double m_i, double m_j, double wet) const {
+        return wet * touching_spring(m_i, m_j) * kernel_shape(r, h_c);
+    }
+    WETCURL_HD double pair_energy(double r, double m_i, double m_j, double wet) const {
+        return -(wet * touching_spring(m_i, m_j)) * kernel_shape_moment(r, h_c);
+    }
+    // The potential is concave in the squared distance: springs of today's stiffness bound it, and twice the
+    // sum at each end bounds those.
+    static constexpr double outweighed = 2;
     // sum V_k W_ik / W(0) over the particle's own strand, for each unit of its volume: segments of `length`
     // on a line.
     WETCURL_HD double own_weight(double length) const {

@@ -43,13 +43,13 @@ struct StrandContact {
     };
     // d_ij² of two drawn `rest` apart.
     template <class S>
-    S square_distance(const Vec3<S>& rest) const {
+    WETCURL_HD S square_distance(const Vec3<S>& rest) const {
         return minimum(S(float(radius * radius)), dot(rest, rest));
     }
     // J on i by j: d = x_i - x_j, v = v_i - v_j, `square` d_ij², mu, s. Zero where they do not touch.
     template <class S>
-    static Vec3<S> impulse(const Step& step, const Vec3<S>& d, const Vec3<S>& v, const S& square, const S& mu,
-                           const S& s) {
+    WETCURL_HD static Vec3<S> impulse(const Step& step, const Vec3<S>& d, const Vec3<S>& v, const S& square,
+                                      const S& mu, const S& s) {
         const S r = norm(d), least = sqrt(square), weight = select(r < least, mu * s, S(0));
         const Vec3<S> n = (S(1) / maximum(r, S(tiny_length<S>))) * d;
         const S apart = dot(v, n), taken = maximum(S(step.parting) * (least - r) - apart, S(0));

@@ -5,6 +5,7 @@
 
 #include "cuda/rates.h"
 #include "cuda/simulation.h"
+#include "solver/couplings/forces_on_strands.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {
@@ -240,6 +241,45 @@ TEST_F(Cuda, steps_a_strand_a_thread_are_the_cpus) {
         EXPECT_LT(strands_astray(on_device(scene, 1, "float", Stepping::by_lanes).positions,
                                  on_device(scene, 1).positions, c.creases ? 1e-4 : 3e-6),
                   9);
+    }
+}
+
+// A frame as one graph, substep by substep, from a settled state, by the CPU's own pass.
+TEST_F(Cuda, strands_on_each_other_do_the_same_however_they_are_run) {
+    const Scratch scratch;
+    for (const auto& c : coupled(scratch)) {
+        SCOPED_TRACE(c.name);
+        const Scene scene = scene_of(c.text, c.set);
+        if (!scene.strand_contact && !has_particle_forces(scene)) continue;
+        const RunFrame one = on_device(scene, 4), again = on_device(scene, 4);
+        EXPECT_TRUE(same_bits(one.positions, again.positions));
+        EXPECT_EQ(one.energy, again.energy);
+        const auto unseen = make_cuda_simulation(scene, "float", 0);
+        for (int f = 1; f <= 4; ++f) unseen->advance(f == 4);
+        RunFrame last;
+        unseen->snapshot(last);
+        EXPECT_TRUE(same_bits(one.positions, last.positions));
+        EXPECT_EQ(one.energy, last.energy);
+
+        auto set = c.set;
+        set.push_back("integrator.settle=0.1");
+        const Scene settled = scene_of(c.text, set);
+        const auto cpu = make_simulation(settled, "double");
+        for (int f = 0; f < 4; ++f) cpu->advance();
+        for (Stepping stepping : {Stepping::chosen, Stepping::by_lanes, Stepping::by_reference}) {
+            const auto gpu = make_cuda_simulation(settled, "double", 0, stepping);
+            for (int f = 0; f < 4; ++f) gpu->advance();
+            RunFrame wanted, got;
+            cpu->snapshot(wanted), gpu->snapshot(got);
+            ASSERT_GT(farthest(wanted.positions, settled.groom.rest), 1e-4);
+            EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
+            // The CPU's contact counts those within its lists' margin too.
+            EXPECT_GT(gpu->neighbours_mean(), 0);
+            EXPECT_LT(gpu->neighbours_mean(), 1.02 * cpu->neighbours_mean());
+            if (!scene.strand_contact) {
+                EXPECT_GT(gpu->neighbours_mean(), 0.98 * cpu->neighbours_mean());
+            }
+        }
     }
 }
 

@@ -1,0 +1,82 @@
+// Forces on all strands at once on a device: buffers and launches, a schedule's Forces as ForcesOnStrands is.
+// Ours.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cuda/cell_search_device.h"
+#include "cuda/pair_forces_kernel.h"
+#include "solver/chain_state.h"
+
+namespace wetcurl {
+
+// Nothing is allocated and nothing read by the host after construction, so that launches can be captured.
+template <class T>
+class ForcesDevice {
+  public:
+    // For a scene that names some, which must outlive it.
+    ForcesDevice(const Scene& scene, const ChainState<T>& state);
+    // Explicit forces are those of the positions now, others of those that the scheme expects.
+    bool has_stiffness() const { return std::holds_alternative<StrandPulls<CohesionPairs>>(pulls_); }
+
+    // Where solids are when a frame's substep begins, at `time` [s]; and all of it to the device, from
+    // page-locked memory, which a graph reads anew each time it is replayed.
+    void put_motion(int slot, double time) const;
+    void upload_motion(cudaStream_t stream) const;
+    // For the substep of that slot -> force [N], stiffness [N/m] (strand, particle). Pairs are added to
+    // `pairs`, unless it is null.
+    void launch(const StrandMemory<T>& memory, const Bdf2<T>& scheme, int slot, Vec3<T>* force, T* stiffness,
+                unsigned long long* pairs, cudaStream_t stream) const;
+    // [J] where the strands are; it waits.
+    template <class Hair>
+    double potential(const Hair& hair, double time) const {
+        return energy(hair.memory(), time, hair.stream());
+    }
+
+    const char* name() const { return name_; }
+    double neighbours_mean() const { return double(pairs) / double(x_.size()); }
+    void list(BufferList& buffers) const;
+    unsigned long long pairs = 0;  // of the last substep
+    double seconds = 0;            // in the frame at hand
+    double work = 0;               // not counted here
+
+  private:
+    akinci2013::KernelTable take(const akinci2013::KernelSum& sum);
+    PairMemory pairs_within(double radius);
+    AnyPulls pulls_of(const Cohesion& method);
+    AnyPulls pulls_of(const Lin2015& method);
+    AnyPulls pulls_of(const Kim2016& method);
+    AnyPulls pulls_of(const BoundaryParticles2013& method);
+    AnyPulls seen(const StrandMemory<T>& memory, const Bdf2<T>* scheme, int slot, cudaStream_t stream) const;
+    double energy(const StrandMemory<T>& memory, double time, cudaStream_t stream) const;
+
+    const Scene& scene_;
+    const int particles_, slots_;
+    const char* name_ = nullptr;
+    DeviceBuffer<Vec3d> x_;  // (strand, particle) where forces are taken
+    DeviceBuffer<double> mass_;
+    DeviceBuffer<float> saturation_;
+    DeviceBuffer<double> kernel_sum_;
+    // Between strands.
+    DeviceBuffer<Vec3f> near_;  // x from the first particle
+    std::optional<CellSearchDevice> search_;
+    DeviceBuffer<PairPoint> point_;
+    DeviceBuffer<double> density_;
+    DeviceBuffer<Vec3d> normal_;
+    // By solids.
+    std::vector<CellSearchDevice> surface_search_;
+    std::vector<DeviceBuffer<double>> surface_volume_;
+    std::vector<const Solid*> solids_;  // that have boundary particles
+    DeviceBuffer<SampledSurface> surfaces_;
+    std::optional<PinnedBuffer<Pose>> host_pose_;  // (slot and one for `potential`, surface)
+    DeviceBuffer<Pose> pose_;
+    DeviceBuffer<double> energy_;  // parts of it [J]
+    AnyPulls pulls_;
+};
+
+extern template class ForcesDevice<float>;
+extern template class ForcesDevice<double>;
+
+}  // namespace wetcurl
