@@ -213,8 +213,8 @@ inline Quatd rotation_about(const Vec3d& axis, double angle) {
 struct Pose {
     Quatd rotation = Quatd::identity();
     Vec3d translation{0, 0, 0};
-    Vec3d operator()(const Vec3d& x) const { return rotate(rotation, x) + translation; }
-    Vec3d inverse(const Vec3d& x) const { return rotate(conjugate(rotation), x - translation); }
+    WETCURL_HD Vec3d operator()(const Vec3d& x) const { return rotate(rotation, x) + translation; }
+    WETCURL_HD Vec3d inverse(const Vec3d& x) const { return rotate(conjugate(rotation), x - translation); }
 };
 
 }  // namespace wetcurl
