@@ -9,10 +9,10 @@
 namespace wetcurl {
 
 // `precision` as for make_simulation; `device` counts from 0. The scene must outlive the simulation. Strands,
-// cohesion on display, contact with solids and the air are the device's; what else acts on all strands at
-// once (flow, strands on each other, compared methods, level sets that deform, networks) the host computes
-// between launches. `by_reference`: strands are stepped by the CPU's own pass, a thread each, as explicit
-// steps and builds for parity always are. Throws Error where there is no such device.
+// cohesion on display, contact with solids, water that flows and the air are the device's; what else acts on
+// all strands at once (strands on each other, compared methods, level sets that deform, networks) the host
+// computes between launches. `by_reference`: strands are stepped by the CPU's own pass, a thread each, as
+// explicit steps and builds for parity always are. Throws Error where there is no such device.
 std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::string& precision, int device,
                                                  bool by_reference = false);
 

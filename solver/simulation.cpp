@@ -14,6 +14,7 @@ class CpuHair : public ChainStepper<T> {
     using Number = T;
     using typename ChainStepper<T>::S;
     using Air = HairInAir<CpuHair>;
+    using Water = WaterInHair<CpuHair>;
 
     explicit CpuHair(const Scene& scene) : ChainStepper<T>(scene), scene_(scene) {}
 
@@ -31,7 +32,6 @@ class CpuHair : public ChainStepper<T> {
     void fetch_history() const {}
     void give_state() {}
     void give_velocities() {}
-    void give_water() {}
     // Level sets as they are for the substeps that follow.
     void take_surfaces(const DeformingSolids&) {}
 

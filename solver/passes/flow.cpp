@@ -19,6 +19,14 @@ FlowHair::FlowHair(const Strands& rest, double density) : length(rest.points.siz
     }
 }
 
+WaterBalance water_balance(double absorbed, double start, double held,
+                           const std::vector<FlowLedger>& ledger) {
+    WaterBalance out{absorbed * start, absorbed * held, 0, 0, 0};
+    for (const auto& l : ledger)
+        out.taken += absorbed * l.taken, out.dripped += absorbed * l.dripped, out.dried += absorbed * l.dried;
+    return out;
+}
+
 FlowPass::FlowPass(const Flow& flow, const Strands& rest, double density, double absorbed,
                    const std::vector<float>& saturation)
     : flow_(flow),
@@ -48,19 +56,9 @@ void FlowPass::restore(const std::vector<double>& saturation) {
 
 void FlowPass::show() { std::copy(sigma_.begin(), sigma_.end(), shown_.begin()); }
 
-double FlowPass::held() const {
-    double sum = 0;
-    for (size_t k = 0; k < sigma_.size(); ++k) sum += hair_.mass[k] * sigma_[k];
-    return sum;
-}
+double FlowPass::held() const { return water_held(hair_.mass.data(), sigma_.data(), sigma_.size()); }
 
-WaterBalance FlowPass::water() const {
-    WaterBalance out{absorbed_ * start_, absorbed_ * held(), 0, 0, 0};
-    for (const auto& l : ledger_)
-        out.taken += absorbed_ * l.taken, out.dripped += absorbed_ * l.dripped,
-            out.dried += absorbed_ * l.dried;
-    return out;
-}
+WaterBalance FlowPass::water() const { return water_balance(absorbed_, start_, held(), ledger_); }
 
 void FlowPass::wet(const Strands& p, double time, double dt) {
     const FlowBodies b = bodies();

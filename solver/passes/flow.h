@@ -6,22 +6,9 @@
 #include <vector>
 
 #include "base/geometry/neighbor_list.h"
-#include "base/geometry/strands.h"
 #include "solver/passes/flow_bodies.h"
 
 namespace wetcurl {
-
-// Water of all strands [kg]. What was held at the start and what was taken is now held, dripped or dried.
-struct WaterBalance {
-    double start = 0, held = 0, taken = 0, dripped = 0, dried = 0;
-    double balance() const { return held + dripped + dried - taken - start; }
-};
-
-// What the flow needs of strands whose segments keep their length; `density` [kg/m] when dry.
-struct FlowHair {
-    std::vector<double> mass, length;  // (strand, particle) dry [kg], [m] to the next
-    FlowHair(const Strands& rest, double density);
-};
 
 class FlowPass {
   public:

@@ -1,7 +1,9 @@
 // What water does along one strand and at one particle: the bodies of the flow's loops, on any device. Ours.
 #pragma once
 
-#include "base/vec3.h"
+#include <vector>
+
+#include "base/geometry/strands.h"
 #include "solver/terms/flow.h"
 
 namespace wetcurl {
@@ -10,29 +12,45 @@ namespace wetcurl {
 struct FlowLedger {
     double taken = 0, dripped = 0, dried = 0;
 };
+// Water of all strands [kg]. What was held at the start and what was taken is now held, dripped or dried.
+struct WaterBalance {
+    double start = 0, held = 0, taken = 0, dripped = 0, dried = 0;
+    double balance() const { return held + dripped + dried - taken - start; }
+};
+
+// Of what strands' ledgers say, `start` and `held` masses as in them; `absorbed`: m_absorbed.
+WaterBalance water_balance(double absorbed, double start, double held, const std::vector<FlowLedger>& ledger);
+
+// What the flow needs of strands whose segments keep their length; `density` [kg/m] when dry.
+struct FlowHair {
+    std::vector<double> mass, length;  // (strand, particle) dry [kg], [m] to the next
+    FlowHair(const Strands& rest, double density);
+};
+
 // Of the elimination along a strand: how much the edge falls, the row's right side, what of it goes on to the
 // next row, what comes back from there, and the pivot.
 struct FlowRow {
     double fall, right, on, back, pivot;
 };
 
+// Of `count` particles.
+WETCURL_HD inline double water_held(const double* mass, const double* sigma, size_t count) {
+    double sum = 0;
+    for (size_t k = 0; k < count; ++k) sum += mass[k] * sigma[k];
+    return sum;
+}
+
 // A view of the flow's arrays.
 struct FlowBodies {
     FlowRules rules;
-    double density;  // mu [kg/m]
-    int n;           // particles of a strand
+    double density;                // mu [kg/m]
+    int n;                         // particles of a strand
     const double *mass, *length;   // (strand, particle) [kg], [m] to the next
     double *sigma, *next, *limit;  // (strand, particle)
     FlowLedger* ledger;            // (strand)
 
     WETCURL_HD size_t at(int s, int i) const { return size_t(s) * size_t(n) + size_t(i); }
 
-    // Of strand s.
-    WETCURL_HD double held(int s) const {
-        double sum = 0;
-        for (size_t k = at(s, 0); k < at(s + 1, 0); ++k) sum += mass[k] * sigma[k];
-        return sum;
-    }
     // x (strand, particle) [m].
     WETCURL_HD void wet(int s, const FlowingSource& source, const Vec3f* x) const {
         for (size_t k = at(s, 0); k < at(s + 1, 0); ++k) {
@@ -117,7 +135,8 @@ struct FlowBodies {
     WETCURL_HD void pass_on(size_t i, double dt, Contacts for_each_contact) const {
         double sum = 0;
         for_each_contact([&](size_t j, double r) {
-            sum += rules.passed(mass[i], mass[j], r, dt) * minimum(limit[i], limit[j]) * (sigma[j] - sigma[i]);
+            sum +=
+                rules.passed(mass[i], mass[j], r, dt) * minimum(limit[i], limit[j]) * (sigma[j] - sigma[i]);
         });
         next[i] = sigma[i] + sum / mass[i];
     }

@@ -1,5 +1,5 @@
-// How a strand curls as it takes up water, on any device: what WetCurl answers, over one strand's arrays, which
-// are read and written by [index] alone. Ours; solver/terms/curl.h says after what.
+// How a strand curls as it takes up water, on any device: what WetCurl answers, over one strand's arrays,
+// which are read and written by [index] alone. Ours; solver/terms/curl.h says after what.
 #pragma once
 
 #include <cmath>
@@ -99,8 +99,8 @@ WETCURL_HD Vec3d chord_of_turn(int edges, const Points& p, double turn, int i) {
     const double from = minimum(maximum(double(i) + 0.5 - turn / 2, 0.0), double(edges) - turn);
     return point_at(edges, p, from + turn) - point_at(edges, p, from);
 }
-// Each edge in the frame, carried along, of the strand's axis, the chord of the turn about it: store(i, frame,
-// edge), for which p is read up to its end.
+// Each edge in the frame, carried along, of the strand's axis, the chord of the turn about it: store(i,
+// frame, edge), for which p is read up to its end.
 template <class Points, class Store>
 WETCURL_HD void about_axis(int edges, const Points& p, double turn, Store store) {
     turn = minimum(maximum(turn, 1.0), double(edges));
