@@ -112,6 +112,14 @@ struct CellSearch {
                 search(begin, end);
             }
     }
+    // Calls visit(j, r) for each particle j that sorted particle `own` finds on other strands, r [m] away.
+    template <class Visit>
+    WETCURL_HD void contacts(const SortedPoint& own, Visit visit) const {
+        neighbours(own.id, own.position(), [&](uint32_t, const SortedPoint& other) {
+            const Vec3f d = other.position() - own.position();
+            visit(size_t(other.id), std::sqrt(double(dot(d, d))));
+        });
+    }
 };
 
 }  // namespace wetcurl

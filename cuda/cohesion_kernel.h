@@ -27,6 +27,9 @@ class CohesionDevice {
                    const std::vector<float>& rest_depth);
     // V [m^3] and sigma (strand, particle), from now on.
     void take_volumes(const std::vector<float>& volume, const std::vector<float>& saturation);
+    // Where they lie, V and sigma V, for water that changes them.
+    float* volumes() const { return volume_.data(); }
+    float* wet_volumes() const { return wet_volume_.data(); }
 
     // Positions (strand, particle) -> neighbour lists.
     void launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream);

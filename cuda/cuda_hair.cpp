@@ -75,7 +75,6 @@ CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
 
 template <class T>
 void CudaHair<T>::begin_display(const std::vector<float>& saturation, double) {
-    display_saturation_ = &saturation;
     displayed_ = DeviceBuffer<Vec3f>(positions_.size());
     cohesion_.emplace(*scene_.cohesion, state.strands, state.n, cast<float>(head.translation),
                       rest_depths_of(scene_));
@@ -83,16 +82,8 @@ void CudaHair<T>::begin_display(const std::vector<float>& saturation, double) {
 }
 
 template <class T>
-void CudaHair<T>::take_up_water(const std::vector<double>& dry_mass) {
-    std::vector<float> volume;
-    for (size_t k = 0; k < dry_mass.size(); ++k)
-        volume.push_back(
-            float(scene_.wetness->wet_mass(dry_mass[k], (*display_saturation_)[k]) / scene_.volume_density));
-    cohesion_->take_volumes(volume, *display_saturation_);
-}
-
-template <class T>
 void CudaHair<T>::fetch() const {
+    fetch_water();
     if (fetched_) return;
     download(x_, state.x), download(v_, state.v);
     download(frame_, state.frame), download(touching_, state.touching);
@@ -104,6 +95,15 @@ void CudaHair<T>::fetch_history() const {
     download(x_before_, state.x_before), download(v_before_, state.v_before);
     download(pushed_, state.pushed);
     history_fetched_ = true;
+}
+// It may still be on its way: nobody has waited for it since the frame began.
+template <class T>
+void CudaHair<T>::fetch_water() const {
+    if (water_fetched_) return;
+    check_cuda(cudaStreamSynchronize(stream_.handle), "water");
+    download(mass_, state.mass), download(saturation_, state.saturation);
+    download(rest_core_, state.rest_core), download(target_, state.target), download(push_, state.push);
+    water_fetched_ = true;
 }
 template <class T>
 void CudaHair<T>::give_state() {
@@ -355,12 +355,6 @@ void CudaHair<T>::read_couplings(int substeps) {
     if (forces_) forces_->seconds += pulling, forces_->pairs = host_report_[1].pulled;
     if (between_strands_)
         between_strands_->seconds += touching, between_strands_->pairs = host_report_[1].touching;
-}
-
-template <class T>
-const Strands& CudaHair<T>::seen() const {
-    download(cohesion_ ? displayed_ : positions_, seen_);
-    return seen_;
 }
 
 template <class T>

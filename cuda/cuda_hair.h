@@ -12,6 +12,7 @@
 #include "cuda/pair_forces_device.h"
 #include "cuda/simulation.h"
 #include "cuda/touching_strands_device.h"
+#include "cuda/water_on_device.h"
 #include "solver/plan.h"
 #include "solver/schedule.h"
 
@@ -64,6 +65,7 @@ class CudaHair {
     using Number = T;
     using S = T;
     using Air = AirAround<T>;
+    using Water = WaterOnDevice<CudaHair>;
 #ifdef WETCURL_PARITY
     // The CPU's own: sums over neighbours have its order.
     using Forces = ForcesOnStrands<T>;
@@ -85,15 +87,12 @@ class CudaHair {
     Bdf2<T> scheme() const { return {T(dt_), first, T(predictor_share(scene_))}; }
 
     void begin_display(const std::vector<float>& saturation, double reach);
-    void take_up_water(const std::vector<double>& dry_mass);
-    const Display* lent_neighbours() const { return nullptr; }  // they stay on the device
     double neighbours_mean() const { return neighbours_mean_; }
 
     void fetch() const;
     void fetch_history() const;
     void give_state();
     void give_velocities();
-    void give_water();
     void take_surfaces(const DeformingSolids& surfaces);
     void take_couplings(Forces* forces, Touching* touching);
 
@@ -103,7 +102,6 @@ class CudaHair {
     // A whole frame without history to wait for is one graph, which shows it too.
     void run(const std::vector<Placement<T>>& path, const GivenToChain<T>& given, bool ends_frame);
     void show(double time, const MovingGrid* surfaces);
-    const Strands& seen() const;
     const Vec3f* positions_on_device() const { return positions_.data(); }
     void begin_record(RunFrame& frame);
     void finish_record(RunFrame& frame) const { record_->finish(frame); }
@@ -129,6 +127,21 @@ class CudaHair {
     StrandMemory<T> memory() const;
     cudaStream_t stream() const { return stream_.handle; }
 
+    // What water asks: whether no strand is too far gone, by the last frame; where strands are seen; and what
+    // of them follows it, which is new once it is taken.
+    bool all_there() const { return host_report_[1].diverged >= state.strands; }
+    const Vec3f* seen() const { return (cohesion_ ? displayed_ : positions_).data(); }
+    SoakedStrands<T> soaked() const {
+        return {mass_.data(),
+                saturation_.data(),
+                rest_core_.data(),
+                target_.data(),
+                push_.data(),
+                cohesion_ ? cohesion_->volumes() : nullptr,
+                cohesion_ ? cohesion_->wet_volumes() : nullptr};
+    }
+    void take_water() { water_fetched_ = false; }
+
   private:
     struct DeviceSurface {
         DeviceBuffer<float> phi_before, phi;
@@ -147,10 +160,8 @@ class CudaHair {
         host.resize(from.size());
         from.download(host.data());
     }
-    void download(const DeviceBuffer<Vec3f>& from, Strands& to) const {
-        to.count = state.strands, to.particles = state.n;
-        download(from, to.points);
-    }
+    void fetch_water() const;
+    void give_water();
     void take_given(const GivenToChain<T>& given);
     void put_motion(int slot, const Placement<T>& p);
     void upload_motion();
@@ -165,7 +176,7 @@ class CudaHair {
     const Scene& scene_;
     const double dt_;
     bool shown_ = false;  // what was run last is seen already
-    mutable bool fetched_ = true, history_fetched_ = true;
+    mutable bool fetched_ = true, history_fetched_ = true, water_fetched_ = true;
 
     DeviceBuffer<Vec3<T>> x_, x_before_, v_, v_before_, root_, target_, push_, air_;
     DeviceBuffer<Quat<T>> frame_;
@@ -175,7 +186,6 @@ class CudaHair {
     LaneNumbers lanes_;     // where strands are many
     DeviceBuffer<T> room_;  // of strands that do not fit a processor, or are a thread's
     DeviceBuffer<Vec3f> positions_, displayed_;
-    mutable Strands seen_;
     // What others give, and where adhesion was asked for; empty where nobody does.
     NearestSurface<T> nearest_;
     DeviceBuffer<Vec3<T>> given_force_, given_normal_, given_surface_velocity_;
@@ -199,7 +209,6 @@ class CudaHair {
     DeviceBuffer<ShapeView> deforming_;
     PinnedBuffer<FrameReport> host_report_;  // a blank one, and the last frame's
     DeviceBuffer<FrameReport> report_;
-    const std::vector<float>* display_saturation_ = nullptr;
     std::optional<CohesionDevice> cohesion_;
     std::optional<FrameRecord<T>> record_;  // once one is asked for
 

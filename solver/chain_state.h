@@ -128,16 +128,9 @@ struct ChainState {
             if (i + 1 == n) continue;
             if (!rest.rest_core.empty()) put(rest_core[k], lane, rest.rest_core[size_t(i)]);
             if (!target.empty() && !rest.target.empty()) put(target[k], lane, rest.target[size_t(i)]);
-            if (!push.empty()) {
-                const Curl& curl = *scene.curl;
-                const double r = *curl.radius,
-                             omega = helix_angle(r, *curl.pitch / (2 * M_PI), rest.rest_length[size_t(i)]);
+            if (!push.empty())
                 put(push[k], lane,
-                    curl.w_h * sigma[i] *
-                        Vec3d{*curl.pitch / (2 * M_PI) * omega,
-                              r * (std::cos(omega * (i + 1)) - std::cos(omega * i)),
-                              r * (std::sin(omega * (i + 1)) - std::sin(omega * i))});
-            }
+                    scene.curl->w_h * sigma[i] * printed_edge(*scene.curl, rest.rest_length[size_t(i)], i));
         }
     }
 

@@ -33,9 +33,7 @@ std::vector<Vec3d> points_of(const Strands& strands, int s) {
 
 std::vector<double> core_lengths(const std::vector<Vec3d>& p, double beta) {
     std::vector<double> out(p.size() - 1);
-    smooth_edges<double>(
-        int(out.size()), beta, [&](int i) { return p[size_t(i) + 1] - p[size_t(i)]; },
-        [&](int i, const Vec3d& b) { out[size_t(i)] = norm(b); });
+    smoothed_lengths(int(out.size()), beta, p.data(), [&](int i, double length) { out[size_t(i)] = length; });
     return out;
 }
 
@@ -115,10 +113,11 @@ void soak(const Scene& scene, const Soaking& soaking, const float* saturation, S
     if (!soaking.curl) return;
     rest.target = soaking.curl->at(saturation);
     if (soaking.core.empty()) return;
-    rest.rest_core = soaking.rest_core;
-    const auto after = core_lengths_of(rest.target, scene.term<Core>()->beta);
-    for (size_t i = 0; i < after.size(); ++i)
-        if (after[i] != soaking.core[i]) rest.rest_core[i] *= after[i] / soaking.core[i];
+    std::vector<Vec3d> points(rest.target.size() + 1);
+    rest.rest_core.resize(soaking.core.size());
+    core_of_curl(int(soaking.core.size()), scene.term<Core>()->beta, rest.target.data(), soaking.core.data(),
+                 soaking.rest_core.data(), points.data(),
+                 [&](size_t i, double length) { rest.rest_core[i] = length; });
 }
 
 StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking) {

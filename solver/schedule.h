@@ -44,7 +44,7 @@ class SimulationOf final : public Simulation {
     const Vec3f* positions_on_device() const override { return hair_.positions_on_device(); }
     long limited_edges() const override { return hair_.limited_edges(); }
     std::optional<WaterBalance> water() const override {
-        return water_ ? std::optional(water_->flow().water()) : std::nullopt;
+        return water_ ? std::optional(water_->balance()) : std::nullopt;
     }
     void use_adhesion_model(AdhesionModel* model) override {
         if (model || network_) network().model = model;
@@ -73,7 +73,6 @@ class SimulationOf final : public Simulation {
     void pull_strands(GivenToChain<S>& given);
     void ask_network(int done);
     void run(const std::vector<Placement<T>>& path, bool ends_frame);
-    void move_water();
     void follow_water();
     void touch_strands();
     // Calls f(name, seconds in the frame at hand) for each stage, in the order of their columns.
@@ -94,7 +93,7 @@ class SimulationOf final : public Simulation {
     double time_ = 0;
     Hair hair_;
     // What the scene names.
-    std::optional<WaterInHair<S>> water_;
+    std::optional<typename Hair::Water> water_;
     std::optional<typename Hair::Air> air_;
     std::optional<DeformingSolids> surfaces_;
     std::optional<typename Hair::Forces> forces_;
@@ -109,9 +108,9 @@ template <class Hair>
 template <class... OfHair>
 SimulationOf<Hair>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
     : scene_(scene), dt_(1 / (scene.fps * scene.integrator.substeps)), hair_(scene, of_hair...) {
-    if (scene.flow) water_.emplace(scene);
+    if (scene.flow) water_.emplace(scene, hair_);
     if (scene.cohesion && water_)
-        hair_.begin_display(water_->flow().saturation(), scene.flow->reach);
+        hair_.begin_display(water_->saturation(), scene.flow->reach);
     else if (scene.cohesion)
         hair_.begin_display(scene.saturation, 0);
     if (scene.air) air_.emplace(scene, hair_);
@@ -137,7 +136,7 @@ void SimulationOf<Hair>::advance(bool shown) {
     for_each_stage(*this, [](const char*, double& seconds) { seconds = 0; });
     frame_seconds_ = 0;
     const StageTimer timer(frame_seconds_);
-    if (water_) move_water();
+    if (water_) water_->advance(hair_, time_), follow_water();
     if (air_) air_->advance(hair_, time_);
     const int substeps = scene_.integrator.substeps;
     if (surfaces_) {
@@ -158,6 +157,7 @@ void SimulationOf<Hair>::advance(bool shown) {
     }
     if (shown) hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
     if (air_) air_->finish();
+    if (water_) water_->finish();
 }
 
 // From the state as it is; what a network answers holds for the substep that follows.
@@ -198,24 +198,10 @@ void SimulationOf<Hair>::touch_strands() {
     hair_.give_velocities();
 }
 
-template <class Hair>
-void SimulationOf<Hair>::move_water() {
-    const StageTimer timer(water_->seconds);
-    const Strands& seen = hair_.seen();
-    if (!is_finite(seen.points)) return;
-    hair_.count_change(water_->work, [&] {
-        water_->step(seen, time_, hair_.lent_neighbours());
-        follow_water();
-    });
-}
-
-// All that follows the saturation.
+// What beside the strands themselves follows the water in them; who comes within `run` reads their masses.
 template <class Hair>
 void SimulationOf<Hair>::follow_water() {
-    water_->soak(hair_.state);
-    hair_.give_water();
-    if (scene_.cohesion) hair_.take_up_water(water_->flow().dry_mass());
-    if (between_strands_) between_strands_->weigh(hair_.state);
+    if (!Hair::couples && between_strands_) hair_.fetch(), between_strands_->weigh(hair_.state);
 }
 
 template <class Hair>
@@ -260,7 +246,7 @@ SimulationState SimulationOf<Hair>::state() const {
     hair_.fetch(), hair_.fetch_history();
     SimulationState out;
     out.time = time_, out.first = hair_.first;
-    if (water_) out.saturation = water_->flow().exact();
+    if (water_) out.saturation = water_->exact();
     for_each_pair(hair_.state, out,
                   [&](const auto& from, auto& to) { hair_.state.template unpack<double>(from, to); });
     return out;
@@ -276,7 +262,7 @@ void SimulationOf<Hair>::restore(const SimulationState& from) {
         if (!to.empty() && !values.empty()) hair_.state.pack(values, to);
     });
     hair_.give_state();
-    if (water_ && !from.saturation.empty()) water_->restore(from.saturation), follow_water();
+    if (water_ && !from.saturation.empty()) water_->restore(from.saturation, hair_), follow_water();
     hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
 }
 
@@ -289,7 +275,7 @@ void SimulationOf<Hair>::begin_snapshot(RunFrame& frame) {
     frame.stage_seconds.clear();
     for_each_stage(*this,
                    [&](const char*, double seconds) { frame.stage_seconds.push_back(float(seconds)); });
-    frame.saturation = water_ ? water_->flow().saturation() : std::vector<float>{};
+    frame.saturation = water_ ? water_->saturation() : std::vector<float>{};
     frame.water.clear();
     if (const auto w = water()) frame.water = {w->held, w->taken, w->dripped, w->dried};
 }

@@ -14,6 +14,7 @@ class CpuHair : public ChainStepper<T> {
     using Number = T;
     using typename ChainStepper<T>::S;
     using Air = HairInAir<CpuHair>;
+    using Water = WaterInHair<CpuHair>;
     using Forces = ForcesOnStrands<S>;
     using Touching = TouchingStrands<S>;
     // Whether forces and contact between strands come within `run`; else the host adds them between runs.
@@ -35,7 +36,6 @@ class CpuHair : public ChainStepper<T> {
     void fetch_history() const {}
     void give_state() {}
     void give_velocities() {}
-    void give_water() {}
     // Level sets as they are for the substeps that follow.
     void take_surfaces(const DeformingSolids&) {}
     // What `run` lets act on the strands where it couples them; null: the scene has none.

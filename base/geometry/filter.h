@@ -36,6 +36,14 @@ WETCURL_HD void smooth_edges(int n, Plain<S> beta, Edge edge, Store store) {
     for (int i = 0; i < n; ++i) store(i, filter(edge(i)));
 }
 
+// Lengths of what becomes of the n edges of a polyline p (n + 1): store(i, |d_i|).
+template <class Points, class Store>
+WETCURL_HD void smoothed_lengths(int n, double beta, const Points& p, Store store) {
+    smooth_edges<double>(
+        n, beta, [&](int i) { return p[size_t(i) + 1] - p[size_t(i)]; },
+        [&](int i, const Vec3d& d) { store(i, norm(d)); });
+}
+
 // The adjoint edge by edge from the tip: y_i from g_i and what came before, down to edge 1.
 template <class S>
 struct EdgeFilterAdjoint {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/parameters.h"
-#include "base/vec3.h"
+#include "solver/terms/wet_curl.h"
 
 namespace wetcurl {
 
@@ -39,14 +39,10 @@ std::vector<Vec3d> intrinsic_shape(const std::vector<Vec3d>& points);
 std::vector<Vec3d> shape_from_intrinsic(const std::vector<Vec3d>& tbar, const Vec3d& root,
                                         const Quatd& frame);
 
-// Mean turn at a vertex and mean angle by which successive curvature directions advance: the two make one
-// rotation a segment, cos(omega/2) = cos(theta/2) cos(phase/2).
-struct Turning {
-    double theta, phase;  // radians a segment; phase is signed (handedness)
-    double coherence;     // of the advance: 1 on a helix, near 0 in noise
-    double segments_of_a_turn() const;
-};
 Turning turning_of(const std::vector<Vec3d>& tbar);
+
+// Edge i, of length l [m], of the printed curl's helix: its push for each w_h sigma [m].
+Vec3d printed_edge(const Curl& curl, double l, int i);
 
 // How a strand curls as it takes up water: found once, asked for at any saturation.
 class WetCurl {
@@ -56,19 +52,13 @@ class WetCurl {
     std::vector<Vec3d> at(const float* saturation) const;
     size_t bytes() const;
 
-  private:
-    // Edges about the axis of a strand that is curled by turns alone.
-    std::vector<Vec3d> straightened(const std::vector<Vec3d>& tbar) const;
+    // What any device needs for it.
+    WetCurlView<const Vec3d*, const Quatd*> view() const;
 
-    double weight_, turn_, segments_;  // segments of a turn, and as the mean of turns tells them
-    std::vector<Vec3d> dry_;
-    // Of the strand laid straight by the frames along its axis: edges (n-1), and tbar (n-1) dry and fully
-    // curled.
-    std::vector<Vec3d> edges_, straight_, helix_;
-    std::vector<Quatd> frames_;
-    // How far from straight it is still, near the root, where hair lifts off: frames, and edges in them.
-    std::vector<Quatd> bend_left_;
-    std::vector<Vec3d> drawn_;
+  private:
+    CurlOfStrand curl_;
+    std::vector<Vec3d> dry_, straight_edges_, straight_, helix_, drawn_;  // (n-1), as in the view
+    std::vector<Quatd> frames_, bend_left_;
 };
 
 std::vector<Vec3d> curled(const Curl& curl, const std::vector<Vec3d>& tbar, const float* saturation);

@@ -8,6 +8,7 @@
 // K the conductivity, H the suction, t the tangent, g_0 = 9.81 m/s². At rest sigma rises downward by 1/H.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "base/geometry/kernels.h"
@@ -16,6 +17,17 @@
 #include "solver/motion.h"
 
 namespace wetcurl {
+
+// A body of water over a step of time, as any device asks it.
+struct FlowingSource {
+    ShapeView shape;
+    Pose pose;  // of its motion
+    Vec3d center;
+    double taken;  // share of what hair still has room for; 0: it does not flow
+    // x [m] in the world.
+    WETCURL_HD bool holds(const Vec3d& x) const { return distance(shape, pose.inverse(x) - center).phi < 0; }
+    WETCURL_HD double wetted(double sigma) const { return minimum(1.0, sigma + taken * (1 - sigma)); }
+};
 
 // A body of water, or a ball of spray: hair inside its surface takes up water, sigma' = rate (1 - sigma).
 struct WaterSource {
@@ -29,18 +41,63 @@ struct WaterSource {
         {"from", &WaterSource::from, "s", 0, 0, 1e6, "when it begins to wet"},
         {"until", &WaterSource::until, "s", 1e6, 0, 1e6, "when it ends"},
     };
-    bool flows_at(double time) const { return time >= from && time < until; }
-    // x [m] in the world, `pose` that of its motion.
-    bool holds(const Vec3d& x, const Pose& pose) const {
-        return distance(shape, pose.inverse(x) - center).phi < 0;
+    // For dt [s] from `time` on; a level set is the host's.
+    FlowingSource over(double time, double dt) const {
+        const bool flows = time >= from && time < until;
+        return {view_of(shape), motion.at(time), center, flows ? -std::expm1(-rate * dt) : 0};
     }
 };
 
-// Masses of water here are those of dry hair that holds as much when full: the water's own is m_absorbed
-// times it.
-struct Flow {
-    static constexpr const char *name = "flow", *table = "wetness.flow";
+// The rules of it, on any device. Masses of water here are those of dry hair that holds as much when full:
+// the water's own is m_absorbed times it.
+struct FlowRules {
     double K, H, dripping, drying, exchange, reach;
+
+    // g / |g_0|.
+    static Vec3d down(const Vec3d& gravity) { return (1 / 9.81) * gravity; }
+    // What runs over an edge [kg/s] for each unit of saturation at its upper end, and back for each at its
+    // lower end, with the mobilities of the saturations `a` and `b` at those ends: linear, and never
+    // negative.
+    struct Rates {
+        double down, up;
+    };
+    // `fall`: t.g / |g_0| of the edge; `length` of it [m]; `density`: mu [kg/m].
+    WETCURL_HD Rates edge_rates(double a, double b, double fall, double length, double density) const {
+        const bool rises = fall < 0;
+        const double upper = rises ? b : a, lower = rises ? a : b, drop = rises ? -fall : fall;
+        const double spread = H / length * 0.5 * (upper * upper * upper + lower * lower * lower);
+        // The falling part takes the mean of both ends where suction is strong enough to keep `up` positive,
+        // so that the profile at rest is met exactly, and the upper end elsewhere.
+        const double half = 0.5 * drop * lower * lower;
+        const double central = spread > half ? 1 : half > 0 ? spread / half : 0;
+        const double scale = density * K;
+        const double onward = scale * (spread + drop * upper * upper * (1 - 0.5 * central)),
+                     against = scale * (spread - half * central);
+        return rises ? Rates{against, onward} : Rates{onward, against};
+    }
+    // From the tip [kg/s] for each unit of its saturation, taken as `a`.
+    WETCURL_HD double tip_rate(double a, double fall, double density) const {
+        return fall > 0 ? dripping * density * K * fall * a * a : 0;
+    }
+    // Substeps of dt [s] in which a front passes no more than half of the shortest cell [m], so that lagged
+    // mobilities overfill nothing. More than `most` would only sharpen fronts: the solve is stable at any.
+    WETCURL_HD int substeps(double dt, double shortest) const {
+        constexpr double most = 64;
+        const double cells = 2 * K * dt * (1 + H / shortest) / shortest;
+        return cells < most ? maximum(1, int(std::ceil(cells))) : int(most);
+    }
+    // Water that passes between two particles r [m] apart within dt for each unit that their saturations
+    // differ by, exact for the two alone; m: their dry masses [kg].
+    WETCURL_HD double passed(double m_a, double m_b, double r, double dt) const {
+        const double shared = m_a * m_b / (m_a + m_b);
+        return -std::expm1(-exchange * dt * kernel_shape(r, reach)) * shared;
+    }
+    // Share of the water that dries away within dt.
+    WETCURL_HD double dried(double dt) const { return -std::expm1(-drying * dt); }
+};
+
+struct Flow : FlowRules {
+    static constexpr const char *name = "flow", *table = "wetness.flow";
     std::vector<WaterSource> sources;
     static constexpr Parameter<Flow> parameters[] = {
         {"conductivity", &Flow::K, "m/s", 3e-3, 0, 1,
@@ -55,44 +112,6 @@ struct Flow {
          "rate at which two particles that touch even out (ours, after Rungjiratananon 2012)"},
         {"reach", &Flow::reach, "m", 0.002, 1e-5, 1, "distance at which strands no longer touch"},
     };
-
-    // What runs over an edge [kg/s] for each unit of saturation at its upper end, and back for each at its
-    // lower end, with the mobilities of the saturations `a` and `b` at those ends: linear, and never
-    // negative.
-    struct Rates {
-        double down, up;
-    };
-    // `fall`: t.g / |g_0| of the edge; `length` of it [m]; `density`: mu [kg/m].
-    Rates edge_rates(double a, double b, double fall, double length, double density) const {
-        if (fall < 0) {
-            const Rates mirrored = edge_rates(b, a, -fall, length, density);
-            return {mirrored.up, mirrored.down};
-        }
-        const double spread = H / length * 0.5 * (a * a * a + b * b * b);
-        // The falling part takes the mean of both ends where suction is strong enough to keep `up` positive,
-        // so that the profile at rest is met exactly, and the upper end elsewhere.
-        const double half = 0.5 * fall * b * b;
-        const double central = spread > half ? 1 : half > 0 ? spread / half : 0;
-        const double scale = density * K;
-        return {scale * (spread + fall * a * a * (1 - 0.5 * central)), scale * (spread - half * central)};
-    }
-    // From the tip [kg/s] for each unit of its saturation, taken as `a`.
-    double tip_rate(double a, double fall, double density) const {
-        return fall > 0 ? dripping * density * K * fall * a * a : 0;
-    }
-    // Substeps of dt [s] in which a front passes no more than half of the shortest cell [m], so that lagged
-    // mobilities overfill nothing. More than `most` would only sharpen fronts: the solve is stable at any.
-    int substeps(double dt, double shortest) const {
-        constexpr double most = 64;
-        const double cells = 2 * K * dt * (1 + H / shortest) / shortest;
-        return cells < most ? std::max(1, int(std::ceil(cells))) : int(most);
-    }
-    // Water that passes between two particles r [m] apart within dt for each unit that their saturations
-    // differ by, exact for the two alone; m: their dry masses [kg].
-    double passed(double m_a, double m_b, double r, double dt) const {
-        const double shared = m_a * m_b / (m_a + m_b);
-        return -std::expm1(-exchange * dt * kernel_shape(r, reach)) * shared;
-    }
 };
 
 }  // namespace wetcurl

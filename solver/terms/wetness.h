@@ -10,13 +10,18 @@
 
 namespace wetcurl {
 
+// Of hair that is as heavy when dry [kg], with the share `absorbed` of its own mass when full.
+WETCURL_HD inline double wet_mass(double dry, double absorbed, float sigma) {
+    return dry * (1 + absorbed * sigma);
+}
+
 struct Wetness {
     static constexpr const char *name = "wetness", *table = "wetness";
     double level, absorbed, jitter, edge, region_radius;
     std::string pattern = "uniform";  // uniform | tip | root | region | file
     Vec3d region_center{0, 0, 0};     // head's frame [m]
     std::string file;                 // a run cache whose saturation is taken
-    double wet_mass(double dry, float sigma) const { return dry * (1 + absorbed * sigma); }
+    double wet_mass(double dry, float sigma) const { return wetcurl::wet_mass(dry, absorbed, sigma); }
     static constexpr Parameter<Wetness> parameters[] = {
         {"level", &Wetness::level, "1", 1, 0, 1, "saturation sigma where the pattern is full"},
         {"absorbed", &Wetness::absorbed, "1", 0.3, 0, 10, "m_absorbed: m = m_dry (1 + sigma m_absorbed)"},

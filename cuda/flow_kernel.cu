@@ -1,0 +1,159 @@
+// Kernels of the flow: a thread a strand, or a particle in the order of cells.
+#include "base/strided.h"
+#include "cuda/flow_kernel.h"
+
+namespace wetcurl {
+
+namespace {
+
+// Strands are few, and each thread is long at work: small blocks reach all processors.
+constexpr unsigned strand_threads = 32, particle_threads = 128;
+
+unsigned blocks_for(size_t items, unsigned threads) { return unsigned((items + threads - 1) / threads); }
+
+__global__ void __launch_bounds__(strand_threads)
+    run_along(const FlowBodies b, int strands, const FlowingSource* sources, int source_count, const Vec3f* p,
+              double dt, const Vec3d down, FlowRow* rows) {
+    const int s = int(blockIdx.x * strand_threads + threadIdx.x);
+    if (s >= strands) return;
+    for (int k = 0; k < source_count; ++k)
+        if (sources[k].taken > 0) b.wet(s, sources[k], p);
+    b.run_along(s, p, dt, down, Strided<FlowRow>{rows + s, size_t(strands)});
+}
+
+__global__ void __launch_bounds__(particle_threads)
+    find_limits(const FlowBodies b, const CellSearch search, double dt) {
+    const uint32_t k = blockIdx.x * particle_threads + threadIdx.x;
+    if (k >= search.count) return;
+    const SortedPoint own = search.sorted[k];
+    b.find_limit(own.id, dt, [&](auto visit) { search.contacts(own, visit); });
+}
+__global__ void __launch_bounds__(particle_threads)
+    pass_on(const FlowBodies b, const CellSearch search, double dt) {
+    const uint32_t k = blockIdx.x * particle_threads + threadIdx.x;
+    if (k >= search.count) return;
+    const SortedPoint own = search.sorted[k];
+    b.pass_on(own.id, dt, [&](auto visit) { search.contacts(own, visit); });
+}
+
+// What others read of a strand.
+__device__ void show(const FlowBodies& b, int s, float* shown, double* held) {
+    for (size_t k = b.at(s, 0); k < b.at(s + 1, 0); ++k) shown[k] = float(b.sigma[k]);
+    held[s] = water_held(b.mass + b.at(s, 0), b.sigma + b.at(s, 0), size_t(b.n));
+}
+__global__ void __launch_bounds__(strand_threads)
+    end_step(const FlowBodies b, int strands, double share, float* shown, double* held) {
+    const int s = int(blockIdx.x * strand_threads + threadIdx.x);
+    if (s >= strands) return;
+    b.shed_excess(s, b.next);
+    b.dry(s, share);
+    show(b, s, shown, held);
+}
+__global__ void __launch_bounds__(strand_threads)
+    begin_anew(const FlowBodies b, int strands, float* shown, double* held) {
+    const int s = int(blockIdx.x * strand_threads + threadIdx.x);
+    if (s >= strands) return;
+    b.ledger[s] = {};
+    show(b, s, shown, held);
+}
+
+}  // namespace
+
+FlowDevice::FlowDevice(const Flow& flow, const Strands& rest, double density, double absorbed, double dt,
+                       const Vec3d& gravity, const Vec3f& origin)
+    : flow_(flow),
+      strands_(rest.count),
+      n_(rest.particles),
+      density_(density),
+      absorbed_(absorbed),
+      dt_(dt),
+      down_(FlowRules::down(gravity)),
+      search_(rest.points.size(), rest.particles, flow.reach, origin),
+      sigma_(rest.points.size()),
+      next_(rest.points.size()),
+      limit_(rest.points.size()),
+      shown_(rest.points.size()),
+      rows_(rest.points.size()),
+      ledger_(size_t(strands_)),
+      held_(size_t(strands_)),
+      host_sources_(flow.sources.size()),
+      sources_(flow.sources.size()) {
+    const FlowHair hair(rest, density);
+    mass_ = DeviceBuffer<double>(hair.mass), length_ = DeviceBuffer<double>(hair.length);
+    for (const auto& source : flow.sources) {
+        const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&source.shape);
+        level_sets_.push_back(level_set ? DeviceBuffer<float>((*level_set)->phi()) : DeviceBuffer<float>());
+    }
+    check_cuda(cudaStreamSynchronize(nullptr), "water");  // streams of launches do not wait for this one
+}
+
+FlowBodies FlowDevice::bodies() const {
+    return {flow_,         density_,      n_, mass_.data(), length_.data(), sigma_.data(), next_.data(),
+            limit_.data(), ledger_.data()};
+}
+
+void FlowDevice::aim(double time) {
+    for (size_t k = 0; k < host_sources_.size(); ++k) {
+        FlowingSource now = flow_.sources[k].over(time, dt_);
+        now.shape.grid.phi = level_sets_[k].data();
+        host_sources_[k] = now;
+    }
+}
+
+void FlowDevice::launch_step(const Vec3f* p, cudaStream_t stream) {
+    const FlowBodies b = bodies();
+    const unsigned strand_blocks = blocks_for(size_t(strands_), strand_threads),
+                   particle_blocks = blocks_for(sigma_.size(), particle_threads);
+    if (sources_.size())
+        check_cuda(cudaMemcpyAsync(sources_.data(), host_sources_.data(), sources_.bytes(),
+                                   cudaMemcpyHostToDevice, stream),
+                   "sources of water");
+    run_along<<<strand_blocks, strand_threads, 0, stream>>>(
+        b, strands_, sources_.data(), int(sources_.size()), p, dt_, down_, rows_.data());
+    search_.launch(p, stream);
+    find_limits<<<particle_blocks, particle_threads, 0, stream>>>(b, search_.view(), dt_);
+    pass_on<<<particle_blocks, particle_threads, 0, stream>>>(b, search_.view(), dt_);
+    end_step<<<strand_blocks, strand_threads, 0, stream>>>(b, strands_, flow_.dried(dt_), shown_.data(),
+                                                           held_.data());
+    check_cuda(cudaGetLastError(), "launch of the flow");
+}
+
+void FlowDevice::restore(const std::vector<double>& saturation, cudaStream_t stream) {
+    check_cuda(
+        cudaMemcpyAsync(sigma_.data(), saturation.data(), sigma_.bytes(), cudaMemcpyHostToDevice, stream),
+        "saturation");
+    begin_anew<<<blocks_for(size_t(strands_), strand_threads), strand_threads, 0, stream>>>(
+        bodies(), strands_, shown_.data(), held_.data());
+    check_cuda(cudaGetLastError(), "launch of the flow");
+    start_ = held(stream);
+}
+
+template <class V>
+std::vector<V> FlowDevice::host(const DeviceBuffer<V>& from, cudaStream_t stream) {
+    std::vector<V> out(from.size());
+    check_cuda(cudaMemcpyAsync(out.data(), from.data(), from.bytes(), cudaMemcpyDeviceToHost, stream),
+               "water");
+    check_cuda(cudaStreamSynchronize(stream), "water");
+    return out;
+}
+template std::vector<double> FlowDevice::host(const DeviceBuffer<double>&, cudaStream_t);
+template std::vector<float> FlowDevice::host(const DeviceBuffer<float>&, cudaStream_t);
+
+double FlowDevice::held(cudaStream_t stream) const {
+    double sum = 0;
+    for (double of_strand : host(held_, stream)) sum += of_strand;
+    return sum;
+}
+
+WaterBalance FlowDevice::water(cudaStream_t stream) const {
+    return water_balance(absorbed_, start_, held(stream), host(ledger_, stream));
+}
+
+size_t FlowDevice::bytes() const {
+    size_t sum = search_.bytes() + shown_.bytes() + rows_.bytes() + ledger_.bytes() + sources_.bytes();
+    for (const auto* b : {&mass_, &length_, &sigma_, &next_, &limit_, &held_}) sum += b->bytes();
+    for (const auto& level_set : level_sets_) sum += level_set.bytes();
+    return sum;
+}
+
+}  // namespace wetcurl
