@@ -6,7 +6,6 @@
 #pragma once
 
 #include "cuda/strand_parts.h"
-#include "cuda/strand_sweeps.h"
 #include "cuda/strand_system.h"
 #include "cuda/team.h"
 
@@ -18,6 +17,12 @@ class StrandStep {
     using Q = Quat<T>;
     using M = Mat3<T>;
     struct alignas(4 * sizeof(T)) Frame : Q {};  // read and written whole
+    // An edge's row of the system of the turns of edges about themselves: what couples it to an edge before
+    // and to one after, what its diagonal has beyond these (nothing cancels in sums of such), its right side.
+    struct alignas(4 * sizeof(T)) TwistRow {
+        T before, after, excess, right;
+        WETCURL_HD T inverse() const { return T(1) / maximum(before + after + excess, T(1e-30)); }
+    };
 
   public:
     // What the team shares of a strand beside its room.
@@ -138,16 +143,11 @@ class StrandStep {
         if (first < end) team_.share(count_, end - first, [&](int g, int k) { f(g, first + k); });
     }
     // In the place of a strand's system, until there is one.
-    WETCURL_HD TwistRow<T>* twist_rows(int g) const {
-        return reinterpret_cast<TwistRow<T>*>(system_.numbers(g));
+    WETCURL_HD TwistRow* twist(int g, bool other) const {
+        return reinterpret_cast<TwistRow*>(system_.numbers(g)) + (other ? m_.n : 0);
     }
-    WETCURL_HD TwistPieces<T> twists(int g) const {
-        return {twist_rows(g), reinterpret_cast<TwistShare<T>*>(twist_rows(g) + m_.n), m_.n - 2};
-    }
-    // (piece) of the edges, and of their rates.
-    WETCURL_HD FilterState<T>* filtered(int g, bool rates) const {
-        return reinterpret_cast<FilterState<T>*>(system_.numbers(g) + 8 * m_.n) +
-               (rates ? FilterPieces(m_.n - 1).pieces : 0);
+    WETCURL_HD V* spare(int g, int which) const {
+        return reinterpret_cast<V*>(system_.numbers(g) + 8 * m_.n) + which * m_.n;
     }
     WETCURL_HD V edge_at(int k) const { return at_[k + 1] - at_[k]; }
     WETCURL_HD V placed_root(const SubstepMotion<T>& motion, int g, int i) const {
@@ -197,76 +197,89 @@ class StrandStep {
             if (is(active, g)) f(g, i);
         });
     }
-    // The turns of edges about themselves and the core's forces: side by side, by threads of their own where
-    // there are enough.
+    // f(other, reach, weight) in rounds, each of which reaches twice as far along a strand as the one before
+    // and reads what that has left, in turns here or (`other`) there. Returns where the last one leaves it.
+    template <class F>
+    WETCURL_HD bool in_rounds(bool other, T weight, F f) const {
+        for (int reach = 1; reach < m_.n - 1; reach *= 2, other = !other, weight *= weight)
+            f(other, reach, weight);
+        return other;
+    }
+    // The turns of edges about themselves and the core's forces.
     template <class Set>
     WETCURL_HD void take_along(const Set& set, const Bdf2<T>& scheme) {
-        const bool turns = has<Twist>(set), filters = has<Core>(set);
-        const FilterPieces pieces(m_.n - 1);
-        const int twist_pieces = turns ? twists(0).pieces() : 0, filter_pieces = filters ? pieces.pieces : 0;
-        const T beta = filters ? T(get<Core>(k_.rules.terms).beta) : T(0), q = 1 - beta;
+        const bool filters = has<Core>(set);
+        const T beta = filters ? T(get<Core>(k_.rules.terms).beta) : T(0);
+        for_each_active(0, [&](int g, int i) {
+            const int k = cell(g, i), root = cell(g, 0);
+            if (has<Twist>(set) && i > 0) twist(g, false)[i] = joint(scheme, i, k);
+            if (!filters) return;
+            // Before the root the strand goes on straight.
+            smoothed(g, false)[i] = edge_at(k) - edge_at(root);
+            rates(g, false)[i] = rate_[k + 1] - rate_[k] - (rate_[root + 1] - rate_[root]);
+        });
+        const bool last = in_rounds(false, 1 - beta, [&](bool other, int reach, T weight) {
+            for_each_active(0, [&](int g, int i) {
+                if (has<Twist>(set) && i > 0) twist(g, !other)[i] = reduced(twist(g, other), i, reach);
+                if (!filters) return;
+                smoothed(g, !other)[i] = doubled(smoothed(g, other), i, -reach, weight);
+                rates(g, !other)[i] = doubled(rates(g, other), i, -reach, weight);
+            });
+        });
         const bool adjoint = filters && !get<Core>(k_.rules.terms).printed;
-        auto both = [&](int twist_span, auto twist, int filter_span, auto filter) {
-            team_.share(
-                count_, twist_span, [&](int g, int k) { is(active, g) ? twist(g, k) : void(); }, filter_span,
-                [&](int g, int k) { is(active, g) ? filter(g, k) : void(); });
-        };
-        // Before the root the strand goes on straight.
-        auto edge = [&](int g, int i) { return edge_at(cell(g, i)) - edge_at(cell(g, 0)); };
-        auto rate = [&](int g, int i) {
-            const V *all = rate_ + cell(g, 0), root = all[1] - all[0];
-            return all[i + 1] - all[i] - root;
-        };
-        both(
-            turns ? m_.n - 2 : 0,
-            [&](int g, int k) { twist_rows(g)[k + 1] = joint(scheme, k + 1, cell(g, k + 1)); }, filter_pieces,
-            [&](int g, int piece) {
-                FilterState<T> edges, rates;
-                for (int i = pieces.begin(piece); i < pieces.end(piece); ++i)
-                    edges.take(q, edge(g, i)), rates.take(q, rate(g, i));
-                filtered(g, false)[piece] = edges, filtered(g, true)[piece] = rates;
-            });
-        both(
-            twist_pieces, [&](int g, int piece) { twists(g).eliminate(piece); }, filter_pieces,
-            [&](int g, int piece) {
-                FilterState<T> edges = pieces.before(piece, false, q, filtered(g, false)),
-                               rates = pieces.before(piece, false, q, filtered(g, true));
-                const int root = cell(g, 0);
-                const T c = beta * beta;
-                for (int i = pieces.begin(piece); i < pieces.end(piece); ++i) {
-                    edges.take(q, edge(g, i)), rates.take(q, rate(g, i));
-                    const V b = edge_at(root) + c * edges.twice,
-                            nu = rate_[root + 1] - rate_[root] + c * rates.twice;
-                    core_[root + i] = (adjoint ? c : T(1)) *
-                                      get<Core>(k_.rules.terms).pull(b, nu, of(m_.rest_core, root + i));
-                }
-            });
-        if (!turns && !adjoint) return;
-        both(
-            turns, [&](int g, int) { twists(g).solve(); }, adjoint ? filter_pieces : 0,
-            [&](int g, int piece) {
-                FilterState<T> forces;
-                for (int i = pieces.end(piece) - 1; i >= pieces.begin(piece); --i)
-                    forces.take(q, core_[cell(g, i)]);
-                filtered(g, false)[piece] = forces;
-            });
-        both(
-            turns ? m_.n - 2 : 0,
-            [&](int g, int k) {
-                Frame& frame = frame_[cell(g, k + 1)];
-                frame = Frame{turned_about_itself(Q(frame), twists(g).turn(k + 1))};
-            },
-            adjoint ? filter_pieces : 0,
-            [&](int g, int piece) {
-                FilterState<T> forces = pieces.before(piece, true, q, filtered(g, false));
-                for (int i = pieces.end(piece) - 1; i >= pieces.begin(piece); --i) {
-                    forces.take(q, core_[cell(g, i)]);
-                    core_[cell(g, i)] = forces.twice;
-                }
+        for_each_active(0, [&](int g, int i) {
+            const int k = cell(g, i), root = cell(g, 0);
+            if (has<Twist>(set) && i > 0) {
+                const TwistRow row = twist(g, last)[i];
+                frame_[k] = Frame{turned_about_itself(Q(frame_[k]), row.right * row.inverse())};
+            }
+            if (!filters) return;
+            const T c = beta * beta;
+            const V b = edge_at(root) + c * smoothed(g, last)[i],
+                    nu = rate_[root + 1] - rate_[root] + c * rates(g, last)[i];
+            // As many rounds go back: they end in the core's own room.
+            core(g, adjoint && last)[i] =
+                (adjoint ? c : T(1)) * get<Core>(k_.rules.terms).pull(b, nu, of(m_.rest_core, k));
+        });
+        if (adjoint)
+            in_rounds(last, 1 - beta, [&](bool other, int reach, T weight) {
+                for_each_active(
+                    1, [&](int g, int i) { core(g, !other)[i] = doubled(core(g, other), i, reach, weight); });
             });
     }
+    // The core's force along each edge, in the end in a room of its own; and what it comes of.
+    WETCURL_HD V* core(int g, bool other) const { return other ? spare(g, 0) : core_ + cell(g, 0); }
+    WETCURL_HD V* smoothed(int g, bool other) const { return spare(g, other ? 1 : 2); }
+    WETCURL_HD V* rates(int g, bool other) const { return spare(g, other ? 3 : 4); }
+    // The filter of Eq 2 but for its factor beta², 1 / (1 - q z)² with q = 1 - beta, is the product of
+    // (1 + q^r z^r)² over r = 1, 2, 4, ...; its adjoint likewise, towards the root. `weight`: q^r.
+    WETCURL_HD V doubled(const V* values, int i, int reach, T weight) const {
+        V sum = values[i];
+        const int near = i + reach, far = i + 2 * reach, edges = m_.n - 1;
+        if (near >= 0 && near < edges) sum += 2 * weight * values[near];
+        if (far >= 0 && far < edges) sum += weight * weight * values[far];
+        return sum;
+    }
+    // Hockney and Jesshope 1981, parallel cyclic reduction: rows `reach` before and after are taken off row
+    // i.
+    WETCURL_HD TwistRow reduced(const TwistRow* rows, int i, int reach) const {
+        TwistRow row = rows[i];
+        if (i - reach > 0) {
+            const TwistRow before = rows[i - reach];
+            const T share = row.before * before.inverse();
+            row.before = share * before.before;
+            row.excess += share * before.excess, row.right += share * before.right;
+        }
+        if (i + reach < m_.n - 1) {
+            const TwistRow after = rows[i + reach];
+            const T share = row.after * after.inverse();
+            row.after = share * after.after;
+            row.excess += share * after.excess, row.right += share * after.right;
+        }
+        return row;
+    }
     // As of TwistElimination.
-    WETCURL_HD TwistRow<T> joint(const Bdf2<T>& scheme, int i, int k) const {
+    WETCURL_HD TwistRow joint(const Bdf2<T>& scheme, int i, int k) const {
         const Twist& springs = get<Twist>(k_.rules.terms);
         const Q frame = frame_[k];
         const T stiffness = springs.stiffness(rest_length_[k]);

@@ -37,26 +37,13 @@ struct Team {
     // f(k, l) for 0 <= k < count, 0 <= l < span likewise. Waits for all.
     template <class F>
     WETCURL_HD void share(int count, int span, F f) const {
-        each_pair(thread, count, span, f);
-        wait();
-    }
-    // Besides g, by the last threads first.
-    template <class F, class G>
-    WETCURL_HD void share(int count, int span, F f, int span_of_g, G g) const {
-        each_pair(thread, count, span, f);
-        each_pair(threads - 1 - thread, count, span_of_g, g);
-        wait();
-    }
-
-  private:
-    template <class F>
-    WETCURL_HD void each_pair(int first, int count, int span, F f) const {
         // The quotient of whole numbers below 2^20; their division takes a device far longer.
         const float inverse = 1.0f / float(span);
-        for (int job = first; job < count * span; job += threads) {
+        for (int job = thread; job < count * span; job += threads) {
             const int k = int((float(job) + 0.5f) * inverse);
             f(k, job - k * span);
         }
+        wait();
     }
 };
 
