@@ -247,7 +247,7 @@ void simulate_low(InferOptions& o, const Scene& low, bool wet) {
     SimulateOptions run = simulation_of(o);
     run.json.clear();
     // A program built without the solver's CUDA backend may still have a network there.
-    if (names_of_cuda_devices().empty()) run.device = "cpu";
+    if (run.device != "cpu" && names_of_cuda_devices().empty()) run.device = "cpu";
     run.output = o.output + (wet ? ".wet.h5" : ".dry.h5");
     run.dry = !wet;
     run.strands = low.groom.rest.count;
