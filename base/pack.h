@@ -165,6 +165,21 @@ template <class T>
 Pack<T> minimum(Pack<T> a, Pack<T> b) {
     return a.v < b.v ? a.v : b.v;
 }
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+// The same to the bit, zeros and NaN too, in one instruction where GCC makes two.
+inline Pack<float> maximum(Pack<float> a, Pack<float> b) {
+    return Pack<float>::Register(_mm512_max_ps(__m512(a.v), __m512(b.v)));
+}
+inline Pack<double> maximum(Pack<double> a, Pack<double> b) {
+    return Pack<double>::Register(_mm512_max_pd(__m512d(a.v), __m512d(b.v)));
+}
+inline Pack<float> minimum(Pack<float> a, Pack<float> b) {
+    return Pack<float>::Register(_mm512_min_ps(__m512(a.v), __m512(b.v)));
+}
+inline Pack<double> minimum(Pack<double> a, Pack<double> b) {
+    return Pack<double>::Register(_mm512_min_pd(__m512d(a.v), __m512d(b.v)));
+}
+#endif
 
 WETCURL_HD inline float select(bool m, float a, float b) { return m ? a : b; }
 WETCURL_HD inline double select(bool m, double a, double b) { return m ? a : b; }
