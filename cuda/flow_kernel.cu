@@ -21,19 +21,18 @@ __global__ void __launch_bounds__(strand_threads)
     b.run_along(s, p, dt, down, Strided<FlowRow>{rows + s, size_t(strands)});
 }
 
+// First the limits of all, then what is passed on within them.
+template <bool limits>
 __global__ void __launch_bounds__(particle_threads)
-    find_limits(const FlowBodies b, const CellSearch search, double dt) {
+    exchange(const FlowBodies b, const CellSearch search, double dt) {
     const uint32_t k = blockIdx.x * particle_threads + threadIdx.x;
     if (k >= search.count) return;
     const SortedPoint own = search.sorted[k];
-    b.find_limit(own.id, dt, [&](auto visit) { search.contacts(own, visit); });
-}
-__global__ void __launch_bounds__(particle_threads)
-    pass_on(const FlowBodies b, const CellSearch search, double dt) {
-    const uint32_t k = blockIdx.x * particle_threads + threadIdx.x;
-    if (k >= search.count) return;
-    const SortedPoint own = search.sorted[k];
-    b.pass_on(own.id, dt, [&](auto visit) { search.contacts(own, visit); });
+    auto contacts = [&](auto visit) { search.contacts(own, visit); };
+    if constexpr (limits)
+        b.find_limit(own.id, dt, contacts);
+    else
+        b.pass_on(own.id, dt, contacts);
 }
 
 // What others read of a strand.
@@ -111,8 +110,8 @@ void FlowDevice::launch_step(const Vec3f* p, cudaStream_t stream) {
     run_along<<<strand_blocks, strand_threads, 0, stream>>>(
         b, strands_, sources_.data(), int(sources_.size()), p, dt_, down_, rows_.data());
     search_.launch(p, stream);
-    find_limits<<<particle_blocks, particle_threads, 0, stream>>>(b, search_.view(), dt_);
-    pass_on<<<particle_blocks, particle_threads, 0, stream>>>(b, search_.view(), dt_);
+    exchange<true><<<particle_blocks, particle_threads, 0, stream>>>(b, search_.view(), dt_);
+    exchange<false><<<particle_blocks, particle_threads, 0, stream>>>(b, search_.view(), dt_);
     end_step<<<strand_blocks, strand_threads, 0, stream>>>(b, strands_, flow_.dried(dt_), shown_.data(),
                                                            held_.data());
     check_cuda(cudaGetLastError(), "launch of the flow");

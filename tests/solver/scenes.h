@@ -49,6 +49,32 @@ time = 0.3
 translation = [0, -0.02, 0.01]
 )";
 
+// The wet scene's strands, which touch, in a spray until `spray_ends` [s] and over a surface that rises from
+// `rises` on for 0.2 s.
+inline std::string flowing_scene(double rises, double spray_ends) {
+    return wet_scene + R"([wetness.flow]
+conductivity = 0.05
+drying = 0.3
+exchange = 8
+reach = 0.01
+[[wetness.source]]
+shape = "plane"
+center = [0, -0.1, 0]
+rate = 20
+[[wetness.source.motion.keyframe]]
+time = )" + std::to_string(rises) +
+           "\n[[wetness.source.motion.keyframe]]\ntime = " + std::to_string(rises + 0.2) + R"(
+translation = [0, 0.06, 0]
+[[wetness.source]]
+shape = "sphere"
+radius = 0.06
+center = [0, 0.08, 0.1]
+rate = 3
+from = 0.04
+until = )" +
+           std::to_string(spray_ends) + "\n";
+}
+
 inline Scene scene_of(const std::string& text, const std::vector<std::string>& set = {}, int stride = 0) {
     SceneOptions options;
     options.set = set;

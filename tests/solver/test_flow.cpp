@@ -267,29 +267,7 @@ TEST(Flow, saturation_stays_within_bounds_and_water_in_balance_whatever_the_para
 
 // --- whole simulations
 
-// The wet scene's strands, which touch, half wet, in a spray and over a surface that rises.
-const std::string flowing = wet_scene + R"([wetness.flow]
-conductivity = 0.05
-drying = 0.3
-exchange = 8
-reach = 0.01
-[[wetness.source]]
-shape = "plane"
-center = [0, -0.1, 0]
-rate = 20
-[[wetness.source.motion.keyframe]]
-time = 0.05
-[[wetness.source.motion.keyframe]]
-time = 0.25
-translation = [0, 0.06, 0]
-[[wetness.source]]
-shape = "sphere"
-radius = 0.06
-center = [0, 0.08, 0.1]
-rate = 3
-from = 0.04
-until = 0.2
-)";
+const std::string flowing = flowing_scene(0.05, 0.2);
 const std::vector<std::string> half_wet{"wetness.level=0.5"};
 
 TEST(Flow, of_a_whole_simulation_keeps_its_balance_and_shows_what_it_holds) {
