@@ -168,8 +168,9 @@ template <class S>
 WETCURL_HD Quat<S> conjugate(const Quat<S>& q) {
     return {q.w, -q.x, -q.y, -q.z};
 }
+// Always inline: GCC leaves it out of vector loops as programs grow.
 template <class S>
-WETCURL_HD Vec3<S> rotate(const Quat<S>& q, const Vec3<S>& v) {
+[[gnu::always_inline]] WETCURL_HD inline Vec3<S> rotate(const Quat<S>& q, const Vec3<S>& v) {
     Vec3<S> u{q.x, q.y, q.z};
     Vec3<S> t = S(2) * cross(u, v);
     return v + q.w * t + cross(u, t);
