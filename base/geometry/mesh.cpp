@@ -1,10 +1,8 @@
-// Closest point and winding number over a bounding-volume hierarchy of triangles.
-// Ericson 2005, 5.1.5; Van Oosterom and Strackee 1983, Eq 8; Barill 2018, Eq 6 (order 1).
+// A bounding-volume hierarchy of triangles.
 #include "base/geometry/mesh.h"
 
 #include <algorithm>
 #include <cstdint>
-#include <numbers>
 
 namespace wetcurl {
 
@@ -15,40 +13,6 @@ double component(const Vec3d& v, int axis) { return axis == 0 ? v.x : axis == 1 
 Bounds empty_bounds() {
     constexpr double inf = std::numeric_limits<double>::infinity();
     return {{inf, inf, inf}, {-inf, -inf, -inf}};
-}
-
-// Halving 2^31 triangles leaves fewer levels than this; a level keeps one node waiting.
-constexpr int deepest = 64;
-
-double squared_distance_to_box(const Vec3d& x, const Vec3d& low, const Vec3d& high) {
-    const Vec3d d = x - lower(upper(x, low), high);
-    return dot(d, d);
-}
-
-// Barycentric weights of the point of triangle abc nearest to x.
-Vec3d closest_weights(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& x) {
-    const Vec3d ab = b - a, ac = c - a, ax = x - a, bx = x - b, cx = x - c;
-    const double d1 = dot(ab, ax), d2 = dot(ac, ax), d3 = dot(ab, bx), d4 = dot(ac, bx), d5 = dot(ab, cx),
-                 d6 = dot(ac, cx);
-    if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-    if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-    if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-    const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
-    if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
-    if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
-    const double bc = (d4 - d3) + (d5 - d6);
-    if (va <= 0 && d4 >= d3 && d5 >= d6) return {0, 1 - (d4 - d3) / bc, (d4 - d3) / bc};
-    const double sum = va + vb + vc;
-    return {1 - vb / sum - vc / sum, vb / sum, vc / sum};
-}
-
-// Solid angle of abc seen from the origin (Van Oosterom and Strackee 1983, Eq 8).
-double solid_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    const double la = norm(a), lb = norm(b), lc = norm(c);
-    const double volume = dot(a, cross(b, c));
-    // In the triangle's own plane the angle has no side.
-    if (volume == 0) return 0;
-    return 2 * std::atan2(volume, la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
 }
 
 }  // namespace
@@ -153,64 +117,9 @@ MeshDistance::Node MeshDistance::summary(const std::vector<int>& members,
 }
 
 MeshDistance::Closest MeshDistance::closest(const Vec3d& x, int guess) const {
-    double least = std::numeric_limits<double>::infinity();
-    Closest best;
-    const auto visit = [&](int t) {
-        const auto& [a, b, c] = triangles_[size_t(t)];
-        const Vec3d w = closest_weights(a, b, c, x);
-        const Vec3d p = w.x * a + w.y * b + w.z * c;
-        if (const double d = dot(x - p, x - p); d < least) {
-            least = d;
-            best = {0, p, original_[size_t(t)], w};
-        }
-    };
-    if (guess >= 0 && guess < int(place_.size()) && place_[size_t(guess)] >= 0) visit(place_[size_t(guess)]);
-    struct Waiting {
-        int node;
-        double near;
-    } stack[deepest];
-    int top = 0;
-    const auto near = [&](int n) {
-        return squared_distance_to_box(x, nodes_[size_t(n)].low, nodes_[size_t(n)].high);
-    };
-    stack[top++] = {0, near(0)};
-    while (top > 0) {
-        const Waiting next = stack[--top];
-        if (next.near >= least) continue;
-        const Node& node = nodes_[size_t(next.node)];
-        for (int t = node.first; t < node.first + node.count; ++t) visit(t);
-        if (node.count > 0) continue;
-        Waiting left{node.first, near(node.first)}, right{node.first + 1, near(node.first + 1)};
-        if (left.near < right.near) std::swap(left, right);
-        stack[top++] = left;  // the farther one waits
-        stack[top++] = right;
-    }
-    best.distance = std::sqrt(least);
-    return best;
+    return tree().closest(x, guess);
 }
-
-double MeshDistance::winding_number(const Vec3d& x) const {
-    // Barill 2018: a cluster seen from beyond beta times its radius is a dipole.
-    constexpr double beta = 3;
-    double sum = 0;
-    int stack[deepest], top = 0;
-    stack[top++] = 0;
-    while (top > 0) {
-        const Node& node = nodes_[size_t(stack[--top])];
-        const Vec3d d = node.centre - x;
-        if (const double r2 = dot(d, d); r2 > beta * beta * node.radius * node.radius) {
-            sum += dot(d, node.area) / (r2 * std::sqrt(r2));
-            continue;
-        }
-        for (int t = node.first; t < node.first + node.count; ++t) {
-            const auto& [a, b, c] = triangles_[size_t(t)];
-            sum += solid_angle(a - x, b - x, c - x);
-        }
-        if (node.count > 0) continue;
-        stack[top++] = node.first;
-        stack[top++] = node.first + 1;
-    }
-    return sum / (4 * std::numbers::pi);
-}
+double MeshDistance::winding_number(const Vec3d& x) const { return tree().winding_number(x); }
+bool MeshDistance::inside(const Vec3d& x) const { return tree().inside(x); }
 
 }  // namespace wetcurl
