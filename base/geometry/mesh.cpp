@@ -15,6 +15,9 @@ Bounds empty_bounds() {
     return {{inf, inf, inf}, {-inf, -inf, -inf}};
 }
 
+// Triangles too few to share out among threads.
+constexpr int alone = 1000;
+
 }  // namespace
 
 int boundary_edges(const Mesh& mesh) {
@@ -43,39 +46,49 @@ Bounds bounding_box(const Mesh& mesh) {
     return box;
 }
 
+// A triangle as the hierarchy asks for it time and again.
+struct MeshDistance::Given {
+    Triangle corners;
+    Vec3d centroid, area;  // area vector [m^2]
+    double size;           // its length
+    bool counts;           // one without an area has no surface to be near to, and no weights
+};
+
 MeshDistance::MeshDistance(const Mesh& mesh) {
-    std::vector<Triangle> given;
-    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    std::vector<Given> given(mesh.triangles.size());
+#pragma omp parallel for schedule(static) if (given.size() > size_t(alone))
+    for (size_t t = 0; t < given.size(); ++t) {
         const auto corner = [&](size_t k) {
             return cast<double>(mesh.vertices[size_t(mesh.triangles[t][k])]);
         };
-        const Triangle abc{corner(0), corner(1), corner(2)};
-        given.push_back(abc);
-        // A triangle without an area has no surface to be near to, and no weights.
-        const Vec3d ab = abc.b - abc.a, ac = abc.c - abc.a, bc = abc.c - abc.b;
+        const Vec3d a = corner(0), b = corner(1), c = corner(2);
+        const Vec3d ab = b - a, ac = c - a, bc = c - b, twice = cross(ab, ac), area = 0.5 * twice;
         const double longest = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
-        if (norm(cross(ab, ac)) > 1e-12 * longest) original_.push_back(int(t));
+        given[t] = {{a, b, c}, (1.0 / 3) * (a + b + c), area, norm(area), norm(twice) > 1e-12 * longest};
     }
+    for (size_t t = 0; t < given.size(); ++t)
+        if (given[t].counts) original_.push_back(int(t));
     if (original_.empty())
         throw Error("distance to a mesh: none of its " + std::to_string(given.size()) +
                     " triangles has an area");
-    nodes_.reserve(original_.size());
-    nodes_.emplace_back();
-    build(0, 0, int(original_.size()), given);
+    nodes_.resize(original_.size());
+    int used = 1;
+#pragma omp parallel if (original_.size() > size_t(alone))
+#pragma omp single
+    build(0, 0, int(original_.size()), given, used);
+    nodes_.resize(size_t(used));
     place_.assign(given.size(), -1);
     for (int t : original_) {
         place_[size_t(t)] = int(triangles_.size());
-        triangles_.push_back(given[size_t(t)]);
+        triangles_.push_back(given[size_t(t)].corners);
     }
 }
 
-void MeshDistance::build(int node, int first, int count, const std::vector<Triangle>& given) {
+// Where nodes lie depends on who comes first, the tree that they make does not.
+void MeshDistance::build(int node, int first, int count, const std::vector<Given>& given, int& used) {
     constexpr int leaf = 4;
-    const auto begin = original_.begin() + first, end = begin + count;
-    const auto centroid = [&](int t) {
-        return (1.0 / 3) * (given[size_t(t)].a + given[size_t(t)].b + given[size_t(t)].c);
-    };
-    nodes_[size_t(node)] = summary(std::vector<int>(begin, end), given);
+    const std::span<int> members(original_.data() + first, size_t(count));
+    nodes_[size_t(node)] = summary(members, given);
     if (count <= leaf) {
         nodes_[size_t(node)].first = first;
         nodes_[size_t(node)].count = count;
@@ -84,35 +97,42 @@ void MeshDistance::build(int node, int first, int count, const std::vector<Trian
     const Vec3d size = nodes_[size_t(node)].high - nodes_[size_t(node)].low;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const int half = count / 2;
-    std::nth_element(begin, begin + half, end, [&](int s, int t) {
-        return component(centroid(s), axis) < component(centroid(t), axis);
+    std::nth_element(members.begin(), members.begin() + half, members.end(), [&](int s, int t) {
+        return component(given[size_t(s)].centroid, axis) < component(given[size_t(t)].centroid, axis);
     });
-    const int children = int(nodes_.size());
+    int children;
+#pragma omp atomic capture
+    {
+        children = used;
+        used += 2;
+    }
     nodes_[size_t(node)].first = children;
     nodes_[size_t(node)].count = 0;
-    nodes_.resize(nodes_.size() + 2);
-    build(children, first, half, given);
-    build(children + 1, first + half, count - half, given);
+#pragma omp task default(shared) firstprivate(children, first, half) if (count > alone)
+    build(children, first, half, given, used);
+    build(children + 1, first + half, count - half, given, used);
+#pragma omp taskwait
 }
 
-MeshDistance::Node MeshDistance::summary(const std::vector<int>& members,
-                                         const std::vector<Triangle>& given) {
+MeshDistance::Node MeshDistance::summary(std::span<const int> members, const std::vector<Given>& given) {
     const Bounds none = empty_bounds();
     Node node{none.low, none.high, {0, 0, 0}, {0, 0, 0}, 0, 0, 0};
-    double total = 0;
+    double total = 0, farthest = 0;  // farthest: squared
     for (int t : members) {
-        const auto& [a, b, c] = given[size_t(t)];
-        const Vec3d area = 0.5 * cross(b - a, c - a);
-        node.area += area;
-        node.centre += (norm(area) / 3) * (a + b + c);
-        total += norm(area);
+        const auto& [a, b, c] = given[size_t(t)].corners;
+        const double size = given[size_t(t)].size;
+        node.area += given[size_t(t)].area;
+        node.centre += (size / 3) * (a + b + c);
+        total += size;
         node.low = lower(node.low, lower(a, lower(b, c)));
         node.high = upper(node.high, upper(a, upper(b, c)));
     }
     node.centre = (1 / total) * node.centre;
-    for (int t : members)
-        for (const Vec3d& p : {given[size_t(t)].a, given[size_t(t)].b, given[size_t(t)].c})
-            node.radius = std::max(node.radius, norm(p - node.centre));
+    for (int t : members) {
+        const auto& [a, b, c] = given[size_t(t)].corners;
+        for (const Vec3d& p : {a, b, c}) farthest = std::max(farthest, dot(p - node.centre, p - node.centre));
+    }
+    node.radius = std::sqrt(farthest);
     return node;
 }
 

@@ -48,8 +48,9 @@ class MeshDistance {
   private:
     using Triangle = TriangleTree::Triangle;
     using Node = TriangleTree::Node;
-    void build(int node, int first, int count, const std::vector<Triangle>& given);
-    static Node summary(const std::vector<int>& members, const std::vector<Triangle>& given);
+    struct Given;
+    void build(int node, int first, int count, const std::vector<Given>& given, int& used);
+    static Node summary(std::span<const int> members, const std::vector<Given>& given);
 
     // What the tree views.
     std::vector<Triangle> triangles_;
