@@ -33,6 +33,16 @@ __global__ void __launch_bounds__(threads, blocks_at_once)
     if (limited) atomicAdd(launch.limited, static_cast<unsigned long long>(limited));
 }
 
+template <class T>
+__global__ void __launch_bounds__(threads)
+    find_nearest(const Vec3<T>* x, size_t count, const SubstepMotion<T>* motion, T* phi, Vec3<T>* normal,
+                 Vec3<T>* velocity) {
+    const size_t k = size_t(blockIdx.x) * threads + threadIdx.x;
+    if (k >= count) return;
+    normal[k] = {T(0), T(1), T(0)}, velocity[k] = {T(0), T(0), T(0)};
+    sample_nearest(*motion, x[k], phi[k], normal[k], velocity[k]);
+}
+
 // A warp a strand.
 template <class T>
 __global__ void unpack(const StrandMemory<T> memory, Vec3f* positions, int* diverged) {
@@ -92,6 +102,15 @@ void launch_chain(const ChainLaunch<T>& launch, cudaStream_t stream) {
 }
 
 template <class T>
+void launch_nearest(const StrandMemory<T>& memory, const SubstepMotion<T>* motion, T* phi, Vec3<T>* normal,
+                    Vec3<T>* velocity, cudaStream_t stream) {
+    const size_t count = size_t(memory.strands) * size_t(memory.n);
+    find_nearest<<<unsigned((count + threads - 1) / threads), threads, 0, stream>>>(memory.x, count, motion,
+                                                                                    phi, normal, velocity);
+    check_cuda(cudaGetLastError(), "launch of the nearest surfaces");
+}
+
+template <class T>
 void launch_unpack(const StrandMemory<T>& memory, Vec3f* positions, int* diverged, cudaStream_t stream) {
     constexpr int of_a_block = 8 * warp;
     const unsigned blocks = unsigned((size_t(memory.strands) * warp + of_a_block - 1) / of_a_block);
@@ -103,6 +122,10 @@ template StrandGroup strand_group<float>(int, int, const ChainTerms&);
 template StrandGroup strand_group<double>(int, int, const ChainTerms&);
 template void launch_chain(const ChainLaunch<float>&, cudaStream_t);
 template void launch_chain(const ChainLaunch<double>&, cudaStream_t);
+template void launch_nearest(const StrandMemory<float>&, const SubstepMotion<float>*, float*, Vec3<float>*,
+                             Vec3<float>*, cudaStream_t);
+template void launch_nearest(const StrandMemory<double>&, const SubstepMotion<double>*, double*,
+                             Vec3<double>*, Vec3<double>*, cudaStream_t);
 template void launch_unpack(const StrandMemory<float>&, Vec3f*, int*, cudaStream_t);
 template void launch_unpack(const StrandMemory<double>&, Vec3f*, int*, cudaStream_t);
 

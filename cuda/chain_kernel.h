@@ -59,6 +59,12 @@ size_t reference_room(int n, const SubstepRules<T>& rules, bool contact);
 template <class T>
 void launch_reference(const ChainLaunch<T>& launch, cudaStream_t stream);
 
+// The surface nearest to each particle, (strand, particle), as adhesion sees it at the end of a substep's
+// `motion`; far away, with a normal upwards, where there is none.
+template <class T>
+void launch_nearest(const StrandMemory<T>& memory, const SubstepMotion<T>* motion, T* phi, Vec3<T>* normal,
+                    Vec3<T>* velocity, cudaStream_t stream);
+
 // Positions in single precision. `diverged` becomes the first strand that is not finite or has left the scene
 // (ten strand lengths from its root), where there is one below it.
 template <class T>

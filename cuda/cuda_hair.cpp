@@ -122,16 +122,6 @@ void CudaHair<T>::give_water() {
 }
 
 template <class T>
-void CudaHair<T>::take_surfaces(const DeformingSolids& surfaces) {
-    surfaces_.resize(surfaces.level_sets().size());
-    for (size_t k = 0; k < surfaces_.size(); ++k) {
-        const MovingLevelSet& from = surfaces.level_sets()[k];
-        upload(from.phi_before(), surfaces_[k].phi_before), upload(from.phi(), surfaces_[k].phi);
-        upload(from.velocity(), surfaces_[k].velocity);
-    }
-}
-
-template <class T>
 void CudaHair<T>::take_couplings(Forces* forces, Touching* touching) {
     if constexpr (couples) {
         forces_ = forces, between_strands_ = touching;
@@ -143,14 +133,15 @@ void CudaHair<T>::take_couplings(Forces* forces, Touching* touching) {
 
 template <class T>
 void CudaHair<T>::find_nearest(const Placement<T>& p) {
-    const size_t cells = state.x.size();
-    nearest_.phi.resize(cells, T(1e9)), nearest_.normal.resize(cells, {T(0), T(1), T(0)});
-    nearest_.velocity.resize(cells, {T(0), T(0), T(0)});
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < state.strands; ++s) {
-        const size_t k = state.at(s, 0);
-        sample_nearest(p, state.n, &state.x[k], &nearest_.phi[k], &nearest_.normal[k], &nearest_.velocity[k]);
-    }
+    if (!given_phi_.size())
+        given_phi_ = DeviceBuffer<T>(x_.size()), given_normal_ = DeviceBuffer<Vec3<T>>(x_.size()),
+        given_surface_velocity_ = DeviceBuffer<Vec3<T>>(x_.size());
+    put_motion(slots_ - 1, p), upload_motion();
+    launch_nearest(memory(), motion_.data() + slots_ - 1, given_phi_.data(), given_normal_.data(),
+                   given_surface_velocity_.data(), stream_.handle);
+    check_cuda(cudaStreamSynchronize(stream_.handle), "nearest surfaces");
+    download(given_phi_, nearest_.phi), download(given_normal_, nearest_.normal);
+    download(given_surface_velocity_, nearest_.velocity);
 }
 
 template <class T>
@@ -189,9 +180,7 @@ void CudaHair<T>::take_given(const GivenToChain<T>& given) {
     };
     take(given.force, given_force_), take(given.stiffness, given_stiffness_);
     take(given.adhesion, given_adhesion_);
-    if (!given.adhesion) return void(given_adhesion_ = {});
-    upload(nearest_.phi, given_phi_), upload(nearest_.normal, given_normal_);
-    upload(nearest_.velocity, given_surface_velocity_);
+    if (!given.adhesion) given_adhesion_ = {};
 }
 
 template <class T>
@@ -201,8 +190,6 @@ void CudaHair<T>::put_motion(int slot, const Placement<T>& p) {
         ShapeView& view = host_deforming_[begin_deforming + k];
         view = {};
         view.kind = ShapeView::Kind::moving_grid, view.grid = *p.deforming[k].shape;
-        view.grid.phi = surfaces_[k].phi.data(), view.grid.phi_before = surfaces_[k].phi_before.data();
-        view.grid.velocity = surfaces_[k].velocity.data();
     }
     std::vector<DeviceSolid<T>> solids;
     SubstepMotion<T> motion = substep_motion(p, shapes_.data(), deforming_.data() + begin_deforming, solids);
@@ -402,8 +389,6 @@ void CudaHair<T>::list(BufferList& out) const {
     add("given to the strands", given_force_.bytes() + given_stiffness_.bytes() + given_adhesion_.bytes() +
                                     given_phi_.bytes() + given_normal_.bytes() +
                                     given_surface_velocity_.bytes());
-    for (const auto& s : surfaces_)
-        add("level set that deforms", s.phi.bytes() + s.phi_before.bytes() + s.velocity.bytes());
 }
 
 template class CudaHair<float>;

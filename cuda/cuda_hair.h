@@ -11,6 +11,7 @@
 #include "cuda/frame_record.h"
 #include "cuda/pair_forces_device.h"
 #include "cuda/simulation.h"
+#include "cuda/surfaces_on_device.h"
 #include "cuda/touching_strands_device.h"
 #include "cuda/water_on_device.h"
 #include "solver/plan.h"
@@ -66,6 +67,9 @@ class CudaHair {
     using S = T;
     using Air = AirAround<T>;
     using Water = WaterOnDevice<CudaHair>;
+    // In a build for parity too: bits are the CPU's but for those of atan2, which decide no more than a sign
+    // where a winding number is a rounding away from 1/2.
+    using Surfaces = SurfacesOnDevice;
 #ifdef WETCURL_PARITY
     // The CPU's own: sums over neighbours have its order.
     using Forces = ForcesOnStrands<T>;
@@ -93,7 +97,6 @@ class CudaHair {
     void fetch_history() const;
     void give_state();
     void give_velocities();
-    void take_surfaces(const DeformingSolids& surfaces);
     void take_couplings(Forces* forces, Touching* touching);
 
     void find_nearest(const Placement<T>& p);
@@ -143,10 +146,6 @@ class CudaHair {
     void take_water() { water_fetched_ = false; }
 
   private:
-    struct DeviceSurface {
-        DeviceBuffer<float> phi_before, phi;
-        DeviceBuffer<Vec3f> velocity;
-    };
     [[noreturn]] static void throw_uncounted() {
         throw Error("the work done on hair is counted by --device cpu alone");
     }
@@ -197,7 +196,6 @@ class CudaHair {
     // Solids.
     std::vector<DeviceBuffer<float>> level_sets_;
     DeviceBuffer<ShapeView> shapes_;  // of rigid ones
-    std::vector<DeviceSurface> surfaces_;
     // A frame's motion, substep by substep.
     const int slots_;
     const size_t solids_each_, deforming_each_;

@@ -1,4 +1,4 @@
-// Rebuilding the level sets of deforming solids.
+// Where the level sets of deforming solids are wanted.
 #include "solver/deforming_solids.h"
 
 #include <limits>
@@ -23,47 +23,14 @@ Bounds reachable(const Scene& scene, const Bounds& box, double least) {
     return {held(near.low), held(near.high) + Vec3d{least, least, least}};
 }
 
-MovingLevelSet level_set_of(const Scene& scene, const Solid& solid) {
+}  // namespace
+
+DeformingSurface surface_of(const Scene& scene, const Solid& solid) {
     const Bounds box = solid.deformation->box();
     const double spacing = solid.spacing > 0 ? solid.spacing : usual_spacing(box);
     const auto& adhesion = scene.term<Adhesion>();
     return {solid.deformation->at(0), solid.attached ? reachable(scene, box, spacing) : box, spacing,
             adhesion ? adhesion->h_a : 0};
-}
-
-}  // namespace
-
-DeformingSolids::DeformingSolids(const Scene& scene) {
-    for (const auto& solid : scene.solids) {
-        if (!solid.deformation) continue;
-        solids_.push_back(&solid);
-        level_sets_.push_back(level_set_of(scene, solid));
-    }
-    lay_views(1);
-}
-
-void DeformingSolids::hold(double time) {
-    for (size_t k = 0; k < solids_.size(); ++k)
-        level_sets_[k].hold(solids_[k]->deformation->at(time).vertices);
-    lay_views(1);
-}
-
-void DeformingSolids::advance(double from, double to, int substeps) {
-    for (size_t k = 0; k < solids_.size(); ++k)
-        level_sets_[k].advance(solids_[k]->deformation->at(to).vertices, to - from);
-    lay_views(substeps);
-}
-
-void DeformingSolids::lay_views(int substeps) {
-    views_.clear();
-    for (int done = 0; done <= substeps; ++done)
-        for (const auto& level_set : level_sets_) views_.push_back(level_set.grid(double(done) / substeps));
-}
-
-size_t DeformingSolids::bytes() const {
-    size_t sum = 0;
-    for (const auto& level_set : level_sets_) sum += level_set.bytes();
-    return sum;
 }
 
 }  // namespace wetcurl

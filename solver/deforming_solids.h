@@ -2,35 +2,79 @@
 // substeps of a frame at once, and between the frame's ends phi is linear in time. Ours.
 #pragma once
 
+#include <deque>
 #include <vector>
 
 #include "base/geometry/moving_level_set.h"
+#include "solver/cost.h"
 #include "solver/scene.h"
 
 namespace wetcurl {
 
-class DeformingSolids {
+// What a solid's level set is of: as MovingLevelSet's arguments.
+struct DeformingSurface {
+    Mesh mesh;
+    Bounds box;
+    double spacing, band;
+};
+// Of a solid that deforms, at time 0.
+DeformingSurface surface_of(const Scene& scene, const Solid& solid);
+
+// MovingSurface: a MovingLevelSet, or what a device has in its place.
+template <class MovingSurface>
+class DeformingSolidsOf {
   public:
     // At rest as at time 0. The scene must outlive it.
-    explicit DeformingSolids(const Scene& scene);
+    template <class... OfSurface>
+    explicit DeformingSolidsOf(const Scene& scene, const OfSurface&... of_surface) {
+        for (const auto& solid : scene.solids) {
+            if (!solid.deformation) continue;
+            solids_.push_back(&solid);
+            const DeformingSurface s = surface_of(scene, solid);
+            level_sets_.emplace_back(s.mesh, s.box, s.spacing, s.band, of_surface...);
+        }
+        lay_views(1);
+    }
     // All is held as it is at `time` [s].
-    void hold(double time);
+    void hold(double time) {
+        for (size_t k = 0; k < solids_.size(); ++k)
+            level_sets_[k].hold(solids_[k]->deformation->at(time).vertices);
+        lay_views(1);
+    }
     // Rebuilds them for a span of time [s] of so many substeps.
-    void advance(double from, double to, int substeps);
+    void advance(double from, double to, int substeps) {
+        const StageTimer timer(seconds);
+        for (size_t k = 0; k < solids_.size(); ++k)
+            level_sets_[k].advance(solids_[k]->deformation->at(to).vertices, to - from);
+        lay_views(substeps);
+    }
+    void finish() {}  // once the frame is shown
     // A view of each deforming solid in the scene's order, where `substeps` of the span are done. Valid until
     // the next hold or advance.
     const MovingGrid* after(int substeps) const { return &views_[size_t(substeps) * level_sets_.size()]; }
     // The same at the span's end.
     const MovingGrid* at_end() const { return &views_[views_.size() - level_sets_.size()]; }
 
-    const std::vector<MovingLevelSet>& level_sets() const { return level_sets_; }
-    size_t bytes() const;
+    const std::deque<MovingSurface>& level_sets() const { return level_sets_; }
+    void list(BufferList& buffers) const {
+        size_t sum = 0;
+        for (const auto& level_set : level_sets_) sum += level_set.bytes();
+        buffers.push_back({"level sets of deforming solids", sum});
+    }
+    double seconds = 0;  // in the frame at hand
 
   private:
-    void lay_views(int substeps);
-    std::vector<const Solid*> solids_;  // those that deform
-    std::vector<MovingLevelSet> level_sets_;
-    std::vector<MovingGrid> views_;  // (substep and one, solid)
+    void lay_views(int substeps) {
+        views_.clear();
+        for (int done = 0; done <= substeps; ++done)
+            for (const auto& level_set : level_sets_)
+                views_.push_back(level_set.grid(double(done) / substeps));
+    }
+    std::vector<const Solid*> solids_;      // those that deform
+    std::deque<MovingSurface> level_sets_;  // they stay where they are made
+    std::vector<MovingGrid> views_;         // (substep and one, solid)
 };
+
+using DeformingSolids = DeformingSolidsOf<MovingLevelSet>;
 
 }  // namespace wetcurl

@@ -83,7 +83,7 @@ class SimulationOf final : public Simulation {
             f("neighbours", s.hair_.seconds.lists), f("cohesion", s.hair_.seconds.cohesion);
         if (s.water_) f("saturation", s.water_->seconds);
         if (s.air_) f("air", s.air_->seconds);
-        if (s.surfaces_) f("level set", s.surface_seconds_);
+        if (s.surfaces_) f("level set", s.surfaces_->seconds);
         if (s.forces_) f(s.forces_->name(), s.forces_->seconds);
         if (s.between_strands_) f(StrandContact::name, s.between_strands_->seconds);
     }
@@ -95,12 +95,12 @@ class SimulationOf final : public Simulation {
     // What the scene names.
     std::optional<typename Hair::Water> water_;
     std::optional<typename Hair::Air> air_;
-    std::optional<DeformingSolids> surfaces_;
+    std::optional<typename Hair::Surfaces> surfaces_;
     std::optional<typename Hair::Forces> forces_;
     std::optional<typename Hair::Touching> between_strands_;
     std::optional<AdhesionNetwork<S>> network_;  // once it is asked for
     std::vector<Placement<T>> path_;             // of the substeps at hand
-    double surface_seconds_ = 0, frame_seconds_ = 0;
+    double frame_seconds_ = 0;
     double potential_ = 0;  // [J] of `forces_` in the snapshot at hand
 };
 
@@ -114,7 +114,7 @@ SimulationOf<Hair>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
     else if (scene.cohesion)
         hair_.begin_display(scene.saturation, 0);
     if (scene.air) air_.emplace(scene, hair_);
-    if (scene.has_deforming_solid()) surfaces_.emplace(scene), hair_.take_surfaces(*surfaces_);
+    if (scene.has_deforming_solid()) surfaces_.emplace(scene, hair_);
     if (has_particle_forces(scene)) forces_.emplace(scene, hair_.state);
     if (scene.strand_contact) between_strands_.emplace(scene, hair_.state);
     hair_.take_couplings(forces_ ? &*forces_ : nullptr, between_strands_ ? &*between_strands_ : nullptr);
@@ -139,11 +139,7 @@ void SimulationOf<Hair>::advance(bool shown) {
     if (water_) water_->advance(hair_, time_), follow_water();
     if (air_) air_->advance(hair_, time_);
     const int substeps = scene_.integrator.substeps;
-    if (surfaces_) {
-        const StageTimer surface_timer(surface_seconds_);
-        surfaces_->advance(time_, time_ + substeps * dt_, substeps);
-        hair_.take_surfaces(*surfaces_);
-    }
+    if (surfaces_) surfaces_->advance(time_, time_ + substeps * dt_, substeps);
     for (int done = 0; done < substeps;) {
         ask_network(done);
         path_.resize(alone() ? size_t(substeps) : 1);
@@ -158,6 +154,7 @@ void SimulationOf<Hair>::advance(bool shown) {
     if (shown) hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
     if (air_) air_->finish();
     if (water_) water_->finish();
+    if (surfaces_) surfaces_->finish();
 }
 
 // From the state as it is; what a network answers holds for the substep that follows.
@@ -256,7 +253,7 @@ template <class Hair>
 void SimulationOf<Hair>::restore(const SimulationState& from) {
     time_ = from.time, hair_.first = from.first || hair_.always_first();
     hair_.head = scene_.motion.at(time_);
-    if (surfaces_) surfaces_->hold(time_), hair_.take_surfaces(*surfaces_);
+    if (surfaces_) surfaces_->hold(time_);
     hair_.fetch(), hair_.fetch_history();
     for_each_pair(hair_.state, from, [&](auto& to, const auto& values) {
         if (!to.empty() && !values.empty()) hair_.state.pack(values, to);
@@ -298,7 +295,7 @@ BufferList SimulationOf<Hair>::buffers() const {
     for (const auto& solid : scene_.solids)
         if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape))
             list.push_back({"level set of " + solid.name, (*level_set)->bytes()});
-    if (surfaces_) list.push_back({"level sets of deforming solids", surfaces_->bytes()});
+    if (surfaces_) surfaces_->list(list);
     return list;
 }
 

@@ -17,6 +17,9 @@ class CpuHair : public ChainStepper<T> {
     using Water = WaterInHair<CpuHair>;
     using Forces = ForcesOnStrands<S>;
     using Touching = TouchingStrands<S>;
+    struct Surfaces : DeformingSolids {
+        Surfaces(const Scene& scene, const CpuHair&) : DeformingSolids(scene) {}
+    };
     // Whether forces and contact between strands come within `run`; else the host adds them between runs.
     static constexpr bool couples = false;
 
@@ -36,8 +39,6 @@ class CpuHair : public ChainStepper<T> {
     void fetch_history() const {}
     void give_state() {}
     void give_velocities() {}
-    // Level sets as they are for the substeps that follow.
-    void take_surfaces(const DeformingSolids&) {}
     // What `run` lets act on the strands where it couples them; null: the scene has none.
     void take_couplings(Forces*, Touching*) {}
 

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "base/geometry/level_set.h"
+#include "base/geometry/level_set_rebuild.h"
 #include "base/pack.h"
 
 namespace wetcurl {
@@ -20,6 +20,14 @@ struct MovingGrid : DistanceGrid {  // phi: at the end of the span
     // Exactly the one and the other at the ends.
     WETCURL_HD float at(size_t node) const { return (1 - share) * phi_before[node] + share * phi[node]; }
 };
+
+// Of arrays (nz, ny, nx) over the band's grid, where `share` of a span of 1 / `per_second` [s] is over.
+inline MovingGrid moving_grid(const NarrowBand& band, const float* phi_before, const float* phi,
+                              const Vec3f* velocity, double share, double per_second) {
+    MovingGrid grid{band.grid, phi_before, velocity, float(share), float(per_second)};
+    grid.phi = phi;
+    return grid;
+}
 
 namespace detail {
 
@@ -70,8 +78,7 @@ class MovingLevelSet {
 
     // `share` of the span is over, 0 to 1. Valid until the next advance or hold.
     MovingGrid grid(double share) const;
-    // What `grid` views, (nz, ny, nx).
-    const std::vector<float>& phi_before() const { return phi_before_; }
+    // What `grid` views at the span's end, (nz, ny, nx).
     const std::vector<float>& phi() const { return phi_; }
     const std::vector<Vec3f>& velocity() const { return velocity_; }
     const Mesh& mesh() const { return mesh_; }     // at the end of the span
@@ -80,17 +87,11 @@ class MovingLevelSet {
     size_t bytes() const;
 
   private:
-    struct Node;
     void build();
-    template <class Visit>
-    void for_lattice(int step, bool coarsest, Visit visit);
-    void take_exact(const MeshDistance& surface, const Node& node, int guess, bool alike);
 
     Mesh mesh_;
-    DistanceGrid layout_;
-    double band_;  // [m]
-    bool closed_;
-    double seconds_ = 0;                   // of the span; 0: at rest
+    NarrowBand band_;
+    double per_second_ = 0;                // 1 / span; 0: at rest
     std::vector<Vec3f> before_;            // vertices at the begin of the span
     std::vector<float> phi_before_, phi_;  // (nz, ny, nx) [m]
     std::vector<Vec3f> velocity_;          // (nz, ny, nx) [m/s]

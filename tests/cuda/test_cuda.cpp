@@ -3,6 +3,8 @@
 
 #include <thread>
 
+#include "cuda/driver.h"
+#include "cuda/level_set_kernel.h"
 #include "cuda/rates.h"
 #include "cuda/simulation.h"
 #include "solver/couplings/forces_on_strands.h"
@@ -227,6 +229,105 @@ TEST_F(Cuda, what_acts_on_all_strands_at_once_does_what_it_does_on_the_cpu) {
     }
 }
 
+template <class V>
+std::vector<V> downloaded(const V* from, size_t count) {
+    std::vector<V> out(count);
+    check_cuda(cudaMemcpy(out.data(), from, count * sizeof(V), cudaMemcpyDeviceToHost), "download");
+    return out;
+}
+
+// A sphere that swells and bends, whole or with a hole.
+TEST_F(Cuda, level_sets_of_meshes_that_deform_are_the_cpus) {
+    for (bool open : {false, true}) {
+        SCOPED_TRACE(open);
+        Mesh mesh = triangulated(Sphere{0.1}, 64);
+        if (open)
+            std::erase_if(mesh.triangles,
+                          [&](const auto& t) { return mesh.vertices[size_t(t[0])].y < -0.06f; });
+        auto at = [&](double time) {
+            auto vertices = mesh.vertices;
+            for (auto& v : vertices) {
+                const Vec3d x = cast<double>(v);
+                v = cast<float>(Vec3d{(1 + 2 * time) * x.x, x.y + 0.02 * std::sin(20 * x.z + 40 * time),
+                                      x.z + 5 * time * x.x * x.x});
+            }
+            return vertices;
+        };
+        const Bounds box{{-0.13, -0.13, -0.13}, {0.13, 0.13, 0.13}};
+        const double h = 0.0043, band = 0.01;
+        const Stream stream;
+        MovingLevelSet cpu(mesh, box, h, band);
+        MovingLevelSetDevice gpu(mesh, box, h, band, stream.handle);
+        ASSERT_EQ(gpu.nodes(), cpu.nodes());
+        std::vector<float> start;
+        for (int f = 0; f < 6; ++f) {
+            SCOPED_TRACE(f);
+            if (f == 4) {
+                cpu.hold(at(0.05)), gpu.hold(at(0.05));
+            } else if (f > 0) {
+                cpu.advance(at(f / 24.0), 1 / 24.0), gpu.advance(at(f / 24.0), 1 / 24.0);
+            }
+            check_cuda(cudaStreamSynchronize(stream.handle), "rebuilding");
+            const size_t n = cpu.nodes();
+            const MovingGrid wanted = cpu.grid(0.5), got = gpu.grid(0.5);
+            EXPECT_EQ(got.per_second, wanted.per_second);
+            const auto phi = downloaded(got.phi, n), before = downloaded(got.phi_before, n);
+            const auto velocity = downloaded(got.velocity, n);
+            double off = 0, off_before = 0, fastest = 0;
+            size_t astray = 0;
+            for (size_t k = 0; k < n; ++k) {
+                off = std::max(off, std::abs(double(phi[k]) - double(wanted.phi[k])));
+                off_before = std::max(off_before, std::abs(double(before[k]) - double(wanted.phi_before[k])));
+                fastest = std::max(fastest, double(norm(wanted.velocity[k])));
+            }
+            for (size_t k = 0; k < n; ++k)
+                astray += norm(velocity[k] - wanted.velocity[k]) > float(1e-5 * fastest);
+            EXPECT_LT(off, 1e-7);
+            EXPECT_LT(off_before, 1e-7);
+            EXPECT_EQ(fastest > 0.2, f > 0 && f != 4);
+            // As near to two parts of the surface, as far as a rounding tells.
+            EXPECT_LE(astray, n / 10000);
+            if (f == 0) start = phi;
+        }
+        const MovingGrid now = cpu.grid(1);
+        double moved = 0;
+        for (size_t k = 0; k < start.size(); ++k)
+            moved = std::max(moved, std::abs(double(start[k]) - double(now.phi[k])));
+        EXPECT_GT(moved, 0.01);
+    }
+}
+
+// Settled, shown, restored, and frames that are not shown.
+TEST_F(Cuda, hair_on_solids_that_deform_goes_on_from_wherever_they_are) {
+    const Scratch scratch;
+    const Scene scene = scene_of(
+        wet_scene + breathing_sphere(scratch, {0.05, 0.06, 0.07, 0.06}, 0.05, "[0, -0.06, -0.05]", 0.01),
+        {"groom.grid=[6, 6]", "integrator.settle=0.1"});
+    const auto cpu = make_simulation(scene, "double"), gpu = make_cuda_simulation(scene, "double", 0);
+    RunFrame wanted, got;
+    auto expect_the_same = [&](const char* when) {
+        cpu->snapshot(wanted), gpu->snapshot(got);
+        EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6) << when;
+        EXPECT_LT(farthest(got.displayed, wanted.displayed), 1e-5) << when;
+        EXPECT_EQ(got.contact, wanted.contact) << when;
+        EXPECT_EQ(got.stage_seconds.size(), wanted.stage_seconds.size());
+    };
+    expect_the_same("settled");
+    for (int f = 0; f < 4; ++f) cpu->advance(), gpu->advance(f == 3);
+    expect_the_same("after frames");
+    ASSERT_GT(std::count(wanted.contact.begin(), wanted.contact.end(), 1), 10);
+    const auto stage = std::find(gpu->stages.begin(), gpu->stages.end(), "level set") - gpu->stages.begin();
+    EXPECT_GT(got.stage_seconds.at(size_t(stage)), 0);
+    for (int f = 0; f < 3; ++f) cpu->advance();
+    gpu->restore(cpu->state());
+    expect_the_same("restored");
+    for (int f = 0; f < 3; ++f) cpu->advance(), gpu->advance();
+    expect_the_same("after more frames");
+    const RunFrame one = on_device(scene, 6), again = on_device(scene, 6);
+    EXPECT_TRUE(same_bits(one.positions, again.positions));
+    EXPECT_TRUE(same_bits(one.displayed, again.displayed));
+}
+
 // Strands stepped so go where the CPU's go, in double precision to `bound` [m].
 void expect_the_cpus(Stepping stepping, double bound) {
     for (const auto& c : cases()) {
@@ -398,20 +499,24 @@ TEST_F(Cuda, a_network_in_the_loop_is_asked_as_on_the_cpu) {
             asked += count;
         }
     };
-    const Scene scene = scene_of(wet_scene, {"groom.grid=[6, 6]"});
-    HalfOfEq11 here, there;
-    std::vector<AdhesionRecord> records, wanted_records;
-    const auto cpu = make_simulation(scene, "double"), gpu = make_cuda_simulation(scene, "double", 0);
-    cpu->use_adhesion_model(&here), gpu->use_adhesion_model(&there);
-    cpu->record_adhesion(&wanted_records), gpu->record_adhesion(&records);
-    RunFrame wanted, got;
-    for (int f = 0; f < 6; ++f) cpu->advance(), gpu->advance();
-    cpu->snapshot(wanted), gpu->snapshot(got);
-    EXPECT_GT(here.asked, 100u);
-    EXPECT_EQ(there.asked, here.asked);
-    EXPECT_EQ(records.size(), wanted_records.size());
-    EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
-    EXPECT_GT(farthest(got.positions, after(scene, 6, "double").positions), 1e-6);
+    const Scratch scratch;
+    for (const std::string& solid : {std::string(), breathing_sphere(scratch, {0.05, 0.06, 0.07, 0.06}, 0.05,
+                                                                     "[0, -0.06, -0.05]", 0.01)}) {
+        const Scene scene = scene_of(wet_scene + solid, {"groom.grid=[6, 6]"});
+        HalfOfEq11 here, there;
+        std::vector<AdhesionRecord> records, wanted_records;
+        const auto cpu = make_simulation(scene, "double"), gpu = make_cuda_simulation(scene, "double", 0);
+        cpu->use_adhesion_model(&here), gpu->use_adhesion_model(&there);
+        cpu->record_adhesion(&wanted_records), gpu->record_adhesion(&records);
+        RunFrame wanted, got;
+        for (int f = 0; f < 6; ++f) cpu->advance(), gpu->advance();
+        cpu->snapshot(wanted), gpu->snapshot(got);
+        EXPECT_GT(here.asked, 100u);
+        EXPECT_EQ(there.asked, here.asked);
+        EXPECT_EQ(records.size(), wanted_records.size());
+        EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
+        EXPECT_GT(farthest(got.positions, after(scene, 6, "double").positions), 1e-6);
+    }
 }
 
 TEST_F(Cuda, a_run_goes_on_from_a_state_of_either_device) {
