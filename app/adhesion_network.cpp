@@ -9,20 +9,23 @@ namespace {
 
 class NetworkAdhesion final : public AdhesionModel {
   public:
-    explicit NetworkAdhesion(std::unique_ptr<Network> network) : network_(std::move(network)) {}
+    explicit NetworkAdhesion(std::unique_ptr<Network> network)
+        : network_(std::move(network)), layers_(network_->layers()) {}
     void evaluate(const float* inputs, size_t count, float* outputs) override {
-        network_->run(inputs, {long(count), 12, 1, 1}, outputs);
+        network_->run(inputs, {long(count), AdhesionQuestion::inputs, 1, 1}, outputs);
     }
+    const DenseLayers* layers() const override { return layers_ ? &*layers_ : nullptr; }
 
   private:
     std::unique_ptr<Network> network_;
+    std::optional<DenseLayers> layers_;
 };
 
 }  // namespace
 
-std::unique_ptr<AdhesionModel> adhesion_model_of(const Scene& scene, const std::string& device, int threads) {
+std::unique_ptr<AdhesionModel> adhesion_model_of(const Scene& scene, int threads) {
     if (scene.adhesion_model.empty()) return nullptr;
-    auto network = network_module().load(scene.adhesion_model, device, threads);
+    auto network = network_module().load(scene.adhesion_model, "cpu", threads);
     if (network->card().codec != "adhesion")
         throw Error(scene.adhesion_model + ": found a model of codec '" + network->card().codec +
                     "', [adhesion] needs 'adhesion'");

@@ -7,7 +7,8 @@
 
 namespace wetcurl {
 
-// Null where the scene names no adhesion model. Loads LibTorch otherwise.
-std::unique_ptr<AdhesionModel> adhesion_model_of(const Scene& scene, const std::string& device, int threads);
+// Null where the scene names no adhesion model. Loads LibTorch otherwise, which answers on the CPU: devices
+// ask the network's layers themselves.
+std::unique_ptr<AdhesionModel> adhesion_model_of(const Scene& scene, int threads);
 
 }  // namespace wetcurl

@@ -39,7 +39,7 @@ int simulate_command(const SimulateOptions& o) {
     std::optional<Reference> reference;
     if (o.reference) reference.emplace(scene);
     auto simulation = make_simulation_on(o.device, scene, precision);
-    auto network = adhesion_model_of(scene, o.device, o.threads);
+    auto network = adhesion_model_of(scene, o.threads);
     simulation->use_adhesion_model(network.get());
 
     RunHeader header = header_of(scene, *simulation,

@@ -14,6 +14,10 @@ size_t deforming_in(const Scene& scene) {
                                 [](const Solid& s) { return s.deformation != nullptr; }));
 }
 
+size_t motions_in(const Scene& scene) {
+    return size_t(scene.integrator.substeps) + (scene.term<Adhesion>() ? 1 : 0);
+}
+
 // The tuned kernel takes implicit steps; a build for parity has none.
 bool needs_reference(const Scene& scene) {
 #ifdef WETCURL_PARITY
@@ -34,12 +38,12 @@ CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
       slots_(scene.integrator.substeps),
       solids_each_(scene.solids.size()),
       deforming_each_(deforming_in(scene)),
-      host_motion_(size_t(slots_)),
-      motion_(size_t(slots_)),
-      host_solids_(size_t(slots_) * solids_each_),
-      solids_(size_t(slots_) * solids_each_),
-      host_deforming_(size_t(slots_) * deforming_each_),
-      deforming_(size_t(slots_) * deforming_each_),
+      host_motion_(motions_in(scene)),
+      motion_(motions_in(scene)),
+      host_solids_(motions_in(scene) * solids_each_),
+      solids_(motions_in(scene) * solids_each_),
+      host_deforming_(motions_in(scene) * deforming_each_),
+      deforming_(motions_in(scene) * deforming_each_),
       host_report_(2),
       report_(1) {
     give_state(), give_water();
@@ -132,6 +136,18 @@ void CudaHair<T>::take_couplings(Forces* forces, Touching* touching) {
 }
 
 template <class T>
+void CudaHair<T>::take_network(const DenseLayers* layers) {
+    graph_.forget();  // it knows who gives adhesion
+    adhesion_.reset();
+    if (!couples || !layers) return;
+    upload(std::vector<T>(x_.size(), T(0)), given_adhesion_);  // no answer came before
+    given_phi_ = DeviceBuffer<T>(x_.size());
+    given_normal_ = DeviceBuffer<Vec3<T>>(x_.size());
+    given_surface_velocity_ = DeviceBuffer<Vec3<T>>(x_.size());
+    adhesion_.emplace(*scene_.term<Adhesion>(), *layers, x_.size());
+}
+
+template <class T>
 void CudaHair<T>::find_nearest(const Placement<T>& p) {
     if (!given_phi_.size())
         given_phi_ = DeviceBuffer<T>(x_.size()), given_normal_ = DeviceBuffer<Vec3<T>>(x_.size()),
@@ -179,6 +195,7 @@ void CudaHair<T>::take_given(const GivenToChain<T>& given) {
         if (from) to.upload(from, x_.size());
     };
     take(given.force, given_force_), take(given.stiffness, given_stiffness_);
+    if (adhesion_) return;
     take(given.adhesion, given_adhesion_);
     if (!given.adhesion) given_adhesion_ = {};
 }
@@ -196,7 +213,7 @@ void CudaHair<T>::put_motion(int slot, const Placement<T>& p) {
     motion.solids = solids_.data() + begin;
     host_motion_[size_t(slot)] = motion;
     std::copy(solids.begin(), solids.end(), host_solids_.data() + begin);
-    if (forces_) forces_->put_motion(slot, p.begins);
+    if (forces_ && slot < slots_) forces_->put_motion(slot, p.begins);
 }
 
 // From page-locked memory, which a graph reads anew each time it is replayed.
@@ -218,22 +235,30 @@ void CudaHair<T>::upload_motion() {
 // The last `substeps` of the motion: at once, or one by one where others act on the strands in each.
 template <class T>
 void CudaHair<T>::launch_substeps(int substeps) {
-    if (!forces_ && !between_strands_) return launch_chain(slots_ - substeps, substeps, first);
-    for (int slot = slots_ - substeps; slot < slots_; ++slot) {
-        const bool begins = always_first() || (first && slot == slots_ - substeps), last = slot + 1 == slots_;
-        const Event* const mark = &marks_[3 * size_t(slot)];
+    const int begin = slots_ - substeps;
+    if (!forces_ && !between_strands_ && !adhesion_) return launch_chain(begin, substeps, first);
+    auto mark = [&](int slot, int k) {
+        if (!marks_.empty()) marks_[size_t(3 * slot + k)].record(stream_.handle);
+    };
+    for (int slot = begin; slot < slots_; ++slot) {
+        const bool begins = always_first() || (first && slot == begin), last = slot + 1 == slots_;
         FrameReport* const report = report_.data();
-        mark[0].record(stream_.handle);
+        mark(slot, 0);
         if (forces_)
             forces_->launch(memory(), {T(dt_), begins, T(predictor_share(scene_))}, slot, given_force_.data(),
                             given_stiffness_.data(), last ? &report->pulled : nullptr, stream_.handle);
-        mark[1].record(stream_.handle);
+        mark(slot, 1);
+        if (adhesion_)
+            adhesion_->launch(
+                memory(), motion_.data() + (slot == begin ? slots_ : slot - 1),
+                {given_phi_.data(), given_normal_.data(), given_surface_velocity_.data(), touching_.data()},
+                given_adhesion_.data(), stream_.handle);
         launch_chain(slot, 1, begins);
-        mark[2].record(stream_.handle);
+        mark(slot, 2);
         if (between_strands_)
             between_strands_->launch(memory(), last ? &report->touching : nullptr, stream_.handle);
     }
-    marks_.back().record(stream_.handle);
+    mark(slots_, 0);
 }
 
 template <class T>
@@ -386,6 +411,7 @@ void CudaHair<T>::list(BufferList& out) const {
     add("shown positions", positions_.bytes()), add("displayed positions", displayed_.bytes());
     if (cohesion_) add("cohesion lists", cohesion_->bytes());
     if (record_) add("frame on its way out", record_->bytes());
+    if (adhesion_) add("adhesion network", adhesion_->bytes());
     add("given to the strands", given_force_.bytes() + given_stiffness_.bytes() + given_adhesion_.bytes() +
                                     given_phi_.bytes() + given_normal_.bytes() +
                                     given_surface_velocity_.bytes());

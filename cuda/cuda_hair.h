@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "cuda/adhesion_device.h"
 #include "cuda/air_kernel.h"
 #include "cuda/chain_kernel.h"
 #include "cuda/cohesion_kernel.h"
@@ -71,7 +72,7 @@ class CudaHair {
     // where a winding number is a rounding away from 1/2.
     using Surfaces = SurfacesOnDevice;
 #ifdef WETCURL_PARITY
-    // The CPU's own: sums over neighbours have its order.
+    // The CPU's own: sums over neighbours have its order, and a network's those of LibTorch.
     using Forces = ForcesOnStrands<T>;
     using Touching = TouchingStrands<T>;
     static constexpr bool couples = false;
@@ -98,6 +99,9 @@ class CudaHair {
     void give_state();
     void give_velocities();
     void take_couplings(Forces* forces, Touching* touching);
+    void take_network(const DenseLayers* layers);
+    bool asks_network() const { return adhesion_.has_value(); }
+    void ask_from(const Placement<T>& p) { put_motion(slots_, p); }
 
     void find_nearest(const Placement<T>& p);
     const NearestSurface<T>& nearest() const { return nearest_; }
@@ -192,11 +196,12 @@ class CudaHair {
     // What acts on all strands in each substep, before it and after it; null where nothing does, or the host.
     ForcesDevice<T>* forces_ = nullptr;
     TouchingDevice<T>* between_strands_ = nullptr;
-    std::vector<Event> marks_;  // (slot, 3) and one: of forces, of the step, of contact
+    std::vector<Event> marks_;                   // (slot, 3) and one: of forces, of the step, of contact
+    std::optional<AdhesionDevice<T>> adhesion_;  // asked before each substep
     // Solids.
     std::vector<DeviceBuffer<float>> level_sets_;
     DeviceBuffer<ShapeView> shapes_;  // of rigid ones
-    // A frame's motion, substep by substep.
+    // A frame's motion, substep by substep; with adhesion also where all is when the first begins.
     const int slots_;
     const size_t solids_each_, deforming_each_;
     PinnedBuffer<SubstepMotion<T>> host_motion_;

@@ -19,6 +19,7 @@ class OnHost final : public Network {
     OnHost(const ModelCard& card, std::shared_ptr<Model> model) : card_(card), model_(std::move(model)) {}
 
     const ModelCard& card() const override { return card_; }
+    std::optional<DenseLayers> layers() const override { return model_->dense_layers(); }
 
     // The caller's arrays are seen as tensors where they lie; only the result is copied.
     void run(const float* input, std::array<long, 4> shape, float* output, bool on_device) override {

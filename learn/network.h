@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
+#include "base/dense_layers.h"
 #include "models/model_card.h"
 
 namespace wetcurl {
@@ -22,6 +24,9 @@ class Network {
     // Not for two threads at once.
     virtual void run(const float* input, std::array<long, 4> shape, float* output,
                      bool on_device = false) = 0;
+    // The same function of a pixel's channels, normalisation included, where the network is nothing but dense
+    // layers with LeakyReLU between them and one output.
+    virtual std::optional<DenseLayers> layers() const = 0;
 };
 
 }  // namespace wetcurl

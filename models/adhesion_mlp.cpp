@@ -19,4 +19,14 @@ Tensor AdhesionMlp::forward(const Tensor& input) {
     return from_rows(run_layer(layers_.back(), x.to(torch::kFloat)), input);
 }
 
+std::optional<DenseLayers> AdhesionMlp::dense_layers() const {
+    std::vector<float> numbers;
+    for (const auto& layer : layers_)
+        for (const Tensor& of_layer : {layer->weight, layer->bias}) {
+            const Tensor here = of_layer.detach().to(torch::kCPU, torch::kFloat).contiguous();
+            numbers.insert(numbers.end(), here.data_ptr<float>(), here.data_ptr<float>() + here.numel());
+        }
+    return DenseLayers({std::begin(sizes), std::end(sizes)}, std::move(numbers));
+}
+
 }  // namespace wetcurl

@@ -11,6 +11,7 @@ class AdhesionMlp : public Model {
     AdhesionMlp();
     // (B, 12, H, W) to (B, 1, H, W), both without units.
     Tensor forward(const Tensor& input) override;
+    std::optional<DenseLayers> dense_layers() const override;
 
   private:
     std::vector<torch::nn::Linear> layers_;

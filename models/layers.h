@@ -8,7 +8,10 @@
 #include <torch/nn/modules/linear.h>
 #include <torch/types.h>
 
+#include <optional>
 #include <vector>
+
+#include "base/dense_layers.h"
 
 namespace wetcurl {
 
@@ -18,6 +21,8 @@ using torch::Tensor;
 struct Model : torch::nn::Module {
     // (B, C, H, W) to (B, output_channels, upscale * H, upscale * W), single precision in and out.
     virtual Tensor forward(const Tensor& input) = 0;
+    // The same function of a pixel, where nothing but dense layers makes it.
+    virtual std::optional<DenseLayers> dense_layers() const { return std::nullopt; }
     // For inference alone: the weights of the body take its type and the order of the device's convolutions,
     // which they are else brought into at each run.
     void freeze();

@@ -47,10 +47,10 @@ class SimulationOf final : public Simulation {
         return water_ ? std::optional(water_->balance()) : std::nullopt;
     }
     void use_adhesion_model(AdhesionModel* model) override {
-        if (model || network_) network().model = model;
+        if (model || network_) network().model = model, hair_.take_network(network_->layers());
     }
     void record_adhesion(std::vector<AdhesionRecord>* records) override {
-        if (records || network_) network().records = records;
+        if (records || network_) network().records = records, hair_.take_network(network_->layers());
     }
     SimulationState state() const override;
     void restore(const SimulationState& state) override;
@@ -67,9 +67,8 @@ class SimulationOf final : public Simulation {
                                std::move(room));
     }
     // Who answers on the host for all strands at once needs them at the same substep.
-    bool alone() const {
-        return (Hair::couples || (!forces_ && !between_strands_)) && !(network_ && network_->asked());
-    }
+    bool alone() const { return (Hair::couples || (!forces_ && !between_strands_)) && !host_asks(); }
+    bool host_asks() const { return network_ && network_->asked() && !hair_.asks_network(); }
     void pull_strands(GivenToChain<S>& given);
     void ask_network(int done);
     void run(const std::vector<Placement<T>>& path, bool ends_frame);
@@ -160,7 +159,8 @@ void SimulationOf<Hair>::advance(bool shown) {
 // From the state as it is; what a network answers holds for the substep that follows.
 template <class Hair>
 void SimulationOf<Hair>::ask_network(int done) {
-    if (!network_ || !network_->asked()) return;
+    if (hair_.asks_network()) return hair_.ask_from(placement(time_, done));
+    if (!host_asks()) return;
     const StageTimer timer(hair_.seconds.chain);
     hair_.fetch();
     hair_.find_nearest(placement(time_, done));
@@ -172,7 +172,7 @@ template <class Hair>
 void SimulationOf<Hair>::run(const std::vector<Placement<T>>& path, bool ends_frame) {
     GivenToChain<S> given;
     if constexpr (!Hair::couples) pull_strands(given);
-    if (network_) given.adhesion = network_->given();
+    if (host_asks()) given.adhesion = network_->given();
     hair_.run(path, given, ends_frame);
     if constexpr (!Hair::couples) touch_strands();
 }

@@ -20,7 +20,8 @@ class CpuHair : public ChainStepper<T> {
     struct Surfaces : DeformingSolids {
         Surfaces(const Scene& scene, const CpuHair&) : DeformingSolids(scene) {}
     };
-    // Whether forces and contact between strands come within `run`; else the host adds them between runs.
+    // Whether forces, contact between strands and the answers of a network of dense layers come within `run`;
+    // else the host adds them between runs.
     static constexpr bool couples = false;
 
     explicit CpuHair(const Scene& scene) : ChainStepper<T>(scene), scene_(scene) {}
@@ -41,6 +42,10 @@ class CpuHair : public ChainStepper<T> {
     void give_velocities() {}
     // What `run` lets act on the strands where it couples them; null: the scene has none.
     void take_couplings(Forces*, Touching*) {}
+    // The network that `run` asks, and where all is when its first substep begins; null: `run` asks none.
+    void take_network(const DenseLayers*) {}
+    bool asks_network() const { return false; }
+    void ask_from(const Placement<T>&) {}
 
     void run(const std::vector<Placement<T>>& path, const GivenToChain<S>& given, bool /*ends_frame*/) {
         const StageTimer timer(seconds.chain);

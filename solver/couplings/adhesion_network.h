@@ -2,26 +2,29 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
+#include "base/dense_layers.h"
+#include "base/error.h"
 #include "solver/chain_state.h"
+#include "solver/couplings/adhesion_question.h"
 #include "solver/placement.h"
 
 namespace wetcurl {
 
-// Who gives the adhesion force in Eq 11's place (a network): F.n / (sigma m a_max) from twelve inputs,
-// {contact, v.n / sqrt(a_max h), phi / h, F.n / (sigma m a_max)} of particles i-1, i, i+1.
+// Who gives the adhesion force in Eq 11's place (a network): F.n / (sigma m a_max) from an AdhesionQuestion.
 class AdhesionModel {
   public:
     virtual ~AdhesionModel() = default;
     // inputs (count, 12) -> outputs (count)
     virtual void evaluate(const float* inputs, size_t count, float* outputs) = 0;
+    // All that it does, where that is dense layers alone: a device may ask them itself.
+    virtual const DenseLayers* layers() const { return nullptr; }
 };
 
 // A particle's twelve inputs and Eq 11's answer: what an adhesion network is trained on.
 struct AdhesionRecord {
-    float inputs[12], target;
+    float inputs[AdhesionQuestion::inputs], target;
     bool contact;
 };
 
@@ -32,6 +35,8 @@ class AdhesionNetwork {
     AdhesionModel* model = nullptr;
     std::vector<AdhesionRecord>* records = nullptr;
     bool asked() const { return model || records; }
+    // What a device may ask itself; null: the host asks, as it does where there are records to write.
+    const DenseLayers* layers() const;
 
     // From the state as it is, `near` taken there; the answers hold for the substep that follows.
     void evaluate(const Adhesion& term, const ChainState<S>& state, const NearestSurface<S>& near);
@@ -47,38 +52,45 @@ class AdhesionNetwork {
 };
 
 template <class S>
+const DenseLayers* AdhesionNetwork<S>::layers() const {
+    const DenseLayers* const layers = model && !records ? model->layers() : nullptr;
+    if (layers && layers->inputs() != AdhesionQuestion::inputs)
+        throw Error("a network in Eq 11's place: found " + std::to_string(layers->inputs()) +
+                    " inputs, needed " + std::to_string(AdhesionQuestion::inputs));
+    return layers;
+}
+
+template <class S>
 void AdhesionNetwork<S>::evaluate(const Adhesion& term, const ChainState<S>& state,
                                   const NearestSurface<S>& near) {
     using T = Plain<S>;
     const int n = state.n, lanes = state.lanes;
     auto number = [](const S& a, int lane) { return ChainState<S>::template lane_of<T>(a, lane); };
+    auto vector = [](const Vec3<S>& a, int lane) { return ChainState<S>::template lane_of<T>(a, lane); };
     if (answers_.empty()) answers_.assign(size_t(state.strands) * size_t(n), 0.f);
     if (model && given_.empty()) given_.assign(state.mass.size(), S(0));
     std::vector<AdhesionRecord> found;
     std::vector<std::pair<int, int>> where;  // strand, particle
-    const double speed = 1 / std::sqrt(term.a_max * term.h_a);
+    const AdhesionQuestion question(term);
     auto answer = [&](int s, int i) -> float& { return answers_[size_t(s) * size_t(n) + size_t(i)]; };
     for (int s = 0; s < state.strands; ++s)
         for (int i = 1; i < n; ++i) {
-            const int lane = s % lanes;
-            const size_t k = state.at(s / lanes, i);
-            if (!(number(state.saturation[k], lane) > 0) || number(near.phi[k], lane) > 2 * term.h_a)
-                continue;
+            const int block = s / lanes, lane = s % lanes;
+            const size_t k = state.at(block, i);
+            const T phi = number(near.phi[k], lane);
+            if (!question.concerns(number(state.saturation[k], lane), phi)) continue;
             AdhesionRecord r;
-            const Vec3<T> normal = state.template lane_of<T>(near.normal[k], lane);
-            for (int side = -1; side <= 1; ++side) {
-                const int j = i + side < n ? i + side : i;
-                const size_t m = state.at(s / lanes, j);
-                const Vec3<T> slide = state.template lane_of<T>(state.v[m] - near.velocity[k], lane);
-                float* in = r.inputs + 4 * (side + 1);
-                in[0] = float(number(state.touching[m], lane));
-                in[1] = float(dot(slide, normal) * speed);
-                in[2] = float(std::min(number(near.phi[m], lane) / T(term.h_a), T(4)));
-                in[3] = answer(s, j);
-            }
+            question.ask(
+                i, n, vector(near.normal[k], lane), vector(near.velocity[k], lane),
+                [&](int j) {
+                    const size_t m = state.at(block, j);
+                    return AdhesionSight<T>{number(state.touching[m], lane), number(near.phi[m], lane),
+                                            vector(state.v[m], lane), answer(s, j)};
+                },
+                r.inputs);
             float value, slope;
-            Adhesion::shape(float(number(near.phi[k], lane) / T(term.h_a)), value, slope);
-            r.contact = number(state.touching[k], lane) > 0;
+            Adhesion::shape(float(phi / T(term.h_a)), value, slope);
+            r.contact = question.in_contact(number(state.touching[k], lane));
             r.target = r.contact ? -value : 0;
             found.push_back(r);
             where.push_back({s, i});
@@ -86,7 +98,8 @@ void AdhesionNetwork<S>::evaluate(const Adhesion& term, const ChainState<S>& sta
     std::vector<float> out(found.size());
     if (model) {
         std::vector<float> inputs;
-        for (const auto& r : found) inputs.insert(inputs.end(), r.inputs, r.inputs + 12);
+        for (const auto& r : found)
+            inputs.insert(inputs.end(), r.inputs, r.inputs + AdhesionQuestion::inputs);
         if (!found.empty()) model->evaluate(inputs.data(), found.size(), out.data());
         std::fill(given_.begin(), given_.end(), S(0));
     }

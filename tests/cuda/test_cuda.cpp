@@ -8,6 +8,7 @@
 #include "cuda/rates.h"
 #include "cuda/simulation.h"
 #include "solver/couplings/forces_on_strands.h"
+#include "tests/cuda/dense_adhesion.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {
@@ -516,6 +517,98 @@ TEST_F(Cuda, a_network_in_the_loop_is_asked_as_on_the_cpu) {
         EXPECT_EQ(records.size(), wanted_records.size());
         EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
         EXPECT_GT(farthest(got.positions, after(scene, 6, "double").positions), 1e-6);
+    }
+}
+
+// Hair on solids of each kind, alone and beside what else acts in a substep.
+std::vector<Case> sticky(const Scratch& scratch) {
+    const std::string grid = "groom.grid=[6, 6]", odd = "integrator.substeps=5";
+    scratch.file("ball.obj", obj_of(triangulated(Sphere{0.1}, 32)));
+    const std::string level_set =
+        "[[solid]]\nshape = \"mesh\"\nfile = \"" + scratch.path("ball.obj") +
+        "\"\nspacing = 0.01\n[[solid.motion.keyframe]]\ntime = 0.08\n[[solid.motion.keyframe]]\ntime = 0.3\n"
+        "translation = [0, -0.02, 0.01]\n";
+    const std::string alone = wet_scene.substr(0, wet_scene.find("[[solid]]"));
+    return {
+        {"a ball", wet_scene, {grid, odd}},
+        {"even substeps", wet_scene, {grid}},
+        {"a level set", alone + level_set, {grid, odd}},
+        {"one that deforms",
+         alone + breathing_sphere(scratch, {0.09, 0.1, 0.1, 0.09}, 0.06, "[0, 0, 0]", 0.01),
+         {grid, odd}},
+        {"strands on each other",
+         wet_scene + "[strand_contact]\n",
+         {grid, "integrator.substeps=3", "cohesion.strength=500"}},
+        {"backward Euler", wet_scene, {grid, odd, "integrator.kind='backward_euler'"}},
+    };
+}
+
+// Within a frame's graph, and never by the host.
+TEST_F(Cuda, a_network_of_dense_layers_is_asked_by_the_device) {
+#ifdef WETCURL_PARITY
+    GTEST_SKIP() << "SKIP: the host asks in a build for parity";
+#endif
+    const Scratch scratch;
+    for (const auto& c : sticky(scratch))
+        for (Stepping stepping : {Stepping::chosen, Stepping::by_lanes, Stepping::by_reference}) {
+            SCOPED_TRACE(c.name);
+            const Scene scene = scene_of(c.text, c.set);
+            DenseAdhesion here(5), there(5);
+            const auto cpu = make_simulation(scene, "double"),
+                       gpu = make_cuda_simulation(scene, "double", 0, stepping);
+            RunFrame wanted, got;
+            auto advance = [&](int frames) {
+                for (int f = 0; f < frames; ++f) cpu->advance(), gpu->advance(f != 1);
+                cpu->snapshot(wanted), gpu->snapshot(got);
+                EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
+                EXPECT_EQ(got.contact, wanted.contact);
+            };
+            auto use = [&](AdhesionModel* on_cpu, AdhesionModel* on_gpu) {
+                cpu->use_adhesion_model(on_cpu), gpu->use_adhesion_model(on_gpu);
+            };
+            auto bytes = [&] {
+                size_t sum = 0;
+                for (const auto& b : gpu->buffers())
+                    if (b.name == "adhesion network") sum += b.bytes;
+                return sum;
+            };
+            advance(3);  // of Eq 11, as a graph
+            EXPECT_EQ(bytes(), 0u);
+            use(&here, &there);
+            EXPECT_GT(bytes(), got.positions.points.size() * sizeof(float));
+            advance(5);
+            EXPECT_GT(here.asked, 100u);
+            EXPECT_GT(here.largest, 0.1f);
+            EXPECT_EQ(there.asked, 0u);
+            EXPECT_GT(farthest(got.positions, after(scene, 8, "double").positions), 1e-5);
+            use(nullptr, nullptr);
+            EXPECT_EQ(bytes(), 0u);
+            advance(3);
+        }
+}
+
+TEST_F(Cuda, a_network_of_dense_layers_repeats_to_the_bit_and_is_the_one_that_the_host_asks) {
+    const Scratch scratch;
+    for (const auto& c : sticky(scratch)) {
+        SCOPED_TRACE(c.name);
+        const Scene scene = scene_of(c.text, c.set);
+        auto run = [&](const std::string& precision, bool gives_layers, bool all_shown, bool recorded) {
+            DenseAdhesion model(5, gives_layers);
+            std::vector<AdhesionRecord> records;
+            const auto gpu = make_cuda_simulation(scene, precision, 0);
+            gpu->use_adhesion_model(&model);
+            if (recorded) gpu->record_adhesion(&records);
+            for (int f = 1; f <= 6; ++f) gpu->advance(all_shown || f == 6);
+            EXPECT_EQ(records.empty(), !recorded);
+            RunFrame frame;
+            gpu->snapshot(frame);
+            return frame.positions;
+        };
+        EXPECT_TRUE(same_bits(run("float", true, true, false), run("float", true, true, false)));
+        EXPECT_TRUE(same_bits(run("float", true, true, false), run("float", true, false, false)));
+        const Strands by_device = run("double", true, true, false);
+        EXPECT_LT(farthest(by_device, run("double", false, true, false)), 1e-6);
+        EXPECT_LT(farthest(by_device, run("double", true, true, true)), 1e-6);
     }
 }
 

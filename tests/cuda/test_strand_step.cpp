@@ -1,7 +1,9 @@
 // The device's steps run on the host by a team of one, against the reference passes.
+#include "cuda/adhesion_bodies.h"
 #include "cuda/chain_setup.h"
 #include "cuda/lane_step.h"
 #include "solver/chain_state.h"
+#include "tests/cuda/dense_adhesion.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
 
@@ -48,12 +50,11 @@ struct OnHost {
     }
 };
 
-// Stepped by a team of one.
+// Substeps from `begin` to before `end` by a team of one.
 template <class T, class Set>
-Strands stepped(const Scene& scene, const Set& set, int frames) {
-    OnHost<T> host(scene, frames);
+void step(OnHost<T>& host, const Set& set, size_t begin, size_t end) {
     const auto& m = host.memory;
-    const bool limits = scene.term<StrainLimit>().has_value();
+    const bool limits = host.scene.template term<StrainLimit>().has_value();
     constexpr int together = 3;
     std::vector<typename StrandStep<T>::Flags> flags(together);
     struct alignas(32) Aligned {
@@ -64,8 +65,42 @@ Strands stepped(const Scene& scene, const Set& set, int frames) {
         StrandStep<T> strands(m, host.constants, Team{}, first, std::min(together, m.strands - first), limits,
                               room[0].numbers, flags.data());
         strands.load(set);
-        for (size_t k = 0; k < host.motion.size(); ++k) strands.step(set, host.motion[k], k == 0);
+        for (size_t k = begin; k < end; ++k) strands.step(set, host.motion[k], k == 0);
         strands.store(set);
+    }
+}
+template <class T, class Set>
+Strands stepped(const Scene& scene, const Set& set, int frames) {
+    OnHost<T> host(scene, frames);
+    step(host, set, 0, host.motion.size());
+    return host.strands();
+}
+
+// With a network in Eq 11's place, asked before each substep where all is when it begins.
+template <class T>
+Strands stepped_with(const DenseLayers& network, const Scene& scene, int frames) {
+    OnHost<T> host(scene, frames);
+    StrandMemory<T>& m = host.memory;
+    const size_t count = host.state.x.size();
+    std::vector<T> phi(count), answer(count, T(0));
+    std::vector<Vec3<T>> normal(count), velocity(count);
+    std::vector<float> before(count);
+    m.given_adhesion = answer.data(), m.given_phi = phi.data();
+    m.given_normal = normal.data(), m.given_surface_velocity = velocity.data();
+    const AdhesionBodies<T> bodies{AdhesionQuestion(*scene.term<Adhesion>()),
+                                   network.view(network.numbers().data()),
+                                   {phi.data(), normal.data(), velocity.data(), m.touching},
+                                   answer.data(),
+                                   before.data()};
+    std::vector<DeviceSolid<T>> solids;
+    SubstepMotion<T> motion = substep_motion(placement_at<T>(scene, 0, double(host.constants.dt)),
+                                             host.shapes.data(), nullptr, solids);
+    motion.solids = solids.data();
+    for (size_t k = 0; k < host.motion.size(); ++k) {
+        for (uint32_t i = 0; i < count; ++i) bodies.see(i, m, motion);
+        for (uint32_t i = 0; i < count; ++i) bodies.ask(i, m);
+        step(host, AnySet{set_of(scene, true)}, k, k + 1);
+        motion = host.motion[k];
     }
     return host.strands();
 }
@@ -172,6 +207,23 @@ TEST(StrandStep, does_what_the_reference_passes_do) {
         ASSERT_GT(farthest(wanted, scene.groom.rest), 1e-3) << c.name;
         // The whip of a chain without bends magnifies rounding.
         EXPECT_LT(farthest(stepped<double>(scene, AnySet{set_of(scene)}, 4), wanted), 1e-6) << c.name;
+    }
+}
+
+TEST(StrandStep, with_a_network_does_what_the_cpu_does_with_it) {
+    for (const auto& c : cases()) {
+        const Scene scene = scene_of(c.text, c.set);
+        if (!scene.term<Adhesion>()) continue;
+        DenseAdhesion model(5);
+        const auto cpu = make_simulation(scene, "double");
+        cpu->use_adhesion_model(&model);
+        const int frames = c.name == std::string("several solids") ? 1 : 5;
+        for (int f = 0; f < frames; ++f) cpu->advance();
+        RunFrame wanted;
+        cpu->snapshot(wanted);
+        ASSERT_GT(model.asked, 500u) << c.name;
+        ASSERT_GT(farthest(wanted.positions, after(scene, frames, "double").positions), 1e-4) << c.name;
+        EXPECT_LT(farthest(stepped_with<double>(model.all, scene, frames), wanted.positions), 1e-6) << c.name;
     }
 }
 

@@ -178,6 +178,22 @@ TEST(StrandMlp, IsAStackOfOneByOneConvolutions) {
     EXPECT_LT(largest(model->forward(x) - expected), 1e-5 * largest(expected));
 }
 
+TEST(AdhesionMlp, IsWhatItsDenseLayersGiveWithoutLibTorch) {
+    for (const auto& a : architectures()) {
+        const auto model = stirred(card_of(a, 0.05));
+        const auto layers = model->dense_layers();
+        ASSERT_EQ(layers.has_value(), a.name == "adhesion_mlp") << a.name;
+        if (!layers) continue;
+        EXPECT_EQ(layers->inputs(), a.input_channels);
+        torch::NoGradGuard no_grad;
+        const Tensor x = torch::randn({1000, a.input_channels, 1, 1}), y = model->forward(x);
+        ASSERT_GT(largest(y), 0.1);
+        ASSERT_LT(y.min().item<double>(), 0);
+        for (long k = 0; k < x.size(0); ++k)
+            EXPECT_NEAR(layers->evaluate(x[k].data_ptr<float>()), y[k].item<float>(), 1e-6) << k;
+    }
+}
+
 TEST(StrandDepthwise, StartsAsTheNetworkThatSeesNoNeighbours) {
     torch::NoGradGuard no_grad;
     const ModelCard alone = card_of(*find_architecture("strand_mlp"), 0.1),

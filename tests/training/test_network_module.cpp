@@ -63,6 +63,22 @@ TEST(NetworkModule, LoadsLibTorchOnFirstUseThenTrainsAndRuns) {
     EXPECT_GT(size, 1e-3f);
     EXPECT_LT(apart, 1e-6f * size);
 
+    // The released network in Eq 11's place is what its layers are.
+    EXPECT_FALSE(network->layers());
+    const auto adhesion = module.load(WETCURL_SOURCE_DIR "/models/weights/adhesion_scene15.h5", "cpu", 1);
+    const auto layers = adhesion->layers();
+    ASSERT_TRUE(layers);
+    const long asked = 200, inputs = layers->inputs();
+    ASSERT_EQ(inputs, adhesion->card().input_channels);
+    const auto particles = testing::uniform(random, size_t(asked * inputs));
+    std::vector<float> answers(size_t(asked), 0.f);
+    adhesion->run(particles.data(), {asked, inputs, 1, 1}, answers.data());
+    EXPECT_GT(
+        *std::max_element(answers.begin(), answers.end()) - *std::min_element(answers.begin(), answers.end()),
+        0.1f);
+    for (long k = 0; k < asked; ++k)
+        EXPECT_NEAR(layers->evaluate(&particles[size_t(k * inputs)]), answers[size_t(k)], 1e-6) << k;
+
     // Errors keep their kind on the way through.
     expect_error(
         [&] {
