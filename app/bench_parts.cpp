@@ -173,16 +173,19 @@ struct ByGrid {
     std::vector<float> source;
 
     void operator()(const Cloud& cloud, std::vector<uint32_t>& count) {
-        const size_t n = cloud.points.size(), padded = n + NeighborList::lanes;
+        const size_t n = cloud.points.size(), padded = n + NeighborList::padding;
         grid.build(cloud.points.data(), n, cloud.radius);
         group.resize(padded), source.assign(padded, 1.f);
         std::iota(group.begin(), group.end(), 0u);
         list.build(grid, group, source, cloud.radius);
 #pragma omp parallel for schedule(static)
-        for (size_t k = 0; k < n; ++k) {
-            uint32_t found = 0;
-            list.visit_runs(k, [&](uint32_t, uint32_t bits) { found += uint32_t(std::popcount(bits)); });
-            count[grid.order()[k]] = found;
+        for (size_t c = 0; c < list.clusters(); ++c) {
+            uint32_t found[NeighborList::cluster]{};
+            list.visit_runs(c, [&](uint32_t, uint32_t bits) {
+                for (uint32_t& of : found) of += uint32_t(std::popcount(bits & 15)), bits >>= 4;
+            });
+            for (size_t i = 0, k = c * NeighborList::cluster; k < n && i < NeighborList::cluster; ++i, ++k)
+                count[grid.order()[k]] = found[i];
         }
     }
 };

@@ -134,29 +134,6 @@ template <class T>
 bool any_positive(Pack<T> a) {
     return bits_of(a > Pack<T>(0)) != 0;
 }
-// Over the lanes, in halves.
-typedef float FourFloats __attribute__((vector_size(16)));
-inline FourFloats sum_of_quarters(Pack<float> a) {
-    FourFloats q[Pack<float>::lanes / 4];
-    std::memcpy(q, &a.v, sizeof q);
-    if constexpr (Pack<float>::lanes == 16) q[0] += q[2], q[1] += q[3];
-    if constexpr (Pack<float>::lanes >= 8) q[0] += q[1];
-    return q[0];
-}
-inline float sum(Pack<float> a) {
-    const FourFloats q = sum_of_quarters(a);
-    return (q[0] + q[2]) + (q[1] + q[3]);
-}
-// Four such sums side by side, of the same bits.
-inline FourFloats sums(Pack<float> a, Pack<float> b, Pack<float> c, Pack<float> d) {
-    typedef int Order __attribute__((vector_size(16)));
-    const FourFloats qa = sum_of_quarters(a), qb = sum_of_quarters(b), qc = sum_of_quarters(c),
-                     qd = sum_of_quarters(d);
-    const Order low{0, 4, 1, 5}, high{2, 6, 3, 7}, first{0, 1, 4, 5}, second{2, 3, 6, 7};
-    const FourFloats ab = __builtin_shuffle(qa, qb, low) + __builtin_shuffle(qa, qb, high),
-                     cd = __builtin_shuffle(qc, qd, low) + __builtin_shuffle(qc, qd, high);
-    return __builtin_shuffle(ab, cd, first) + __builtin_shuffle(ab, cd, second);
-}
 template <class T>
 Pack<T> maximum(Pack<T> a, Pack<T> b) {
     return a.v > b.v ? a.v : b.v;

@@ -6,21 +6,25 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/vec3.h"
+#include "base/quads.h"
 
 namespace wetcurl {
 
-// Points as three arrays, a vector longer than they count: one may be read from any point on.
+// Points as three arrays, longer than they count: four may be read from any point on.
 struct PointArrays {
     std::vector<float> x, y, z;
     void resize(size_t count) {
-        const size_t n = count + size_t(lanes_of<float>);
+        const size_t n = count + 4;
         x.resize(n), y.resize(n), z.resize(n);
     }
     Vec3f at(size_t k) const { return {x[k], y[k], z[k]}; }
     void set(size_t k, const Vec3f& p) { x[k] = p.x, y[k] = p.y, z[k] = p.z; }
-    Vec3<Pack<float>> load(size_t k) const {
-        return {Pack<float>::load(&x[k]), Pack<float>::load(&y[k]), Pack<float>::load(&z[k])};
+    // Points k .. k + 3 in each quad; a point from k on a quad.
+    Vec3<Pack<float>> in_each_quad(size_t k) const {
+        return {wetcurl::in_each_quad(&x[k]), wetcurl::in_each_quad(&y[k]), wetcurl::in_each_quad(&z[k])};
+    }
+    Vec3<Pack<float>> a_quad_each(size_t k) const {
+        return {wetcurl::a_quad_each(&x[k]), wetcurl::a_quad_each(&y[k]), wetcurl::a_quad_each(&z[k])};
     }
     size_t bytes() const { return (x.capacity() + y.capacity() + z.capacity()) * sizeof(float); }
 };
@@ -59,15 +63,28 @@ class NeighborGrid {
         });
     }
 
-    // `rows` of sorted points one after the other, whose ranges move on with them.
+    // `rows` of sorted points a few at a time, one after the other, whose ranges move on with them.
     class Sweep {
       public:
         explicit Sweep(const NeighborGrid& grid) : grid_(grid) {}
-        // k: larger than in the call before.
+        // To points first .. e - 1: those before `stop` that lie in a row with `first` and no farther from it
+        // along the row than the radius reaches. Returns e. `first`: beyond the call before's.
+        size_t move_to(size_t first, size_t stop) {
+            if (first >= row_end_) start(grid_.sorted(first));
+            const int low = grid_.column_[first];
+            size_t end = stop < row_end_ ? stop : row_end_;
+            while (grid_.column_[end - 1] - low > grid_.reach_) --end;
+            const int high = grid_.column_[end - 1];
+            for (int r = 0; r < count_; ++r) {
+                Range& row = range_[r];
+                while (row.begin < row.stop && grid_.column_[row.begin] < low - grid_.reach_) ++row.begin;
+                while (row.end < row.stop && grid_.column_[row.end] <= high + grid_.reach_) ++row.end;
+            }
+            return end;
+        }
+        // The rows around any of those points.
         template <class Visit>
-        void rows(size_t k, Visit visit) {
-            if (k >= row_end_) start(grid_.sorted(k));
-            if (grid_.column_[k] > last_) move_on(grid_.column_[k]);
+        void rows(Visit visit) const {
             for (int r = 0; r < count_; ++r)
                 if (range_[r].begin < range_[r].end) visit(range_[r].begin, range_[r].end);
         }
@@ -84,21 +101,10 @@ class NeighborGrid {
                 range_[count_++] = {from, from, end};
             });
             row_end_ = grid_.start_[grid_.row_of(x) + 1];
-            last_ = -1;
         }
-        // To the ranges of `column` and of some after it.
-        void move_on(int column) {
-            last_ = column + columns_at_once - 1;
-            for (int r = 0; r < count_; ++r) {
-                Range& row = range_[r];
-                while (row.begin < row.stop && grid_.column_[row.begin] < column - grid_.reach_) ++row.begin;
-                while (row.end < row.stop && grid_.column_[row.end] <= last_ + grid_.reach_) ++row.end;
-            }
-        }
-        static constexpr int columns_at_once = 3;
         const NeighborGrid& grid_;
         Range range_[9];
-        int count_ = 0, last_ = -1;
+        int count_ = 0;
         size_t row_end_ = 0;
     };
 

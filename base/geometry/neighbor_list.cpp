@@ -1,4 +1,4 @@
-// The search, a vector of candidates at a time.
+// The search, a cluster of points and four candidates at a time.
 #include "base/geometry/neighbor_list.h"
 
 #include <omp.h>
@@ -12,51 +12,72 @@
 
 namespace wetcurl {
 
-// Runs of one point, the sweep's next. Returns its neighbours.
-uint32_t NeighborList::search(const NeighborGrid& grid, NeighborGrid::Sweep& sweep,
-                              const std::vector<uint32_t>& group, const std::vector<float>& source,
-                              float radius, size_t k, Found& found) {
+namespace {
+
+constexpr uint32_t all_lanes = (1u << lanes_of<float>)-1, first_lanes = 0x1111u & all_lanes;  // of each quad
+
+// All lanes of quads that have a bit.
+uint32_t whole_quads(uint32_t bits) {
+    bits |= bits >> 2, bits |= bits >> 1;
+    return (bits & first_lanes) * 15;
+}
+
+}  // namespace
+
+// Returns its pairs of neighbours.
+uint32_t NeighborList::Search::operator()(NeighborGrid::Sweep& sweep, size_t c, Found& found) const {
     using S = Pack<float>;
+    // Numbers that are compared alone.
+    const auto ids = [](S from) { return std::bit_cast<S::Mask>(from.v); };
+    const auto* const groups = reinterpret_cast<const float*>(group.data());
     const PointArrays& points = grid.points();
-    const Vec3f x = points.at(k);
-    const Vec3<S> own = cast<S>(x);
+    const size_t first = c * cluster, stop = std::min(first + cluster, grid.size());
+    const Vec3<S> own = points.a_quad_each(first);
     const S reach(radius * radius);
-    const S::Mask mine = S::Mask{} + int(group[k]);
+    const S::Mask own_group = ids(a_quad_each(groups + first));
     const size_t before = found.count;
-    uint32_t neighbours = 0, with_source = 0;
-    sweep.rows(k, [&](uint32_t begin, uint32_t end) {
-        const auto neighbours_from = [&](uint32_t at) {
-            const Vec3<S> d = points.load(at) - own;
-            S::Mask groups;
-            std::memcpy(&groups, &group[at], sizeof groups);
-            const uint32_t bits = bits_of((dot(d, d) < reach) & (groups != mine));
-            return end - at < NeighborList::lanes ? bits & ((1u << (end - at)) - 1) : bits;
-        };
-        found.make_room((end - begin) / NeighborList::lanes + 1);
-        for (uint32_t at = begin; at < end; at += NeighborList::lanes) {
-            uint32_t bits = neighbours_from(at);
-            // A run that is not the last begins with a neighbour: fewer hold them all.
-            if (bits && end - at > NeighborList::lanes) {
-                at += uint32_t(std::countr_zero(bits));
-                bits = neighbours_from(at);
+    uint32_t pairs = 0, with_source = 0;
+    for (size_t k = first, end; k < stop; k = end) {
+        end = sweep.move_to(k, stop);
+        // Lanes of those points.
+        const uint32_t asked = (1u << 4 * (end - first)) - (1u << 4 * (k - first));
+        sweep.rows([&](uint32_t low, uint32_t high) {
+            found.make_room((high - low) / 4 + 1);
+            for (uint32_t at = low; at < high; at += 4) {
+                const Vec3<S> d = points.in_each_quad(at) - own;
+                uint32_t bits =
+                    bits_of((dot(d, d) < reach) & (ids(in_each_quad(groups + at)) != own_group)) & asked;
+                if (high - at < 4) bits &= ((1u << (high - at)) - 1) * first_lanes;
+                // Written in any case, kept where there is one: half of the branches would be mispredicted.
+                found.first[found.count] = at;
+                found.bits[found.count] = uint16_t(bits);
+                found.count += bits != 0;
+                pairs += uint32_t(std::popcount(bits));
+                with_source |= bits & bits_of(in_each_quad(&source[at]) > S(0));
             }
-            // Written in any case, kept where there is one: half of the branches would be mispredicted.
-            found.first[found.count] = at;
-            found.bits[found.count] = uint16_t(bits);
-            found.count += bits != 0;
-            neighbours += uint32_t(std::popcount(bits));
-            with_source |= bits & bits_of(S::load(&source[at]) > S(0));
-        }
-    });
-    if (with_source) return neighbours;
-    found.count = before;
-    return 0;
+        });
+    }
+    // Those of points without a source go.
+    const uint32_t kept = whole_quads(with_source);
+    size_t count = before;
+    if (kept == all_lanes) return pairs;
+    for (size_t r = before; r < found.count; ++r) {
+        const uint32_t bits = found.bits[r] & kept;
+        pairs -= uint32_t(std::popcount(found.bits[r] ^ bits));
+        found.first[count] = found.first[r], found.bits[count] = uint16_t(bits);
+        count += bits != 0;
+    }
+    found.count = count;
+    return pairs;
 }
 
 void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& group,
                          const std::vector<float>& source, float radius) {
-    const size_t count = grid.size(), chunks = (count + chunk - 1) / chunk;
-    begin_.resize(count + chunks);
+    const size_t count = grid.size();
+    clusters_ = (count + cluster - 1) / cluster;
+    const size_t chunks = (clusters_ + chunk - 1) / chunk;
+    const Search search{grid, group, source, radius};
+    begin_.resize(clusters_ + chunks);
     // As much room for each thread as any has needed: which chunks it meets is chance.
     found_.resize(size_t(omp_get_max_threads()));
     size_t room = 0;
@@ -72,14 +93,14 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
             Found found = std::move(found_[size_t(omp_get_thread_num())]);
 #pragma omp for schedule(dynamic)
             for (size_t c = 0; c < chunks; ++c) {
-                const size_t low = c * chunk, high = std::min(low + chunk, count);
+                const size_t low = c * chunk, high = std::min(low + chunk, clusters_);
                 uint32_t* begin = &begin_[low + c];
                 uint64_t sum = 0;
                 found.count = 0;
                 NeighborGrid::Sweep sweep(grid);
                 for (size_t k = low; k < high; ++k) {
                     begin[k - low] = uint32_t(found.count);
-                    sum += search(grid, sweep, group, source, radius, k, found);
+                    sum += search(sweep, k, found);
                 }
                 begin[high - low] = uint32_t(found.count);
                 neighbours += sum;
@@ -92,8 +113,8 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
             found_[size_t(omp_get_thread_num())] = std::move(found);
         }
         if (used <= first_.size()) break;
-        // A tenth of slack: growing by doubling would double the largest buffer of all.
-        const size_t more = used + used / 10;
+        // A tenth of slack, more for few: growing by doubling would double the largest buffer of all.
+        const size_t more = used + used / 10 + 1024;
         if (more > UINT32_MAX) throw Error("neighbour lists: more than 2^32 runs; make the radius smaller");
         first_ = {}, bits_ = {};
         first_.resize(more), bits_.resize(more);

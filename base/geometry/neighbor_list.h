@@ -1,7 +1,9 @@
-// Lists of neighbours as vectors read them: runs of consecutive sorted points, a bit for each neighbour.
+// Lists of neighbours as vectors read them: a cluster of consecutive sorted points, and runs of four sorted
+// points, a bit for each pair of the one and the other that are neighbours.
 // After the cluster pair lists of Pall and Hess 2013 (GROMACS), with runs of a uniform grid's rows.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -11,7 +13,9 @@ namespace wetcurl {
 
 class NeighborList {
   public:
-    static constexpr uint32_t lanes = lanes_of<float>;
+    static constexpr size_t cluster = quads;  // points
+    // What is read of each point by fours is longer by this than there are points.
+    static constexpr size_t padding = 4;
 
     // Neighbours of each sorted point k of `grid`: the points within `radius` [m] (at most the grid's) of
     // another group than its own. Points without a neighbour of positive `source` get none at all.
@@ -19,13 +23,22 @@ class NeighborList {
     void build(const NeighborGrid& grid, const std::vector<uint32_t>& group, const std::vector<float>& source,
                float radius);
 
-    // Runs of point k: visit(first, bits), where bit l says that sorted point first + l is a neighbour.
+    size_t clusters() const { return clusters_; }
+    // Runs of cluster c, of points c * cluster and on: visit(first, bits), where bit 4 i + j says that sorted
+    // point first + j is a neighbour of the cluster's i-th: a lane each where each of them has a quad.
     template <class Visit>
-    void visit_runs(size_t k, Visit visit) const {
-        const uint32_t* begin = &begin_[k + k / chunk];
-        for (uint32_t r = begin[0]; r < begin[1]; ++r) visit(first_[r], uint32_t(bits_[r]));
+    void visit_runs(size_t c, Visit visit) const {
+        const uint32_t* own = begin(c);
+        for (uint32_t r = own[0]; r < own[1]; ++r) visit(first_[r], uint32_t(bits_[r]));
     }
-    bool empty(size_t k) const { return begin_[k + k / chunk] == begin_[k + k / chunk + 1]; }
+    // visit(j) for the neighbours of sorted point k, in the grid's order.
+    template <class Visit>
+    void visit_neighbours(size_t k, Visit visit) const {
+        visit_runs(k / cluster, [&](uint32_t first, uint32_t bits) {
+            for (bits = bits >> 4 * (k % cluster) & 15; bits; bits &= bits - 1)
+                visit(size_t(first) + size_t(std::countr_zero(bits)));
+        });
+    }
     double neighbours_mean() const { return mean_; }
     size_t bytes() const;
 
@@ -40,12 +53,19 @@ class NeighborList {
             first.resize(2 * (count + more)), bits.resize(2 * (count + more));
         }
     };
-    static uint32_t search(const NeighborGrid& grid, NeighborGrid::Sweep& sweep,
-                           const std::vector<uint32_t>& group, const std::vector<float>& source, float radius,
-                           size_t k, Found& found);
+    // Of cluster c, the sweep's next.
+    struct Search {
+        const NeighborGrid& grid;
+        const std::vector<uint32_t>& group;
+        const std::vector<float>& source;
+        float radius;
+        uint32_t operator()(NeighborGrid::Sweep& sweep, size_t c, Found& found) const;
+    };
 
-    // Chunks of points lie wherever a thread found room; a chunk has one more begin than points.
-    static constexpr size_t chunk = 512;
+    // Chunks of clusters lie wherever a thread found room; a chunk has one more begin than clusters.
+    static constexpr size_t chunk = 128;
+    const uint32_t* begin(size_t c) const { return &begin_[c + c / chunk]; }
+    size_t clusters_ = 0;
     std::vector<uint32_t> first_, begin_;
     std::vector<uint16_t> bits_;
     std::vector<Found> found_;  // (thread)

@@ -1,4 +1,4 @@
-// The cohesion pass on the CPU: a vector of neighbours at a time.
+// The cohesion pass on the CPU: a cluster of particles and four neighbours at a time.
 #include "solver/passes/cohesion.h"
 
 #include <omp.h>
@@ -19,7 +19,7 @@ CohesionPass::CohesionPass(const Cohesion& term, int strands, int particles, con
       reach_(reach),
       volume_(volume),
       saturation_(saturation) {
-    const size_t count = size_t(strands) * size_t(particles), padded = count + size_t(S::lanes);
+    const size_t count = size_t(strands) * size_t(particles), padded = count + NeighborList::padding;
     moved_.resize(count);
     sorted_volume_.resize(padded), sorted_wet_volume_.resize(padded), strand_.resize(padded);
     rank_.resize(count);
@@ -52,31 +52,33 @@ void CohesionPass::build_lists(const Strands& p) {
     list_seconds_ = omp_get_wtime() - begin;
 }
 
-[[gnu::always_inline]] inline Vec3f CohesionPass::displacement(size_t k) const {
-    const Vec3<S> own = cast<S>(grid_.sorted(k));
+[[gnu::always_inline]] inline void CohesionPass::displace(size_t c) {
+    const size_t first = c * NeighborList::cluster,
+                 count = std::min(NeighborList::cluster, grid_.size() - first);
+    const Vec3<S> own = grid_.points().a_quad_each(first);
     const S h(float(term_.h_c)), zero(0);
     Cohesion::Sums<S> sums{{zero, zero, zero}, zero};
-    list_.visit_runs(k, [&](uint32_t first, uint32_t bits) {
-        const S::Mask neighbour = mask_of(bits);
-        sums.add(grid_.points().load(first) - own, h,
-                 select(neighbour, S::load(&sorted_volume_[first]), zero),
-                 select(neighbour, S::load(&sorted_wet_volume_[first]), zero));
+    list_.visit_runs(c, [&](uint32_t at, uint32_t bits) {
+        sums.add(grid_.points().in_each_quad(at) - own, h, in_each_quad(&sorted_volume_[at], bits),
+                 in_each_quad(&sorted_wet_volume_[at], bits));
     });
-    const auto of = wetcurl::sums(sums.pull.x, sums.pull.y, sums.pull.z, sums.weight);
-    const Cohesion::Sums<float> total{{of[0], of[1], of[2]}, of[3]};
-    return term_.displacement(total, sorted_volume_[k] * own_weight_[strand_[k]]);
+    const S total = sums_of_quads(sums.pull.x, sums.pull.y, sums.pull.z, sums.weight);
+    for (size_t i = 0; i < count; ++i) {
+        const int q = 4 * int(i);
+        const size_t k = first + i;
+        moved_[grid_.order()[k]] =
+            term_.displacement(Cohesion::Sums<float>{{total[q], total[q + 1], total[q + 2]}, total[q + 3]},
+                               sorted_volume_[k] * own_weight_[strand_[k]]);
+    }
 }
 
 void CohesionPass::apply(Strands& p) {
     build_lists(p);
     const PointArrays& now = grid_.points();
-    const long count = long(grid_.size());
+    const long clusters = long(list_.clusters());
     for (int pass = 0; pass < term_.passes; ++pass) {
-#pragma omp parallel for schedule(dynamic, 1024)
-        for (long k = 0; k < count; ++k) {
-            const size_t at = size_t(k);
-            moved_[grid_.order()[at]] = list_.empty(at) ? Vec3f{0, 0, 0} : displacement(at);
-        }
+#pragma omp parallel for schedule(dynamic, 256)
+        for (long c = 0; c < clusters; ++c) displace(size_t(c));
         move_strands();
     }
 #pragma omp parallel for schedule(static)

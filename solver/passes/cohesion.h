@@ -33,7 +33,7 @@ class CohesionPass {
 
   private:
     void build_lists(const Strands& p);
-    Vec3f displacement(size_t k) const;
+    void displace(size_t c);
     void move_strands();
     Cohesion term_;
     int strands_, particles_;
@@ -42,7 +42,7 @@ class CohesionPass {
     NeighborGrid grid_;  // its points are the positions of the pass at hand
     NeighborList list_;
     std::vector<Vec3f> moved_;  // (strand, particle) by the pass at hand
-    // In the grid's order, a vector longer than there are points.
+    // In the grid's order, as long as lists ask for.
     std::vector<float> sorted_volume_, sorted_wet_volume_;  // V_j, sigma_j V_j
     std::vector<float> any_;                                // ones; empty where the lists are Eq 10's alone
     std::vector<uint32_t> strand_;

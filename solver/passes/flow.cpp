@@ -2,7 +2,6 @@
 #include "solver/passes/flow.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "solver/rest_state.h"
@@ -82,7 +81,7 @@ void FlowPass::run_along(const Strands& p, double dt, const Vec3d& gravity) {
 }
 
 void FlowPass::search(const Strands& p) {
-    const size_t count = p.points.size(), padded = count + NeighborList::lanes;
+    const size_t count = p.points.size(), padded = count + NeighborList::padding;
     grid_.build(p.points.data(), count, float(flow_.reach));
     strand_.resize(padded), any_source_.assign(padded, 1.f);
     for (size_t k = 0; k < count; ++k) strand_[k] = grid_.order()[k] / uint32_t(n_);
@@ -90,21 +89,16 @@ void FlowPass::search(const Strands& p) {
 }
 
 void FlowPass::exchange(double dt, const NeighborGrid& grid, const NeighborList& list) {
-    using S = Pack<float>;
     const FlowBodies b = bodies();
     const auto& id = grid.order();
     const PointArrays& x = grid.points();
-    const S square(float(flow_.reach * flow_.reach));
+    const float square = float(flow_.reach * flow_.reach);
     auto for_each_contact = [&](size_t k, auto visit) {
-        const Vec3<S> own = cast<S>(x.at(k));
-        list.visit_runs(k, [&](uint32_t first, uint32_t bits) {
+        const Vec3f own = x.at(k);
+        list.visit_neighbours(k, [&](size_t j) {
             // The lists may hold neighbours much further away.
-            const Vec3<S> d = x.load(first) - own;
-            const S r = dot(d, d);
-            for (bits &= bits_of(r < square); bits; bits &= bits - 1) {
-                const int lane = std::countr_zero(bits);
-                visit(size_t(id[first + uint32_t(lane)]), std::sqrt(double(r[lane])));
-            }
+            const Vec3f d = x.at(j) - own;
+            if (const float r = dot(d, d); r < square) visit(size_t(id[j]), std::sqrt(double(r)));
         });
     };
     const long count = long(grid.size());

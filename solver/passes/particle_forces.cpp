@@ -15,7 +15,7 @@ std::vector<double> particle_masses(const Scene& scene) {
 
 StrandPairs::StrandPairs(const Scene& scene, double radius)
     : saturation_(scene.saturation), particles_(scene.groom.rest.particles), radius_(float(radius)) {
-    const size_t count = scene.groom.rest.points.size(), padded = count + size_t(lanes_of<float>);
+    const size_t count = scene.groom.rest.points.size(), padded = count + NeighborList::padding;
     near_.resize(count), strand_.resize(padded), wet_.resize(padded);
 }
 

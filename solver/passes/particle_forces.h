@@ -2,7 +2,6 @@
 // solve. Ours.
 #pragma once
 
-#include <bit>
 #include <memory>
 #include <numeric>
 #include <vector>
@@ -52,11 +51,8 @@ class StrandPairs {
             if (!(wet_[size_t(k)] > 0)) continue;
             const size_t i = grid_.order()[size_t(k)];
             begin(i);
-            list_.visit_runs(size_t(k), [&](uint32_t first, uint32_t bits) {
-                for (; bits; bits &= bits - 1) {
-                    const uint32_t other = first + uint32_t(std::countr_zero(bits));
-                    if (wet_[other] > 0) visit(i, size_t(grid_.order()[other]));
-                }
+            list_.visit_neighbours(size_t(k), [&](size_t other) {
+                if (wet_[other] > 0) visit(i, size_t(grid_.order()[other]));
             });
         }
     }

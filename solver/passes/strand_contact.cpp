@@ -1,4 +1,4 @@
-// Contact between strands on the CPU: a vector of neighbours at a time.
+// Contact between strands on the CPU: a cluster of particles and four neighbours at a time.
 #include "solver/passes/strand_contact.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ StrandContactPass::StrandContactPass(const StrandContact& term, const Strands& r
       v(rest.count, rest.particles),
       term_(term),
       rest_(rest) {
-    const size_t count = rest.points.size(), padded = count + size_t(S::lanes);
+    const size_t count = rest.points.size(), padded = count + NeighborList::padding;
     for (auto* points : {&searched_, &velocity_, &drawn_}) points->resize(count);
     for (auto* numbers : {&weight_, &contacts_}) numbers->assign(padded, 0.f);
     any_.assign(padded, 1.f), strand_.resize(padded);
@@ -51,50 +51,59 @@ bool StrandContactPass::refresh() {
 }
 
 template <class Visit>
-void StrandContactPass::for_each_run(size_t k, Visit visit) const {
-    const Vec3<S> own = cast<S>(grid_.sorted(k)), own_rest = cast<S>(drawn_.at(k));
-    list_.visit_runs(k, [&](uint32_t first, uint32_t bits) {
-        visit(first, mask_of(bits), own - grid_.points().load(first),
-              term_.square_distance(own_rest - drawn_.load(first)));
+void StrandContactPass::for_each_run(size_t c, Visit visit) const {
+    const size_t first = c * NeighborList::cluster;
+    const Vec3<S> own = grid_.points().a_quad_each(first), own_rest = drawn_.a_quad_each(first);
+    list_.visit_runs(c, [&](uint32_t at, uint32_t bits) {
+        visit(at, mask_of(bits), own - grid_.points().in_each_quad(at),
+              term_.square_distance(own_rest - drawn_.in_each_quad(at)));
     });
 }
 
-float StrandContactPass::contacts_of(size_t k) const {
+StrandContactPass::S StrandContactPass::contacts_of(size_t c) const {
     S found(0);
-    for_each_run(k, [&](uint32_t, const S::Mask& neighbour, const Vec3<S>& d, const S& square) {
+    for_each_run(c, [&](uint32_t, const S::Mask& neighbour, const Vec3<S>& d, const S& square) {
         found += select(neighbour & (dot(d, d) < square), S(1), S(0));
     });
-    return sum(found);
+    return sums_of_quads(found, found, found, found);
 }
 
-Vec3f StrandContactPass::impulse_on(size_t k, const StrandContact::Step& step) const {
-    const Vec3<S> own_v = cast<S>(velocity_.at(k));
-    const S own_weight(weight_[k]), own_contacts(contacts_[k]);
+StrandContactPass::S StrandContactPass::impulses_on(size_t c, const StrandContact::Step& step) const {
+    const size_t first = c * NeighborList::cluster;
+    const Vec3<S> own_v = velocity_.a_quad_each(first);
+    const S own_weight = a_quad_each(&weight_[first]), own_contacts = a_quad_each(&contacts_[first]);
     Vec3<S> all = cast<S>(Vec3f{0, 0, 0});
-    for_each_run(k, [&](uint32_t first, const S::Mask& neighbour, const Vec3<S>& d, const S& square) {
+    for_each_run(c, [&](uint32_t at, const S::Mask& neighbour, const Vec3<S>& d, const S& square) {
         // Two that are held have no mass to move.
-        const S both = own_weight + S::load(&weight_[first]);
+        const S both = own_weight + in_each_quad(&weight_[at]);
         const S mu = select(neighbour & (both > S(0)), S(1) / maximum(both, S(1e-30f)), S(0));
-        const S most = maximum(own_contacts, S::load(&contacts_[first]));
-        all += StrandContact::impulse(step, d, own_v - velocity_.load(first), square, mu,
+        const S most = maximum(own_contacts, in_each_quad(&contacts_[at]));
+        all += StrandContact::impulse(step, d, own_v - velocity_.in_each_quad(at), square, mu,
                                       S(1) / maximum(most, S(1)));
     });
-    return {sum(all.x), sum(all.y), sum(all.z)};
+    return sums_of_quads(all.x, all.y, all.z, all.z);
 }
 
 void StrandContactPass::resolve(double dt) {
     if (!refresh()) build_lists(), refresh();
     const StrandContact::Step step(term_, dt);
-    const long count = long(grid_.size());
+    const long clusters = long(list_.clusters());
 #pragma omp parallel
     {
-#pragma omp for schedule(dynamic, 1024)
-        for (long k = 0; k < count; ++k) contacts_[size_t(k)] = contacts_of(size_t(k));
-#pragma omp for schedule(dynamic, 1024)
-        for (long k = 0; k < count; ++k) {
-            const size_t at = size_t(k), id = grid_.order()[at];
-            const bool moved = contacts_[at] > 0 && weight_[at] > 0;
-            v.points[id] = moved ? weight_[at] * impulse_on(at, step) : Vec3f{0, 0, 0};
+#pragma omp for schedule(dynamic, 256)
+        for (long c = 0; c < clusters; ++c) {
+            const S found = contacts_of(size_t(c));
+            for_each_point(size_t(c), [&](int i, size_t k) { contacts_[k] = found[4 * i]; });
+        }
+#pragma omp for schedule(dynamic, 256)
+        for (long c = 0; c < clusters; ++c) {
+            float most = 0;
+            for_each_point(size_t(c), [&](int, size_t k) { most = std::max(most, contacts_[k]); });
+            const S given = most > 0 ? impulses_on(size_t(c), step) : S(0);
+            for_each_point(size_t(c), [&](int i, size_t k) {
+                v.points[grid_.order()[k]] =
+                    weight_[k] * Vec3f{given[4 * i], given[4 * i + 1], given[4 * i + 2]};
+            });
         }
     }
 }

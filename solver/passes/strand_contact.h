@@ -32,17 +32,24 @@ class StrandContactPass {
     using S = Pack<float>;
     bool refresh();
     void build_lists();
-    float contacts_of(size_t k) const;
-    Vec3f impulse_on(size_t k, const StrandContact::Step& step) const;
-    // Calls visit(first, neighbours' mask, x_k - x, d_ij²) for each run of k's neighbours.
+    // Of cluster c: in each quad the contacts of one of its points; its impulse, and one number more.
+    S contacts_of(size_t c) const;
+    S impulses_on(size_t c, const StrandContact::Step& step) const;
+    // Calls visit(first, neighbours' mask, x_i - x_j, d_ij²) for each run of cluster c.
     template <class Visit>
-    void for_each_run(size_t k, Visit visit) const;
+    void for_each_run(size_t c, Visit visit) const;
+    // Calls visit(i, k) for each point of cluster c, its i-th.
+    template <class Visit>
+    void for_each_point(size_t c, Visit visit) const {
+        for (size_t i = 0, k = c * NeighborList::cluster; i < NeighborList::cluster && k < grid_.size(); ++i)
+            visit(int(i), k++);
+    }
 
     const StrandContact term_;
     const Strands& rest_;
     NeighborGrid grid_;  // its points are the positions of the substep at hand
     NeighborList list_;
-    // In the grid's order, a vector longer than there are points.
+    // In the grid's order, as long as lists ask for.
     PointArrays searched_, velocity_, drawn_;
     std::vector<float> weight_, contacts_, any_;  // 1/m; pairs in touch; ones
     std::vector<uint32_t> strand_;
