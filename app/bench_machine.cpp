@@ -42,7 +42,9 @@ double arithmetic_rate() {
                 const S a(0.999f), b(0.001f);
                 for (int round = 0; round < rounds; ++round)
                     for (int k = 0; k < Chains; ++k) x[k] = x[k] * a + b;
-                for (int k = 0; k < Chains; ++k) sums[size_t(omp_get_thread_num()) * 16] += sum(x[k]);
+                for (const S& chain : x)
+                    for (int lane = 0; lane < S::lanes; ++lane)
+                        sums[size_t(omp_get_thread_num()) * 16] += chain[lane];
             }
         };
     });
