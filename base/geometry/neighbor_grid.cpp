@@ -70,20 +70,19 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
     reach_ = int(std::ceil(radius / width)) + 1;
 
     points_.resize(count);
-    // The first sort's order waits in the place of x.
-    std::vector<float>& by_column = points_.x;
+    // The first sort's order waits in the place of the points' numbers.
     counting_sort(
         count, size_t(column(high.x)) + 1, start_, next_, [&](size_t i) { return size_t(column(p[i].x)); },
-        [&](size_t i, uint32_t k) { by_column[k] = std::bit_cast<float>(uint32_t(i)); });
+        [&](size_t i, uint32_t k) { points_.number(k) = std::bit_cast<float>(uint32_t(i)); });
+    const auto by_column = [&](size_t k) { return std::bit_cast<uint32_t>(points_.number(k)); };
     order_.resize(count), column_.resize(count);
     counting_sort(
-        count, size_t(ny_) * size_t(nz_), start_, next_,
-        [&](size_t i) { return row_of(p[std::bit_cast<uint32_t>(by_column[i])]); },
-        [&](size_t i, uint32_t k) { order_[k] = std::bit_cast<uint32_t>(by_column[i]); });
+        count, size_t(ny_) * size_t(nz_), start_, next_, [&](size_t i) { return row_of(p[by_column(i)]); },
+        [&](size_t i, uint32_t k) { order_[k] = by_column(i); });
 #pragma omp parallel for schedule(static)
     for (size_t k = 0; k < count; ++k) {
         points_.set(k, p[order_[k]]);
-        column_[k] = uint16_t(column(points_.x[k]));
+        column_[k] = uint16_t(column(points_.at(k).x));
     }
 }
 

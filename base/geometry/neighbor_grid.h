@@ -10,23 +10,41 @@
 
 namespace wetcurl {
 
-// Points as three arrays, longer than they count: four may be read from any point on.
-struct PointArrays {
-    std::vector<float> x, y, z;
-    void resize(size_t count) {
-        const size_t n = count + 4;
-        x.resize(n), y.resize(n), z.resize(n);
+// Points by fours, each four with a number more of each in one line of a cache.
+class PointQuads {
+  public:
+    void resize(size_t count) { quads_.resize((count + 3) / 4); }
+    Vec3f at(size_t k) const {
+        const Quad& q = quads_[k / 4];
+        return {q.x[k % 4], q.y[k % 4], q.z[k % 4]};
     }
-    Vec3f at(size_t k) const { return {x[k], y[k], z[k]}; }
-    void set(size_t k, const Vec3f& p) { x[k] = p.x, y[k] = p.y, z[k] = p.z; }
-    // Points k .. k + 3 in each quad; a point from k on a quad.
+    void set(size_t k, const Vec3f& p) {
+        Quad& q = quads_[k / 4];
+        q.x[k % 4] = p.x, q.y[k % 4] = p.y, q.z[k % 4] = p.z;
+    }
+    float& number(size_t k) { return quads_[k / 4].number[k % 4]; }
+    float number(size_t k) const { return quads_[k / 4].number[k % 4]; }
+    // Points k .. k + 3 in each quad of lanes, and their numbers where a lane's bit is set, else 0; k: of a
+    // four the first.
     Vec3<Pack<float>> in_each_quad(size_t k) const {
-        return {wetcurl::in_each_quad(&x[k]), wetcurl::in_each_quad(&y[k]), wetcurl::in_each_quad(&z[k])};
+        const Quad& q = quads_[k / 4];
+        return {wetcurl::in_each_quad(q.x), wetcurl::in_each_quad(q.y), wetcurl::in_each_quad(q.z)};
     }
+    Pack<float> numbers_in_each_quad(size_t k, uint32_t bits) const {
+        return wetcurl::in_each_quad(quads_[k / 4].number, bits);
+    }
+    // The points of k's four from k on, each in a quad of lanes; k: a multiple of `quads`.
     Vec3<Pack<float>> a_quad_each(size_t k) const {
-        return {wetcurl::a_quad_each(&x[k]), wetcurl::a_quad_each(&y[k]), wetcurl::a_quad_each(&z[k])};
+        const float* x = reinterpret_cast<const float*>(&quads_[k / 4]) + k % 4;
+        return {wetcurl::a_quad_each(x), wetcurl::a_quad_each(x + 4), wetcurl::a_quad_each(x + 8)};
     }
-    size_t bytes() const { return (x.capacity() + y.capacity() + z.capacity()) * sizeof(float); }
+    size_t bytes() const { return quads_.capacity() * sizeof(Quad); }
+
+  private:
+    struct alignas(64) Quad {
+        float x[4], y[4], z[4], number[4];
+    };
+    std::vector<Quad> quads_;
 };
 
 // Points in the order of their rows; `order[k]` is the index of sorted point k in the input. A row is a
@@ -40,8 +58,8 @@ class NeighborGrid {
     const std::vector<uint32_t>& order() const { return order_; }
     Vec3f sorted(size_t k) const { return points_.at(k); }
     // The sorted points. Who has searched may move them, and searches no more.
-    PointArrays& points() { return points_; }
-    const PointArrays& points() const { return points_; }
+    PointQuads& points() { return points_; }
+    const PointQuads& points() const { return points_; }
     size_t bytes() const;
 
     // Calls visit(begin, end) for each row around x: at most nine ranges of sorted points that hold all
@@ -145,7 +163,7 @@ class NeighborGrid {
     std::vector<uint32_t> start_, order_;  // start: (row and one)
     std::vector<uint32_t> next_;           // of a sort: (thread, bin)
     std::vector<uint16_t> column_;         // of sorted points
-    PointArrays points_;
+    PointQuads points_;
 };
 
 }  // namespace wetcurl

@@ -30,7 +30,7 @@ uint32_t NeighborList::Search::operator()(NeighborGrid::Sweep& sweep, size_t c, 
     // Numbers that are compared alone.
     const auto ids = [](S from) { return std::bit_cast<S::Mask>(from.v); };
     const auto* const groups = reinterpret_cast<const float*>(group.data());
-    const PointArrays& points = grid.points();
+    const PointQuads& points = grid.points();
     const size_t first = c * cluster, stop = std::min(first + cluster, grid.size());
     const Vec3<S> own = points.a_quad_each(first);
     const S reach(radius * radius);
@@ -42,11 +42,12 @@ uint32_t NeighborList::Search::operator()(NeighborGrid::Sweep& sweep, size_t c, 
         // Lanes of those points.
         const uint32_t asked = (1u << 4 * (end - first)) - (1u << 4 * (k - first));
         sweep.rows([&](uint32_t low, uint32_t high) {
-            found.make_room((high - low) / 4 + 1);
-            for (uint32_t at = low; at < high; at += 4) {
+            found.make_room((high - low) / 4 + 2);
+            for (uint32_t at = low & ~3u; at < high; at += 4) {
                 const Vec3<S> d = points.in_each_quad(at) - own;
                 uint32_t bits =
                     bits_of((dot(d, d) < reach) & (ids(in_each_quad(groups + at)) != own_group)) & asked;
+                if (at < low) bits &= (15u << (low - at) & 15) * first_lanes;
                 if (high - at < 4) bits &= ((1u << (high - at)) - 1) * first_lanes;
                 // Written in any case, kept where there is one: half of the branches would be mispredicted.
                 found.first[found.count] = at;

@@ -26,6 +26,7 @@ class NeighborList {
     size_t clusters() const { return clusters_; }
     // Runs of cluster c, of points c * cluster and on: visit(first, bits), where bit 4 i + j says that sorted
     // point first + j is a neighbour of the cluster's i-th: a lane each where each of them has a quad.
+    // `first` is a multiple of four.
     template <class Visit>
     void visit_runs(size_t c, Visit visit) const {
         const uint32_t* own = begin(c);
@@ -50,7 +51,8 @@ class NeighborList {
         size_t count = 0;
         void make_room(size_t more) {
             if (count + more <= first.size()) return;
-            first.resize(2 * (count + more)), bits.resize(2 * (count + more));
+            const size_t room = 2 * (count + more) + 2048;
+            first.resize(room), bits.resize(room);
         }
     };
     // Of cluster c, the sweep's next.

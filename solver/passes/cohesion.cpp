@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "base/geometry/filter.h"
 
@@ -20,8 +21,7 @@ CohesionPass::CohesionPass(const Cohesion& term, int strands, int particles, con
       volume_(volume),
       saturation_(saturation) {
     const size_t count = size_t(strands) * size_t(particles), padded = count + NeighborList::padding;
-    moved_.resize(count);
-    sorted_volume_.resize(padded), sorted_wet_volume_.resize(padded), strand_.resize(padded);
+    sums_.resize(padded), sorted_wet_volume_.resize(padded), strand_.resize(padded);
     rank_.resize(count);
     if (reach > 0) any_.assign(padded, 1.f);
     segment_.resize(size_t(strands)), own_weight_.resize(size_t(strands));
@@ -42,7 +42,7 @@ void CohesionPass::build_lists(const Strands& p) {
 #pragma omp for schedule(static)
         for (long k = 0; k < count; ++k) {
             const size_t at = size_t(k), id = grid_.order()[at];
-            sorted_volume_[at] = volume_[id];
+            grid_.points().number(at) = volume_[id];
             sorted_wet_volume_[at] = saturation_[id] * volume_[id];
             strand_[at] = uint32_t(id) / uint32_t(particles_);
             rank_[id] = uint32_t(k);
@@ -52,33 +52,28 @@ void CohesionPass::build_lists(const Strands& p) {
     list_seconds_ = omp_get_wtime() - begin;
 }
 
-[[gnu::always_inline]] inline void CohesionPass::displace(size_t c) {
-    const size_t first = c * NeighborList::cluster,
-                 count = std::min(NeighborList::cluster, grid_.size() - first);
-    const Vec3<S> own = grid_.points().a_quad_each(first);
+[[gnu::always_inline]] inline void CohesionPass::add_up(size_t c) {
+    const size_t first = c * NeighborList::cluster;
+    const PointQuads& points = grid_.points();
+    const Vec3<S> own = points.a_quad_each(first);
     const S h(float(term_.h_c)), zero(0);
     Cohesion::Sums<S> sums{{zero, zero, zero}, zero};
     list_.visit_runs(c, [&](uint32_t at, uint32_t bits) {
-        sums.add(grid_.points().in_each_quad(at) - own, h, in_each_quad(&sorted_volume_[at], bits),
+        sums.add(points.in_each_quad(at) - own, h, points.numbers_in_each_quad(at, bits),
                  in_each_quad(&sorted_wet_volume_[at], bits));
     });
-    const S total = sums_of_quads(sums.pull.x, sums.pull.y, sums.pull.z, sums.weight);
-    for (size_t i = 0; i < count; ++i) {
-        const int q = 4 * int(i);
-        const size_t k = first + i;
-        moved_[grid_.order()[k]] =
-            term_.displacement(Cohesion::Sums<float>{{total[q], total[q + 1], total[q + 2]}, total[q + 3]},
-                               sorted_volume_[k] * own_weight_[strand_[k]]);
-    }
+    const S all = sums_of_quads(sums.pull.x, sums.pull.y, sums.pull.z, sums.weight);
+    static_assert(sizeof all == NeighborList::cluster * sizeof sums_[0]);
+    std::memcpy(&sums_[first], &all, sizeof all);
 }
 
 void CohesionPass::apply(Strands& p) {
     build_lists(p);
-    const PointArrays& now = grid_.points();
+    const PointQuads& now = grid_.points();
     const long clusters = long(list_.clusters());
     for (int pass = 0; pass < term_.passes; ++pass) {
 #pragma omp parallel for schedule(dynamic, 256)
-        for (long c = 0; c < clusters; ++c) displace(size_t(c));
+        for (long c = 0; c < clusters; ++c) add_up(size_t(c));
         move_strands();
     }
 #pragma omp parallel for schedule(static)
@@ -102,42 +97,51 @@ void CohesionPass::show_at(const Strands& p) {
 // By the pass at hand, smoothed: exponentially along each strand, tip and back, twice. A root does not move.
 void CohesionPass::move_strands() {
     const size_t n = size_t(particles_);
-    PointArrays& now = grid_.points();
-    smoothed_.resize(size_t(omp_get_max_threads()));
+    PointQuads& now = grid_.points();
+    moved_.resize(size_t(omp_get_max_threads()));
 #pragma omp parallel
     {
-        std::vector<Vec3<S>>& u = smoothed_[size_t(omp_get_thread_num())];
+        std::vector<Moved>& u = moved_[size_t(omp_get_thread_num())];
         u.resize(n);
 #pragma omp for schedule(static)
         for (int block = 0; block < strands_; block += S::lanes) {
             const int lanes = std::min(S::lanes, strands_ - block);
-            S beta(1);
+            S beta(1), own_weight(1);
             for (int lane = 0; lane < lanes; ++lane) {
-                if (term_.coherence > 0)
-                    beta.set(lane, float(filter_beta(segment_[size_t(block + lane)], term_.coherence)));
-                const Vec3f* moved = &moved_[size_t(block + lane) * n];
-                for (size_t i = 0; i < n; ++i)
-                    u[i].x.set(lane, moved[i].x), u[i].y.set(lane, moved[i].y), u[i].z.set(lane, moved[i].z);
+                const size_t s = size_t(block + lane);
+                if (term_.coherence > 0) beta.set(lane, float(filter_beta(segment_[s], term_.coherence)));
+                own_weight.set(lane, own_weight_[s]);
+                for (size_t i = 1; i < n; ++i) {
+                    const size_t k = rank_[s * n + i];
+                    const Cohesion::Sums<float>& of = sums_[k];
+                    u[i].by.x.set(lane, of.pull.x), u[i].by.y.set(lane, of.pull.y);
+                    u[i].by.z.set(lane, of.pull.z), u[i].weight.set(lane, of.weight);
+                    u[i].own.set(lane, now.number(k));
+                }
             }
-            u[0] = cast<S>(Vec3f{0, 0, 0});
+            u[0].by = cast<S>(Vec3f{0, 0, 0});
+            for (size_t i = 1; i < n; ++i)
+                u[i].by = term_.displacement(Cohesion::Sums<S>{u[i].by, u[i].weight}, u[i].own * own_weight);
             for (int round = 0; round < 2 && term_.coherence > 0; ++round) {
-                for (size_t i = 1; i < n; ++i) u[i] = u[i - 1] + beta * (u[i] - u[i - 1]);
-                for (size_t i = n - 2; i > 0; --i) u[i] = u[i + 1] + beta * (u[i] - u[i + 1]);
+                for (size_t i = 1; i < n; ++i) u[i].by = u[i - 1].by + beta * (u[i].by - u[i - 1].by);
+                for (size_t i = n - 2; i > 0; --i) u[i].by = u[i + 1].by + beta * (u[i].by - u[i + 1].by);
             }
             for (int lane = 0; lane < lanes; ++lane) {
                 const uint32_t* rank = &rank_[size_t(block + lane) * n];
-                for (size_t i = 1; i < n; ++i)
-                    now.set(rank[i], now.at(rank[i]) + Vec3f{u[i].x[lane], u[i].y[lane], u[i].z[lane]});
+                for (size_t i = 1; i < n; ++i) {
+                    const Vec3<S>& by = u[i].by;
+                    now.set(rank[i], now.at(rank[i]) + Vec3f{by.x[lane], by.y[lane], by.z[lane]});
+                }
             }
         }
     }
 }
 
 size_t CohesionPass::bytes() const {
-    const size_t floats = sorted_volume_.capacity() + sorted_wet_volume_.capacity() + segment_.capacity() +
-                          own_weight_.capacity() + any_.capacity();
+    const size_t floats =
+        sorted_wet_volume_.capacity() + segment_.capacity() + own_weight_.capacity() + any_.capacity();
     return floats * sizeof(float) + (strand_.capacity() + rank_.capacity()) * sizeof(uint32_t) +
-           moved_.capacity() * sizeof(Vec3f) + smoothed_.size() * size_t(particles_) * sizeof(Vec3<S>) +
+           sums_.capacity() * sizeof sums_[0] + moved_.size() * size_t(particles_) * sizeof(Moved) +
            grid_.bytes() + list_.bytes();
 }
 

@@ -33,7 +33,7 @@ class CohesionPass {
 
   private:
     void build_lists(const Strands& p);
-    void displace(size_t c);
+    void add_up(size_t c);
     void move_strands();
     Cohesion term_;
     int strands_, particles_;
@@ -41,14 +41,19 @@ class CohesionPass {
     const std::vector<float>&volume_, &saturation_;
     NeighborGrid grid_;  // its points are the positions of the pass at hand
     NeighborList list_;
-    std::vector<Vec3f> moved_;  // (strand, particle) by the pass at hand
-    // In the grid's order, as long as lists ask for.
-    std::vector<float> sorted_volume_, sorted_wet_volume_;  // V_j, sigma_j V_j
-    std::vector<float> any_;                                // ones; empty where the lists are Eq 10's alone
+    // In the grid's order, as long as lists ask for; V_j is the number beside each of the grid's points.
+    std::vector<Cohesion::Sums<float>> sums_;  // of the pass at hand
+    std::vector<float> sorted_wet_volume_;     // sigma_j V_j
+    std::vector<float> any_;                   // ones; empty where the lists are Eq 10's alone
     std::vector<uint32_t> strand_;
     std::vector<uint32_t> rank_;               // of each particle (strand, particle) in the grid's order
     std::vector<float> segment_, own_weight_;  // (strand) mean segment length [m], own_weight of it
-    std::vector<std::vector<Vec3<Pack<float>>>> smoothed_;  // (thread, particle) a lane a strand
+    // (thread, particle) a lane a strand: how the pass at hand moves it, and what that comes of.
+    struct Moved {
+        Vec3<Pack<float>> by;
+        Pack<float> weight, own;
+    };
+    std::vector<std::vector<Moved>> moved_;
     double list_seconds_ = 0;
 };
 

@@ -91,7 +91,7 @@ void FlowPass::search(const Strands& p) {
 void FlowPass::exchange(double dt, const NeighborGrid& grid, const NeighborList& list) {
     const FlowBodies b = bodies();
     const auto& id = grid.order();
-    const PointArrays& x = grid.points();
+    const PointQuads& x = grid.points();
     const float square = float(flow_.reach * flow_.reach);
     auto for_each_contact = [&](size_t k, auto visit) {
         const Vec3f own = x.at(k);

@@ -50,7 +50,7 @@ class StrandContactPass {
     NeighborGrid grid_;  // its points are the positions of the substep at hand
     NeighborList list_;
     // In the grid's order, as long as lists ask for.
-    PointArrays searched_, velocity_, drawn_;
+    PointQuads searched_, velocity_, drawn_;
     std::vector<float> weight_, contacts_, any_;  // 1/m; pairs in touch; ones
     std::vector<uint32_t> strand_;
     long lists_built_ = 0;

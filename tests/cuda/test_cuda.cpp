@@ -105,8 +105,8 @@ TEST_F(Cuda, in_single_precision_24_frames_stay_near_the_double_ones) {
         // Where hair sticks and lets go, or is limited, the CPU's own single precision strays by millimetres.
         if (scene.term<Adhesion>() || scene.term<StrainLimit>()) continue;
         const Strands wanted = after(scene, 24, "double").positions, got = on_device(scene, 24).positions;
-        // A rounding may decide for a strand that forces are taken anew; in a build for parity for two, there as
-        // on the CPU.
+        // A rounding may decide for a strand that forces are taken anew; in a build for parity for two, there
+        // as on the CPU.
         EXPECT_LE(strands_astray(got, wanted, 1e-4), 2) << c.name;
         EXPECT_LT(farthest(got, wanted), 1e-3) << c.name;
     }
