@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "base/geometry/filter.h"
+#include "base/quads.h"
 #include "scratch.h"
 
 namespace wetcurl {
@@ -290,6 +291,29 @@ TEST_P(Filter, in_packs_equals_the_plain_filter_in_every_lane) {
             EXPECT_LT(norm(Vec3f{d[i].x[l], d[i].y[l], d[i].z[l]} - wanted[i]),
                       2e-5f);  // contraction differs
         EXPECT_GT(norm(wanted[n - 1]), 1e-4f);
+    }
+}
+
+TEST(Quads, hold_four_numbers_each_and_one_number_each_and_their_own_sums) {
+    using P = Pack<float>;
+    const float from[] = {3, 5, 7, 11};
+    P a, b, c, d;
+    for (int l = 0; l < P::lanes; ++l)
+        a.set(l, float(l)), b.set(l, float(l * l)), c.set(l, 1), d.set(l, l % 4 ? 0.f : float(l));
+    const P four = in_each_quad(from), one = a_quad_each(from), sums = sums_of_quads(a, b, c, d);
+    const uint32_t bits = 0x9d25;
+    const P some = in_each_quad(from, bits);
+    for (int q = 0; q < quads; ++q) {
+        const int first = 4 * q;
+        for (int l = 0; l < 4; ++l) {
+            EXPECT_EQ(four[first + l], from[l]);
+            EXPECT_EQ(some[first + l], bits >> (first + l) & 1 ? from[l] : 0);
+            EXPECT_EQ(one[first + l], from[q]);
+        }
+        EXPECT_EQ(sums[first], float(4 * first + 6));
+        EXPECT_EQ(sums[first + 1], float(4 * first * first + 12 * first + 14));
+        EXPECT_EQ(sums[first + 2], 4);
+        EXPECT_EQ(sums[first + 3], float(first));
     }
 }
 
