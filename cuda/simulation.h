@@ -14,9 +14,9 @@ enum class Stepping { chosen, by_lanes, by_reference };
 
 // `precision` as for make_simulation; `device` counts from 0. The scene must outlive the simulation. Strands,
 // what they do to each other, cohesion on display, contact with solids, level sets that deform, water that
-// flows and the air are the device's; the rest (networks; the trees of meshes that deform; in builds for
-// parity what strands do to each other too) the host computes between launches. Throws Error where there is
-// no such device.
+// flows, networks of dense layers in Eq 11's place and the air are the device's; the rest (trees of meshes
+// that deform; other networks; in builds for parity all networks and what strands do to each other) the host
+// computes between launches. Throws Error where there is no such device.
 std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::string& precision, int device,
                                                  Stepping stepping = Stepping::chosen);
 
