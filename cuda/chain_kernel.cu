@@ -1,5 +1,4 @@
 // Steps as a kernel: some strands a block of threads, which keeps them in its processor's own memory.
-#include <algorithm>
 
 #include "cuda/chain_kernel.h"
 #include "cuda/driver.h"
@@ -9,8 +8,8 @@ namespace wetcurl {
 namespace {
 
 constexpr int warp = 32;
-// Seen on an H200: more threads wait for registers, fewer for each other.
-constexpr int threads = 128, blocks_at_once = 3;
+// Seen on an H200: more blocks have fewer threads for what goes along a strand, fewer wait for that together.
+constexpr int threads = 192, blocks_at_once = 2;
 constexpr int most_strands = 8;  // of a block
 
 // `near`: their room is there; else in the device's memory.
@@ -82,16 +81,22 @@ void run(const ChainLaunch<T>& launch, const Set& set, cudaStream_t stream) {
 
 template <class T>
 StrandGroup strand_group(int n, int strands, const ChainTerms& terms) {
-    const size_t bytes =
-        (StrandStep<T>::room(n, std::get<Slot<StrainLimit>>(terms).has_value()) * sizeof(T) + 31) / 32 * 32;
-    const size_t of_a_block = size_t(number_of(cudaDevAttrMaxSharedMemoryPerBlockOptin)) - 1024,
-                 at_once = (size_t(number_of(cudaDevAttrMaxSharedMemoryPerMultiprocessor)) / blocks_at_once -
-                            2048) /
-                           bytes;
-    const int processors = number_of(cudaDevAttrMultiProcessorCount),
-              share = (strands + processors * blocks_at_once - 1) / (processors * blocks_at_once);
-    const int count = std::clamp(std::min(int(at_once), share), 1, most_strands);
-    return {count, size_t(count) * bytes, size_t(count) * bytes <= of_a_block};
+    const bool limits = std::get<Slot<StrainLimit>>(terms).has_value();
+    auto bytes = [&](int count) {
+        return (StrandStep<T>::room(n, count, limits) * sizeof(T) + 31) / 32 * 32;
+    };
+    // A kernel has some of it for itself.
+    constexpr size_t reserved = 2048;
+    const size_t of_a_block = size_t(number_of(cudaDevAttrMaxSharedMemoryPerBlockOptin)) - reserved,
+                 of_each = size_t(number_of(cudaDevAttrMaxSharedMemoryPerMultiprocessor)) / blocks_at_once -
+                           reserved;
+    int most = 1;
+    while (most < most_strands && bytes(most + 1) <= of_each) ++most;
+    // As few as take no more rounds of blocks than the most would.
+    auto rounds = [](int jobs, int at_once) { return (jobs + at_once - 1) / at_once; };
+    const int share = rounds(strands, number_of(cudaDevAttrMultiProcessorCount) * blocks_at_once),
+              count = rounds(share, rounds(share, most));
+    return {count, bytes(count), bytes(count) <= of_a_block};
 }
 
 template <class T>

@@ -1,8 +1,8 @@
 // The implicit substep of a few strands by a team of threads, which keep them near while a frame's substeps
 // are taken. What is independent along a strand is shared out by particle: frames, forces, rows of the
-// matrix, contact; what runs along it, twists, the core's filter and the system, takes rounds that reach ever
-// farther. Each strand is solved as often as it needs. Terms, formulas and order are those of
-// solver/passes/chain_step.h, which is the reference.
+// matrix, contact; what runs along it, twists and the core's filter, goes by chunks of it, and rounds between
+// these that reach ever farther. Each strand is solved as often as it needs. Terms, formulas and order are
+// those of solver/passes/chain_step.h, which is the reference.
 #pragma once
 
 #include "cuda/strand_parts.h"
@@ -22,20 +22,48 @@ class StrandStep {
     struct alignas(4 * sizeof(T)) TwistRow {
         T before, after, excess, right;
         WETCURL_HD T inverse() const { return T(1) / maximum(before + after + excess, T(1e-30)); }
+        // Is coupled no longer to row `b` before it, but to what that is coupled to before; likewise after.
+        WETCURL_HD void take_before(const TwistRow& b) {
+            const T share = before * b.inverse();
+            before = share * b.before, excess += share * b.excess, right += share * b.right;
+        }
+        WETCURL_HD void take_after(const TwistRow& a) {
+            const T share = after * a.inverse();
+            after = share * a.after, excess += share * a.excess, right += share * a.right;
+        }
     };
+    // What the filter of Eq 2 but for its factor beta², 1 / (1 - q z)² with q = 1 - beta, makes of edges, and
+    // on its way there.
+    struct Smoothed {
+        V once{T(0), T(0), T(0)}, twice{T(0), T(0), T(0)};
+        WETCURL_HD void next(const V& e, T q) {
+            once = e + q * once;
+            twice = once + q * twice;
+        }
+        // What came so many edges before. `weight`: q to the power of these.
+        WETCURL_HD void add(const Smoothed& before, T edges, T weight) {
+            twice += weight * (before.twice + edges * before.once);
+            once += weight * before.once;
+        }
+    };
+    // Edges begin .. end - 1, the number-th such chunk.
+    struct Chunk {
+        int number, begin, end;
+    };
+    static constexpr int most_chunks = 64;
 
   public:
     // What the team shares of a strand beside its room.
     struct Flags {
         unsigned now, seen;
     };
-    // Numbers of room for each strand.
-    WETCURL_HD static size_t room(int n, bool limits) {
-        return size_t(n) * (4 + 7 * 3 + 4 + (limits ? 3 : 0)) +
-               size_t(StrandSystem<T>::pairs_of(n)) * StrandSystem<T>::pair_size;
+    // Numbers of room for so many strands.
+    WETCURL_HD static size_t room(int n, int count, bool limits) {
+        const size_t of_a_particle = 4 + 7 * 3 + 2 + (limits ? 3 : 0);
+        return size_t(StrandSystem<T>::numbers_of(n, count)) + size_t(count) * size_t(n) * of_a_particle;
     }
 
-    // Strands first .. first + count - 1. `room`: of each, aligned to four numbers; `flags` (count).
+    // Strands first .. first + count - 1. `room`: aligned to four numbers; `flags` (count).
     WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants, const Team& team,
                           int first, int count, bool limits, T* room, Flags* flags)
         : m_(m),
@@ -46,17 +74,21 @@ class StrandStep {
           first_(size_t(first)),
           flags_(flags) {
         const size_t cells = size_t(count) * size_t(m.n);
+        // An odd number of edges, so that threads' numbers lie in different banks.
+        const int edges = m.n - 1, least = (edges + most_chunks - 1) / most_chunks;
+        chunk_ = (least < 3 ? 3 : least) | 1;
+        chunks_ = (edges + chunk_ - 1) / chunk_;
         auto take = [&](size_t numbers) {
             T* at = room;
             room += numbers * cells;
             return at;
         };
         system_ = {m.n, room};
-        room += size_t(count) * size_t(StrandSystem<T>::pairs_of(m.n)) * StrandSystem<T>::pair_size;
+        room += StrandSystem<T>::numbers_of(m.n, count);
         frame_ = reinterpret_cast<Frame*>(take(4));
         for (V** vectors : {&x_, &x_before_, &v_, &v_before_, &at_, &rate_, &core_})
             *vectors = reinterpret_cast<V*>(take(3));
-        pushed_ = take(1), gap_ = take(1), mass_ = take(1), rest_length_ = take(1);
+        pushed_ = take(1), gap_ = take(1);
         if (limits) limit_edge_ = reinterpret_cast<V*>(take(3));
     }
 
@@ -68,7 +100,6 @@ class StrandStep {
             const size_t from = first_ * size_t(m_.n) + size_t(k);
             x_[k] = m_.x[from], x_before_[k] = m_.x_before[from];
             v_[k] = m_.v[from], v_before_[k] = m_.v_before[from];
-            mass_[k] = m_.mass[from], rest_length_[k] = m_.rest_length[from];
             if (has<Bend>(set)) frame_[k] = Frame{m_.frame[from]};
             if (set.has(present::contact)) pushed_[k] = m_.pushed[from];
         });
@@ -134,20 +165,22 @@ class StrandStep {
         return numbers[place(k)];
     }
     WETCURL_HD Particle<T> particle(int k) const {
-        return {x_[k],  x_before_[k], v_[k],    v_before_[k],
-                at_[k], rate_[k],     mass_[k], m_.rest_depth ? of(m_.rest_depth, k) : T(0)};
+        return {x_[k],  x_before_[k], v_[k],          v_before_[k],
+                at_[k], rate_[k],     of(m_.mass, k), m_.rest_depth ? of(m_.rest_depth, k) : T(0)};
     }
     // f(strand, particle) for first <= particle < end. Waits.
     template <class F>
     WETCURL_HD void for_each_particle(int first, int end, F f) const {
         if (first < end) team_.share(count_, end - first, [&](int g, int k) { f(g, first + k); });
     }
-    // In the place of a strand's system, until there is one.
-    WETCURL_HD TwistRow* twist(int g, bool other) const {
-        return reinterpret_cast<TwistRow*>(system_.numbers(g)) + (other ? m_.n : 0);
+    // In the place of a strand's system, until there is one: rows of twists, those of chunks' last edges, and
+    // what the filter has there, each of the last two twice.
+    WETCURL_HD TwistRow* twist(int g) const { return reinterpret_cast<TwistRow*>(system_.numbers(g)); }
+    WETCURL_HD TwistRow* last_twist(int g, bool other) const {
+        return twist(g) + m_.n + (other ? chunks_ : 0);
     }
-    WETCURL_HD V* spare(int g, int which) const {
-        return reinterpret_cast<V*>(system_.numbers(g) + 8 * m_.n) + which * m_.n;
+    WETCURL_HD Smoothed* smoothed(int g, int which, bool other) const {
+        return reinterpret_cast<Smoothed*>(twist(g) + m_.n + 2 * chunks_) + (2 * which + other) * chunks_;
     }
     WETCURL_HD V edge_at(int k) const { return at_[k + 1] - at_[k]; }
     WETCURL_HD V placed_root(const SubstepMotion<T>& motion, int g, int i) const {
@@ -197,105 +230,177 @@ class StrandStep {
             if (is(active, g)) f(g, i);
         });
     }
-    // f(other, reach, weight) in rounds, each of which reaches twice as far along a strand as the one before
-    // and reads what that has left, in turns here or (`other`) there. Returns where the last one leaves it.
+    // f(strand, chunk) of strands whose forces are taken. Waits.
     template <class F>
-    WETCURL_HD bool in_rounds(bool other, T weight, F f) const {
-        for (int reach = 1; reach < m_.n - 1; reach *= 2, other = !other, weight *= weight)
-            f(other, reach, weight);
-        return other;
+    WETCURL_HD void for_each_chunk(F f) const {
+        team_.share(count_, chunks_, [&](int g, int c) {
+            const int begin = c * chunk_, end = begin + chunk_;
+            if (is(active, g)) f(g, Chunk{c, begin, end < m_.n ? end : m_.n - 1});
+        });
     }
     // The turns of edges about themselves and the core's forces.
     template <class Set>
     WETCURL_HD void take_along(const Set& set, const Bdf2<T>& scheme) {
-        const bool filters = has<Core>(set);
-        const T beta = filters ? T(get<Core>(k_.rules.terms).beta) : T(0);
-        for_each_active(0, [&](int g, int i) {
-            const int k = cell(g, i), root = cell(g, 0);
-            if (has<Twist>(set) && i > 0) twist(g, false)[i] = joint(scheme, i, k);
-            if (!filters) return;
-            // Before the root the strand goes on straight.
-            smoothed(g, false)[i] = edge_at(k) - edge_at(root);
-            rates(g, false)[i] = rate_[k + 1] - rate_[k] - (rate_[root + 1] - rate_[root]);
-        });
-        const bool last = in_rounds(false, 1 - beta, [&](bool other, int reach, T weight) {
-            for_each_active(0, [&](int g, int i) {
-                if (has<Twist>(set) && i > 0) twist(g, !other)[i] = reduced(twist(g, other), i, reach);
-                if (!filters) return;
-                smoothed(g, !other)[i] = doubled(smoothed(g, other), i, -reach, weight);
-                rates(g, !other)[i] = doubled(rates(g, other), i, -reach, weight);
-            });
-        });
-        const bool adjoint = filters && !get<Core>(k_.rules.terms).printed;
-        for_each_active(0, [&](int g, int i) {
-            const int k = cell(g, i), root = cell(g, 0);
-            if (has<Twist>(set) && i > 0) {
-                const TwistRow row = twist(g, last)[i];
-                frame_[k] = Frame{turned_about_itself(Q(frame_[k]), row.right * row.inverse())};
+        const T q = T(1) - (has<Core>(set) ? T(get<Core>(k_.rules.terms).beta) : T(1));
+        for_each_chunk([&](int g, const Chunk& c) {
+            if (has<Twist>(set)) eliminate_twists(scheme, g, c);
+            if (has<Core>(set)) {
+                Smoothed edges, rates;
+                each_from_root(
+                    g, c, [&](int, const V& e, const V& rate) { edges.next(e, q), rates.next(rate, q); });
+                smoothed(g, 0, false)[c.number] = edges, smoothed(g, 1, false)[c.number] = rates;
             }
-            if (!filters) return;
-            const T c = beta * beta;
-            const V b = edge_at(root) + c * smoothed(g, last)[i],
-                    nu = rate_[root + 1] - rate_[root] + c * rates(g, last)[i];
-            // As many rounds go back: they end in the core's own room.
-            core(g, adjoint && last)[i] =
-                (adjoint ? c : T(1)) * get<Core>(k_.rules.terms).pull(b, nu, of(m_.rest_core, k));
         });
-        if (adjoint)
-            in_rounds(last, 1 - beta, [&](bool other, int reach, T weight) {
-                for_each_active(
-                    1, [&](int g, int i) { core(g, !other)[i] = doubled(core(g, other), i, reach, weight); });
+        if (has<Twist>(set))
+            for_each_chunk([&](int g, const Chunk& c) {
+                if (c.end < 2) return;
+                TwistRow row = twist(g)[c.end - 1];
+                // A row alone is its chunk's last one.
+                if (c.end + 2 < m_.n) row.take_after(twist(g)[c.end]);
+                last_twist(g, false)[c.number] = row;
             });
+        T weight(1);
+        for (int i = 0; i < chunk_; ++i) weight *= q;
+        const bool last = in_rounds(false, weight, [&](bool other, int reach, T share) {
+            for_each_chunk([&](int g, const Chunk& c) {
+                if (has<Twist>(set))
+                    last_twist(g, !other)[c.number] = reduced(last_twist(g, other), c.number, reach);
+                if (!has<Core>(set)) return;
+                for (int which = 0; which < 2; ++which)
+                    smoothed(g, which, !other)[c.number] =
+                        carried(smoothed(g, which, other), c.number, -reach, share);
+            });
+        });
+        const bool adjoint = has<Core>(set) && !get<Core>(k_.rules.terms).printed;
+        for_each_chunk([&](int g, const Chunk& c) {
+            if (has<Twist>(set)) turn(g, c, last_twist(g, last));
+            if (!has<Core>(set)) return;
+            Smoothed edges = before(smoothed(g, 0, last), c.number - 1),
+                     rates = before(smoothed(g, 1, last), c.number - 1);
+            pull(g, c, q, edges, rates);
+            if (!adjoint) return;
+            Smoothed back;
+            for (int i = c.end - 1; i >= c.begin; --i) back.next(core_[cell(g, i)], q);
+            smoothed(g, 0, !last)[c.number] = back;
+        });
+        if (!adjoint) return;
+        const bool end = in_rounds(!last, weight, [&](bool other, int reach, T share) {
+            for_each_chunk([&](int g, const Chunk& c) {
+                smoothed(g, 0, !other)[c.number] = carried(smoothed(g, 0, other), c.number, reach, share);
+            });
+        });
+        for_each_chunk([&](int g, const Chunk& c) {
+            Smoothed back = before(smoothed(g, 0, end), c.number + 1);
+            for (int i = c.end - 1; i >= c.begin; --i) {
+                V& core = core_[cell(g, i)];
+                back.next(core, q);
+                core = back.twice;
+            }
+        });
     }
-    // The core's force along each edge, in the end in a room of its own; and what it comes of.
-    WETCURL_HD V* core(int g, bool other) const { return other ? spare(g, 0) : core_ + cell(g, 0); }
-    WETCURL_HD V* smoothed(int g, bool other) const { return spare(g, other ? 1 : 2); }
-    WETCURL_HD V* rates(int g, bool other) const { return spare(g, other ? 3 : 4); }
-    // The filter of Eq 2 but for its factor beta², 1 / (1 - q z)² with q = 1 - beta, is the product of
-    // (1 + q^r z^r)² over r = 1, 2, 4, ...; its adjoint likewise, towards the root. `weight`: q^r.
-    WETCURL_HD V doubled(const V* values, int i, int reach, T weight) const {
-        V sum = values[i];
-        const int near = i + reach, far = i + 2 * reach, edges = m_.n - 1;
-        if (near >= 0 && near < edges) sum += 2 * weight * values[near];
-        if (far >= 0 && far < edges) sum += weight * weight * values[far];
+    // f(other, reach, weight) in rounds, each of which reaches twice as many chunks far as the one before and
+    // reads what that has left, in turns here or (`other`) there. Returns where the last one leaves it.
+    template <class F>
+    WETCURL_HD bool in_rounds(bool other, T weight, F f) const {
+        for (int reach = 1; reach < chunks_; reach *= 2, other = !other, weight *= weight)
+            f(other, reach, weight);
+        return other;
+    }
+    // Chunk c's with that of the one `reach` (before: < 0) away, of whole chunks but at the tip.
+    WETCURL_HD Smoothed carried(const Smoothed* chunks, int c, int reach, T weight) const {
+        Smoothed sum = chunks[c];
+        if (c + reach >= 0 && c + reach < chunks_)
+            sum.add(chunks[c + reach], T((reach < 0 ? -reach : reach) * chunk_), weight);
         return sum;
     }
-    // Hockney and Jesshope 1981, parallel cyclic reduction: rows `reach` before and after are taken off row
-    // i.
-    WETCURL_HD TwistRow reduced(const TwistRow* rows, int i, int reach) const {
-        TwistRow row = rows[i];
-        if (i - reach > 0) {
-            const TwistRow before = rows[i - reach];
-            const T share = row.before * before.inverse();
-            row.before = share * before.before;
-            row.excess += share * before.excess, row.right += share * before.right;
+    WETCURL_HD Smoothed before(const Smoothed* chunks, int c) const {
+        return c >= 0 && c < chunks_ ? chunks[c] : Smoothed();
+    }
+    // f(edge, e, rate) of a chunk, less those at the root: before it the strand goes on straight.
+    template <class F>
+    WETCURL_HD void each_from_root(int g, const Chunk& c, F f) const {
+        const int root = cell(g, 0), first = cell(g, c.begin);
+        const V e0 = edge_at(root), rate0 = rate_[root + 1] - rate_[root];
+        V x = at_[first], v = rate_[first];
+        for (int i = c.begin; i < c.end; ++i) {
+            const int k = cell(g, i);
+            const V x_next = at_[k + 1], v_next = rate_[k + 1];
+            f(i, x_next - x - e0, v_next - v - rate0);
+            x = x_next, v = v_next;
         }
-        if (i + reach < m_.n - 1) {
-            const TwistRow after = rows[i + reach];
-            const T share = row.after * after.inverse();
-            row.after = share * after.after;
-            row.excess += share * after.excess, row.right += share * after.right;
-        }
+    }
+    // The core's force along each edge, for the adjoint to begin with where the scene asks for it.
+    WETCURL_HD void pull(int g, const Chunk& c, T q, Smoothed edges, Smoothed rates) const {
+        const Core& core = get<Core>(k_.rules.terms);
+        const T factor = (T(1) - q) * (T(1) - q), weight = core.printed ? T(1) : factor;
+        const int root = cell(g, 0);
+        const V e0 = edge_at(root), rate0 = rate_[root + 1] - rate_[root];
+        each_from_root(g, c, [&](int i, const V& e, const V& rate) {
+            const int k = cell(g, i);
+            edges.next(e, q), rates.next(rate, q);
+            core_[k] = weight * core.pull(e0 + factor * edges.twice, rate0 + factor * rates.twice,
+                                          of(m_.rest_core, k));
+        });
+    }
+    // Hockney and Jesshope 1981, parallel cyclic reduction: rows of chunks `reach` before and after are taken
+    // off row c.
+    WETCURL_HD TwistRow reduced(const TwistRow* rows, int c, int reach) const {
+        TwistRow row = rows[c];
+        if (c - reach >= 0) row.take_before(rows[c - reach]);
+        if (c + reach < chunks_) row.take_after(rows[c + reach]);
         return row;
     }
-    // As of TwistElimination.
-    WETCURL_HD TwistRow joint(const Bdf2<T>& scheme, int i, int k) const {
+    // As of TwistElimination, edge 0 is held by the root. In the end a chunk's rows are coupled to the last
+    // ones of this chunk and of the one before alone.
+    WETCURL_HD void eliminate_twists(const Bdf2<T>& scheme, int g, const Chunk& c) const {
         const Twist& springs = get<Twist>(k_.rules.terms);
-        const Q frame = frame_[k];
-        const T stiffness = springs.stiffness(rest_length_[k]);
-        const T torque = stiffness * Twist::HalfAngle<T>(Q(frame_[k - 1]), frame).sine_of_whole();
-        T after(0), torque_after(0), slope(0), bound(0);
-        if (i + 2 < m_.n) {
-            after = springs.stiffness(rest_length_[k + 1]);
-            torque_after = after * Twist::HalfAngle<T>(frame, Q(frame_[k + 1])).sine_of_whole();
-            bend_by_turn(get<Bend>(k_.rules.terms), frame, of(m_.target, k + 1), edge_at(k + 1), slope,
-                         bound);
+        const int first = c.begin > 0 ? c.begin : 1;
+        if (first >= c.end) return;
+        TwistRow* rows = twist(g);
+        Q frame = frame_[cell(g, first)];
+        T stiffness = springs.stiffness(of(m_.rest_length, cell(g, first)));
+        T torque = stiffness * Twist::HalfAngle<T>(Q(frame_[cell(g, first - 1)]), frame).sine_of_whole();
+        TwistRow near{};
+        for (int i = first; i < c.end; ++i) {
+            const int k = cell(g, i);
+            T after(0), torque_after(0), slope(0), bound(0);
+            Q next{};
+            if (i + 2 < m_.n) {
+                next = frame_[k + 1];
+                after = springs.stiffness(of(m_.rest_length, k + 1));
+                torque_after = after * Twist::HalfAngle<T>(frame, next).sine_of_whole();
+                bend_by_turn(get<Bend>(k_.rules.terms), frame, of(m_.target, k + 1), edge_at(k + 1), slope,
+                             bound);
+            }
+            const T lag = springs.lag(scheme.h, of(m_.mass, k));
+            const T excess = bound + lag * (bound + stiffness + after);
+            TwistRow row{i == 1 ? T(0) : stiffness, after, i == 1 ? excess + stiffness : excess,
+                         torque_after - torque - slope};
+            if (i > first) row.take_before(near);
+            rows[i] = near = row;
+            frame = next, stiffness = after, torque = torque_after;
         }
-        const T lag = springs.lag(scheme.h, mass_[k]);
-        const T excess = bound + lag * (bound + stiffness + after);
-        // Edge 0 is held by the root.
-        return {i == 1 ? T(0) : stiffness, after, i == 1 ? excess + stiffness : excess,
-                torque_after - torque - slope};
+        for (int i = c.end - 3; i >= first; --i) {
+            // What the row after is coupled to before is not this row any more.
+            TwistRow row = rows[i];
+            const T before = row.after * rows[i + 1].inverse() * rows[i + 1].before;
+            row.take_after(rows[i + 1]);
+            row.before += before;
+            rows[i] = row;
+        }
+    }
+    // `last`: rows of chunks' last edges, coupled to none.
+    WETCURL_HD void turn(int g, const Chunk& c, const TwistRow* last) const {
+        auto turn_of = [&](int chunk) { return last[chunk].right * last[chunk].inverse(); };
+        if (c.end < 2) return;
+        const T x = turn_of(c.number), x_before = c.number > 0 ? turn_of(c.number - 1) : T(0);
+        for (int i = c.begin > 0 ? c.begin : 1; i < c.end; ++i) {
+            const TwistRow row = twist(g)[i];
+            const T angle =
+                i + 1 == c.end ? x : (row.before * x_before + row.after * x + row.right) * row.inverse();
+            Frame& frame = frame_[cell(g, i)];
+            frame = Frame{turned_about_itself(Q(frame), angle)};
+        }
     }
 
     // --- the system
@@ -307,8 +412,8 @@ class StrandStep {
         const int k = cell(g, j);
         Window<T> w;
         for (int l = 0; l < 3; ++l)
-            w.x[l] = at_[k - 2 + l], w.v[l] = rate_[k - 2 + l], w.mass[l] = mass_[k - 2 + l];
-        w.rest_length[1] = rest_length_[k - 1];
+            w.x[l] = at_[k - 2 + l], w.v[l] = rate_[k - 2 + l], w.mass[l] = of(m_.mass, k - 2 + l);
+        w.rest_length[1] = of(m_.rest_length, k - 1);
         if (has<Bend>(set))
             w.frame[0] = frame_[k - 2], w.frame[1] = frame_[k - 1], w.target[1] = of(m_.target, k - 1);
         if (has<Core>(set)) w.core[1] = core_[k - 1];
@@ -318,30 +423,23 @@ class StrandStep {
         parts_.fill(set, motion, place(k), w);
         return parts_.element(set, motion, scheme, w);
     }
-    // The rows of strands that are to be solved. From the tips, so that a row is set by the first element
-    // that reaches it; elements that share one take turns.
+    // The rows of strands that are to be solved. Elements that share one take turns.
     template <class Set>
     WETCURL_HD void assemble(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) const {
-        const int n = m_.n, span = n - 2;
-        for (int begin = 0; begin < count_ * span; begin += team_.threads) {
-            const int job = begin + team_.thread, g = int((float(job) + 0.5f) / float(span)),
-                      j = n - 1 - (job - g * span);
-            const bool mine = job < count_ * span && is(solved, g);
+        const int n = m_.n, jobs = system_.jobs();
+        team_.share(count_, 4, [&](int g, int k) {
+            if (is(solved, g)) system_.clear(g, k);
+        });
+        for (int begin = 0; begin < count_ * jobs; begin += team_.threads) {
+            const int job = begin + team_.thread, g = int((float(job) + 0.5f) / float(jobs)),
+                      j = system_.element_of(job - g * jobs);
+            const bool mine = job < count_ * jobs && j < n && is(solved, g);
             Element<T> e;
-            if (mine) {
-                e = element(set, motion, scheme, g, j);
-                system_.set_row(g, j - 2, e.diagonal[0], e.force[0], e.upper1[0], e.upper2[0]);
-                if (j == n - 1)
-                    for (int i = n - 2; i < n + n % 2; ++i) system_.clear_row(g, i);
+            if (mine) e = element(set, motion, scheme, g, j);
+            for (int turn = 0; turn < 3; ++turn) {
+                if (mine) system_.add(g, j, turn, e);
+                team_.wait();
             }
-            team_.wait();
-            if (mine) {
-                system_.add_diagonal(g, j - 1, e.diagonal[1]), system_.right(g, j - 1) += e.force[1];
-                system_.add_coupling(g, j - 1, e.upper1[1]);
-            }
-            team_.wait();
-            if (mine) system_.add_diagonal(g, j, e.diagonal[2]), system_.right(g, j) += e.force[2];
-            team_.wait();
         }
         for_each_particle(0, n, [&](int g, int i) {
             if (!is(solved, g)) return;
@@ -353,7 +451,7 @@ class StrandStep {
             const int k = cell(g, i);
             const Particle<T> p = particle(k);
             Sym3<T> diagonal = identity_times(T(0));
-            r = parts_.own_row(set, scheme, place(k), p, r, diagonal);
+            r = parts_.own_row(set, scheme, place(k), p, system_.gathered(g, i), diagonal);
             if (i < 4)
                 r -= system_.known_part(g, i, known(motion, scheme, g, 0), known(motion, scheme, g, 1));
             const T pushed = set.has(present::contact) ? pushed_[k] : T(0);
@@ -383,7 +481,7 @@ class StrandStep {
                 if (!is(solved, g)) return;
                 const int k = cell(g, i);
                 const V way = way_of(g, i - 1);
-                const T rest = rest_length_[k - 1];
+                const T rest = of(m_.rest_length, k - 1);
                 const bool contacts = is(touches, g);
                 unsigned seen = 0;
                 if (turned_far<T>(way, rest, far_turn(k_.turn, T(contacts))) > 0) seen |= turned;
@@ -427,7 +525,8 @@ class StrandStep {
             const V d = system_.right(g, i), expected = at_[k];
             V x = i < 2 ? placed_root(motion, g, i) : expected + scheme.h * d, v = rate_[k] + d;
             if (has<StrainLimit>(set) && i >= 2)
-                limited += get<StrainLimit>(k_.rules.terms).holds(limit_edge_[k - 1], rest_length_[k - 1]);
+                limited +=
+                    get<StrainLimit>(k_.rules.terms).holds(limit_edge_[k - 1], of(m_.rest_length, k - 1));
             if (has<Adhesion>(set)) parts_.touch(set, motion, place(k), expected);
             if (set.has(present::contact) && i >= 2 &&
                 parts_.may_meet(scheme, is(looked_anew, g), pushed_[k], gap_[k], d)) {
@@ -455,10 +554,11 @@ class StrandStep {
     StrandSystem<T> system_;
     Frame* frame_;
     V *x_, *x_before_, *v_, *v_before_;
-    V *at_, *rate_;                            // positions and velocities at which forces are taken
-    V* core_;                                  // the core's force along each edge
-    V* limit_edge_ = nullptr;                  // edges at which the strain limit is taken
-    T *pushed_, *gap_, *mass_, *rest_length_;  // gap: from surfaces where particles were first expected
+    V *at_, *rate_;            // positions and velocities at which forces are taken
+    V* core_;                  // the core's force along each edge
+    V* limit_edge_ = nullptr;  // edges at which the strain limit is taken
+    T *pushed_, *gap_;         // gap: from surfaces where particles were first expected
+    int chunk_, chunks_;       // edges of one; of a strand
 };
 
 }  // namespace wetcurl

@@ -1,109 +1,93 @@
-// The linear systems of a few strands, solved by a team: cyclic reduction over pairs of particles, each round
-// of which eliminates every other pair of those left.
-// Golub and Van Loan, 4.5.4 (block cyclic reduction), as an order of elimination of LDL^T, so that it is as
-// stable as that.
+// The linear systems of a few strands, solved by a team: each is eliminated from its root and from its tip
+// at once, towards two rows in its middle.
+// Golub and Van Loan, 4.3.6 (block-banded LDL^T), as an order of elimination of it, so that it is as stable;
+// from both ends after Babuška 1972.
 #pragma once
 
+#include "cuda/strand_parts.h"
 #include "cuda/team.h"
 #include "solver/passes/block_solve.h"
 
 namespace wetcurl {
 
-// LDL^T of a symmetric positive definite 6x6 matrix, in the place of its lower triangle, rows one after the
-// other, with the inverses of the pivots on the diagonal.
-template <class T>
-struct Factor6 {
-    T l[21];
-    WETCURL_HD static constexpr int at(int row, int column) { return row * (row + 1) / 2 + column; }
-
-    // Of the matrix in `l`.
-    WETCURL_HD void factorise() {
-        for (int j = 0; j < 6; ++j) {
-            T pivot = l[at(j, j)];
-            for (int k = 0; k < j; ++k) {
-                const T times_pivot = l[at(j, k)];
-                l[at(j, k)] = times_pivot * l[at(k, k)];
-                pivot -= times_pivot * l[at(j, k)];
-            }
-            for (int i = j + 1; i < 6; ++i)
-                for (int k = 0; k < j; ++k) l[at(i, j)] -= l[at(i, k)] * l[at(j, k)];
-            l[at(j, j)] = T(1) / pivot;
-        }
-    }
-    WETCURL_HD void solve(T (&b)[6]) const {
-        for (int i = 1; i < 6; ++i)
-            for (int k = 0; k < i; ++k) b[i] -= l[at(i, k)] * b[k];
-        for (int i = 0; i < 6; ++i) b[i] *= l[at(i, i)];
-        for (int i = 4; i >= 0; --i)
-            for (int k = i + 1; k < 6; ++k) b[i] -= l[at(k, i)] * b[k];
-    }
-};
-
-// Systems of strands of n particles each; rows 0 and 1 of each, its first pair, are known.
+// Systems of strands of n particles each; rows 0 and 1 of each are known.
 template <class T>
 class StrandSystem {
     using V = Vec3<T>;
     using M = Mat3<T>;
-    // Numbers of a pair: its diagonal block, lower triangle, then its factor; the right side, then the
-    // solution; the coupling to the next pair, by rows; and the one that comes of eliminating this pair,
-    // between its neighbours. Each part begins at a multiple of four numbers, which are read at once.
-    static constexpr int own_size = 28, right_at = 21, block_size = 36, next_at = own_size,
-                         across_at = next_at + block_size;
+    // Numbers of a row, matrices by columns: its coupling to the row towards the middle, its right side, then
+    // the solution; its coupling to the one after that; its diagonal, lower triangle. In the end couplings
+    // are those of the substitution.
+    static constexpr int next_at = 0, right_at = 9, after_at = 12, diagonal_at = 21;
+    // Columns of a row: those of both couplings, and its right side. What is read of it but its diagonal.
+    static constexpr int columns = 7, own_column = 6, without_diagonal = 24;
 
   public:
-    static constexpr int pair_size = across_at + block_size;
+    // Whole quadruples, which are read at once; an odd number of them, so that those of eight rows lie in
+    // different banks.
+    static constexpr int row_size = 28;
     struct alignas(4 * sizeof(T)) Four {
         T v[4];
     };
-    WETCURL_HD static int pairs_of(int n) { return (n + 1) / 2; }
+    // The middle's two rows twice: for what comes from the root, and from the tip. One beyond the tip.
+    WETCURL_HD static int rows_of(int n) { return (n < 4 ? 4 : n) + 3; }
+    WETCURL_HD static int numbers_of(int n, int strands) {
+        constexpr int parts_without_job = 3;
+        return (strands * rows_of(n) + parts_without_job) * row_size;
+    }
 
     StrandSystem() = default;
-    // `numbers`: pair_size for each pair of each strand, aligned to four.
-    WETCURL_HD StrandSystem(int n, T* numbers) : n_(n), pairs_(pairs_of(n)), numbers_(numbers) {}
+    // `numbers`: as many as numbers_of tells, aligned to four.
+    WETCURL_HD StrandSystem(int n, T* numbers)
+        : n_(n), middle_(n < 4 ? 2 : n / 2), rows_(rows_of(n)), numbers_(numbers) {}
 
-    // Of one strand, all its pairs'.
-    WETCURL_HD T* numbers(int strand) const { return pair(strand, 0); }
+    // Of one strand, all its rows'.
+    WETCURL_HD T* numbers(int strand) const { return numbers_ + strand * rows_ * row_size; }
+    // The right side of row i, then its solution.
+    WETCURL_HD V& right(int strand, int i) const { return right(row(strand, i)); }
 
     // --- rows, by those that assemble them
 
-    // Row i: with its couplings to the next one and the one after.
-    WETCURL_HD void set_row(int strand, int i, const Sym3<T>& diagonal, const V& r, const M& u1,
-                            const M& u2) const {
-        put_diagonal<false>(strand, i, diagonal);
-        right(strand, i) = r;
-        put_next<false>(strand, i, u1);
-        T* across = pair(strand, i / 2) + next_at;
-        for (int row = 0; row < 3; ++row)
-            for (int column = 0; column < 3; ++column) {
-                if (i % 2)
-                    across[(3 + row) * 6 + 3 + column] = number(u2, row, column);
-                else
-                    across[row * 6 + column] = number(u2, row, column), across[row * 6 + 3 + column] = T(0);
-            }
+    // Jobs for the elements of a strand, and the particle at which that of job k ends, from the middle
+    // outwards; n or more: none.
+    WETCURL_HD int jobs() const { return 2 * middle_; }
+    WETCURL_HD int element_of(int k) const { return k < middle_ ? middle_ + 1 - k : k + 2; }
+    // Before the first element, job k of four: rows that more than one element reaches at a time.
+    WETCURL_HD void clear(int strand, int k) const {
+        T* row = place(strand, middle_ + k);
+        for (int l = 0; l < row_size; ++l) row[l] = T(0);
+        if (k == 2)
+            for (int l = 0; l < row_size; ++l) place(strand, rows_ - 1)[l] = T(0);
+        if (n_ > 3) return;
+        if (k == 0)
+            for (int l = 0; l < row_size; ++l) place(strand, 1)[l] = T(0);
+        // There is no such particle.
+        if (k == 1) put_diagonal<false>(row, identity_times(T(1)));
     }
-    // Row i of nothing, as it must be beyond the tip too where n is odd.
-    WETCURL_HD void clear_row(int strand, int i) const {
-        const V zero{T(0), T(0), T(0)};
-        const M none{zero, zero, zero};
-        set_row(strand, i, identity_times(T(i < n_ ? 0 : 1)), zero, none, none);
+    // The part of the element that ends at particle j, in each of three turns. In each, elements reach
+    // different rows.
+    WETCURL_HD void add(int strand, int j, int turn, const Element<T>& e) const {
+        if (j < middle_ + 2)
+            add<false>(place(strand, j - 2 + turn), turn, e);
+        else
+            add<true>(place(strand, j + 2 - turn), turn, e);
+    }
+    // What all elements have left on the right of row i; from the tip's side nothing comes after it.
+    WETCURL_HD V gathered(int strand, int i) const {
+        V sum = right(strand, i);
+        if (i != middle_ && i != middle_ + 1) return sum;
+        V& from_tip = right(place(strand, i + 2));
+        sum += from_tip;
+        from_tip = {T(0), T(0), T(0)};
+        return sum;
     }
     WETCURL_HD void add_diagonal(int strand, int i, const Sym3<T>& diagonal) const {
-        put_diagonal<true>(strand, i, diagonal);
-    }
-    WETCURL_HD void add_coupling(int strand, int i, const M& u1) const { put_next<true>(strand, i, u1); }
-    // The right side of row i, then its solution.
-    WETCURL_HD V& right(int strand, int i) const {
-        return reinterpret_cast<V*>(pair(strand, i / 2) + right_at)[i % 2];
+        put_diagonal<true>(row(strand, i), diagonal);
     }
     // What rows 0 and 1, known to be x0 and x1, leave of row 2 or 3.
     WETCURL_HD V known_part(int strand, int i, const V& x0, const V& x1) const {
-        const T* c = pair(strand, 0) + next_at + (i - 2) * 3;
-        V sum{T(0), T(0), T(0)};
-        for (int row = 0; row < 3; ++row) {
-            sum += number(x0, row) * V{c[row * 6], c[row * 6 + 1], c[row * 6 + 2]};
-            sum += number(x1, row) * V{c[(3 + row) * 6], c[(3 + row) * 6 + 1], c[(3 + row) * 6 + 2]};
-        }
-        return sum;
+        const V near = transposed_times(matrix(row(strand, 1) + (i == 2 ? next_at : after_at)), x1);
+        return i == 2 ? near + transposed_times(matrix(row(strand, 0) + after_at), x0) : near;
     }
 
     // --- the solution
@@ -111,64 +95,37 @@ class StrandSystem {
     // Of the strands s < `strands` for which chosen(s) holds.
     template <class Chosen>
     WETCURL_HD void solve(const Team& team, int strands, Chosen chosen) const {
-        int stride = 1;
-        for (; left(stride) > 0; stride *= 2) {
-            const int out = (left(stride) + 1) / 2, updates = left(stride) / 2 * 6;
-            team.share(strands, out, [&](int strand, int k) {
-                if (chosen(strand)) factorise(pair(strand, place(2 * k, stride)));
-            });
-            team.share(strands, updates, [&](int strand, int k) {
-                if (chosen(strand)) update(strand, k / 6 * 2 + 1, k % 6, stride);
-            });
-        }
-        while ((stride /= 2) > 0) {
-            const int out = (left(stride) + 1) / 2;
-            team.share(strands, out, [&](int strand, int k) {
-                if (chosen(strand)) substitute(strand, 2 * k, stride);
-            });
-        }
+        team.by_parts(2 * strands, [&](int job, int member) {
+            const bool there = job < 2 * strands, works = there && chosen(job / 2);
+            // Those without a job go through the same in a row of their own.
+            Side side = there ? side_of(job) : Side{place(strands, job - 2 * strands), 0, 0};
+            constexpr std::make_index_sequence<Team::share_of(columns)> share;
+            // Of an odd number the tip has one more.
+            if (n_ % 2 && n_ > 3) {
+                eliminate(side, 1, works && job % 2, member, share);
+                if (job % 2) side.row += side.next, --side.rows;
+            }
+            eliminate(side, middle_ - 2, works, member, share);
+        });
+        team.share(strands, 1, [&](int strand, int) {
+            if (chosen(strand)) solve_middle(strand);
+        });
+        team.share(2 * strands, 1, [&](int job, int) {
+            if (chosen(job / 2)) substitute(side_of(job));
+        });
     }
 
   private:
-    using Factor = Factor6<T>;
-
-    WETCURL_HD T* pair(int strand, int p) const { return numbers_ + (strand * pairs_ + p) * pair_size; }
-    // The pairs left before a round, every stride-th: how many, and which the a-th of them is. Even ones go.
-    WETCURL_HD int left(int stride) const { return (pairs_ - 1) / stride; }
-    WETCURL_HD static int place(int a, int stride) { return (a + 1) * stride; }
-    // By rows, between the a-th of them and the one after it.
-    WETCURL_HD const T* coupling(int strand, int a, int stride) const {
-        const int p = place(a, stride);
-        return stride == 1 ? pair(strand, p) + next_at : pair(strand, p + stride / 2) + across_at;
+    WETCURL_HD T* place(int strand, int k) const { return numbers(strand) + k * row_size; }
+    WETCURL_HD T* row(int strand, int i) const { return place(strand, i < middle_ + 2 ? i : i + 2); }
+    WETCURL_HD static V& right(T* row) { return *reinterpret_cast<V*>(row + right_at); }
+    WETCURL_HD static const V& right(const T* row) { return *reinterpret_cast<const V*>(row + right_at); }
+    WETCURL_HD static M matrix(const T* c) {
+        return {{c[0], c[3], c[6]}, {c[1], c[4], c[7]}, {c[2], c[5], c[8]}};
     }
-
-    WETCURL_HD static T number(const V& a, int k) { return k == 0 ? a.x : k == 1 ? a.y : a.z; }
-    WETCURL_HD static T number(const M& a, int row, int column) {
-        return number(row == 0 ? a.r0 : row == 1 ? a.r1 : a.r2, column);
-    }
-    template <bool adds>
-    WETCURL_HD static void put(T& to, T a) {
-        to = adds ? to + a : a;
-    }
-    template <bool adds>
-    WETCURL_HD void put_diagonal(int strand, int i, const Sym3<T>& d) const {
-        T* p = pair(strand, i / 2);
-        const int first = i % 2 * 3;
-        put<adds>(p[Factor::at(first, first)], d.xx);
-        put<adds>(p[Factor::at(first + 1, first)], d.xy);
-        put<adds>(p[Factor::at(first + 1, first + 1)], d.yy);
-        put<adds>(p[Factor::at(first + 2, first)], d.xz);
-        put<adds>(p[Factor::at(first + 2, first + 1)], d.yz);
-        put<adds>(p[Factor::at(first + 2, first + 2)], d.zz);
-    }
-    // The coupling to the next row, which is of this pair or of the next.
-    template <bool adds>
-    WETCURL_HD void put_next(int strand, int i, const M& u1) const {
-        T* p = pair(strand, i / 2);
-        for (int row = 0; row < 3; ++row)
-            for (int column = 0; column < 3; ++column)
-                put<adds>(p[i % 2 ? next_at + (3 + row) * 6 + column : Factor::at(3 + column, row)],
-                          number(u1, row, column));
+    WETCURL_HD static Sym3<T> diagonal_of(const T* row) {
+        const T* d = row + diagonal_at;
+        return {d[0], d[1], d[2], d[3], d[4], d[5]};
     }
 
     template <int count>
@@ -180,77 +137,152 @@ class StrandSystem {
                 for (int l = 0; l < 4; ++l) v[k + l] = four.v[l];
             }
         }
-    };
-    // A pair's factor and right side.
-    struct Own : Numbers<own_size> {
-        using Numbers<own_size>::Numbers;
-        WETCURL_HD void solve(T (&b)[6]) const {
-            Factor f;
-            for (int k = 0; k < 21; ++k) f.l[k] = this->v[k];
-            f.solve(b);
+        WETCURL_HD void put(T* to) const {
+            for (int k = 0; k < count; k += 4)
+                *reinterpret_cast<Four*>(to + k) = Four{v[k], v[k + 1], v[k + 2], v[k + 3]};
         }
     };
-    using Block = Numbers<block_size>;
-
-    WETCURL_HD static void factorise(T* p) {
-        const Numbers<24> own(p);
-        Factor f;
-        for (int k = 0; k < 21; ++k) f.l[k] = own.v[k];
-        f.factorise();
-        for (int k = 0; k < 21; ++k) p[k] = f.l[k];
+    template <bool adds>
+    WETCURL_HD static void put(T& to, T a) {
+        to = adds ? to + a : a;
     }
-    // Takes the a-th pair's neighbours, which go, off row c of its block, and couples it to the pair after
-    // them.
-    WETCURL_HD void update(int strand, int a, int c, int stride) const {
-        T* p = pair(strand, place(a, stride));
-        T row[6], b[6], r = p[right_at + c];
-        for (int k = 0; k < 6; ++k) row[k] = k <= c ? p[Factor::at(c, k)] : T(0);
-        // `coupling`: row c from `first` by `step`; row k of it from k * next.
-        auto take = [&](const T* gone, const T* coupling, int first, int step, int next) {
-            const Own own(gone);
-            const Block block(coupling);
-            for (int k = 0; k < 6; ++k) b[k] = coupling[first + k * step];
-            own.solve(b);
-            for (int k = 0; k < 6; ++k)
-                for (int l = 0; l < 6; ++l) row[k] -= block.v[k * next + l * step] * b[l];
-            for (int l = 0; l < 6; ++l) r -= own.v[right_at + l] * b[l];
+    // `to`: a matrix's place.
+    template <bool adds, bool transposes>
+    WETCURL_HD static void put_matrix(T* to, const M& a) {
+        auto each = [&](int k, const V& row) {
+            put<adds>(to[transposes ? 3 * k : k], row.x);
+            put<adds>(to[transposes ? 3 * k + 1 : k + 3], row.y);
+            put<adds>(to[transposes ? 3 * k + 2 : k + 6], row.z);
         };
-        take(pair(strand, place(a - 1, stride)), coupling(strand, a - 1, stride), c, 6, 1);
-        if (a + 1 < left(stride)) {
-            T* after = pair(strand, place(a + 1, stride));
-            take(after, coupling(strand, a, stride), c * 6, 1, 6);
-            if (a + 2 < left(stride)) {
-                const Block beyond(coupling(strand, a + 1, stride));
-                for (int k = 0; k < 6; ++k) {
-                    T sum(0);
-                    for (int l = 0; l < 6; ++l) sum -= b[l] * beyond.v[l * 6 + k];
-                    after[across_at + c * 6 + k] = sum;
-                }
+        each(0, a.r0), each(1, a.r1), each(2, a.r2);
+    }
+    template <bool adds>
+    WETCURL_HD static void put_diagonal(T* row, const Sym3<T>& d) {
+        T* to = row + diagonal_at;
+        put<adds>(to[0], d.xx), put<adds>(to[1], d.xy), put<adds>(to[2], d.xz);
+        put<adds>(to[3], d.yy), put<adds>(to[4], d.yz), put<adds>(to[5], d.zz);
+    }
+    template <bool adds>
+    WETCURL_HD static void put_right(T* row, const V& a) {
+        put<adds>(row[right_at], a.x), put<adds>(row[right_at + 1], a.y), put<adds>(row[right_at + 2], a.z);
+    }
+    // Towards the tip's side rows are coupled the other way round.
+    template <bool from_tip>
+    WETCURL_HD static void add(T* row, int turn, const Element<T>& e) {
+        constexpr int outer = from_tip ? 2 : 0, inner = 2 - outer;
+        if (turn == 0) {
+            Numbers<row_size> n(row);
+            put_matrix<false, from_tip>(n.v + next_at, e.upper1[from_tip ? 1 : 0]);
+            put_matrix<false, from_tip>(n.v + after_at, e.upper2[0]);
+            put_diagonal<false>(n.v, e.diagonal[outer]), put_right<false>(n.v, e.force[outer]);
+            n.v[row_size - 1] = T(0);
+            n.put(row);
+        } else if (turn == 1) {
+            Numbers<row_size> n(row);
+            put_matrix<true, from_tip>(n.v + next_at, e.upper1[from_tip ? 0 : 1]);
+            put_diagonal<true>(n.v, e.diagonal[1]), put_right<true>(n.v, e.force[1]);
+            n.put(row);
+        } else {
+            Numbers<row_size> n(row);
+            put_diagonal<true>(n.v, e.diagonal[inner]), put_right<true>(n.v, e.force[inner]);
+            n.put(row);
+        }
+    }
+
+    // The rows of a strand between one of its ends and the middle.
+    struct Side {
+        T* row;          // the outermost one's
+        int next, rows;  // numbers from a row to the next
+    };
+    WETCURL_HD Side side_of(int job) const {
+        const bool from_tip = job % 2;
+        return {place(job / 2, from_tip ? n_ + 1 : 2), from_tip ? -row_size : row_size,
+                (from_tip ? n_ - middle_ : middle_) - 2};
+    }
+    // What one of a part does with a row's column c: where it lies, there and in the row before; what it
+    // changes in the row after and in the one after that, below the diagonal alone. One beyond the columns
+    // works for nobody.
+    struct Column {
+        T *own, *before, *next[3], *after[3];
+        V solved;  // what the row before is to hold
+        WETCURL_HD Column(int c, const Side& side, bool works) {
+            const bool near = c < 3, right = c >= own_column;
+            const int k = near ? c : c - 3, triangle = diagonal_at + (k > 0 ? k + 1 : 0);
+            own = side.row + (near ? next_at + 3 * k : right ? right_at : after_at + 3 * k);
+            before = (c < columns ? own : side.row + diagonal_at) - side.next;
+            solved = {before[0], before[1], before[2]};
+            // What nobody asked for goes where `solved` follows.
+            for (int l = 0; l < 3; ++l) {
+                next[l] = side.row + side.next + (near ? triangle : right ? right_at : next_at + 3 * k) + l;
+                after[l] = side.row + 2 * side.next + (right ? right_at : triangle) + l;
+                if (!works || c >= columns || (near && l < k)) next[l] = before;
+                if (!works || c >= columns || near || (!right && l < k)) after[l] = before;
             }
         }
-        for (int k = 0; k < 6; ++k)
-            if (k <= c) p[Factor::at(c, k)] = row[k];
-        p[right_at + c] = r;
+        // Of a row with this factor and these couplings. What others read of it stays: it is the solution of
+        // the row before that takes its place now.
+        WETCURL_HD void step(const Factor3<T>& factor, const M& u1, const M& u2, int to_next, bool works) {
+            const V now = factor.solve(V{own[0], own[1], own[2]});
+            const V one = V{*next[0], *next[1], *next[2]} - transposed_times(u1, now),
+                    two = V{*after[0], *after[1], *after[2]} - transposed_times(u2, now);
+            *next[0] = one.x, *next[1] = one.y, *next[2] = one.z;
+            *after[0] = two.x, *after[1] = two.y, *after[2] = two.z;
+            put();
+            if (works) solved = now;
+            for (int l = 0; l < 3; ++l) next[l] += to_next, after[l] += to_next;
+            own += to_next, before += to_next;
+        }
+        WETCURL_HD void put() const { before[0] = solved.x, before[1] = solved.y, before[2] = solved.z; }
+    };
+    // The outermost rows of a side, so many in any side; not of it where it does not work.
+    template <size_t... k>
+    WETCURL_HD static void eliminate(const Side& side, int rows, bool works, int member,
+                                     std::index_sequence<k...>) {
+        Column mine[] = {Column(member + int(k) * Team::of_a_part, side, works)...};
+        const int to_next = works ? side.next : 0;
+        const T* row = side.row;
+        for (int i = 0; i < rows; ++i, row += to_next) {
+            const Numbers<row_size> all(row);
+            const Factor3<T> factor(diagonal_of(all.v));
+            const M u1 = matrix(all.v + next_at), u2 = matrix(all.v + after_at);
+            (mine[k].step(factor, u1, u2, to_next, works), ...);
+            Team::part_waits();
+        }
+        (mine[k].put(), ...);
+        Team::part_waits();
     }
-    // The a-th pair, by the solution of its neighbours.
-    WETCURL_HD void substitute(int strand, int a, int stride) const {
-        T* p = pair(strand, place(a, stride));
-        const Own own(p);
-        T b[6];
-        for (int k = 0; k < 6; ++k) b[k] = own.v[right_at + k];
-        auto take = [&](int neighbour, const T* coupling, int next, int step) {
-            const T* x = pair(strand, place(neighbour, stride)) + right_at;
-            const Block block(coupling);
-            for (int l = 0; l < 6; ++l)
-                for (int k = 0; k < 6; ++k) b[k] -= block.v[k * next + l * step] * x[l];
-        };
-        if (a > 0) take(a - 1, coupling(strand, a - 1, stride), 1, 6);
-        if (a + 1 < left(stride)) take(a + 1, coupling(strand, a, stride), 6, 1);
-        own.solve(b);
-        for (int k = 0; k < 6; ++k) p[right_at + k] = b[k];
+    WETCURL_HD void solve_middle(int strand) const {
+        if (n_ < 3) return;
+        T *one = place(strand, middle_), *other = one + row_size, *one_from_tip = other + row_size,
+          *other_from_tip = one_from_tip + row_size;
+        Sym3<T> d = diagonal_of(one), d_other = diagonal_of(other);
+        d += diagonal_of(one_from_tip), d_other += diagonal_of(other_from_tip);
+        M u = matrix(one + next_at);
+        u += transposed(matrix(other_from_tip + next_at));
+        V x = right(one) + right(one_from_tip), x_other = right(other) + right(other_from_tip);
+        wetcurl::eliminate<T>({d, &u, nullptr, x}, &d_other, &x_other, nullptr, nullptr, nullptr);
+        wetcurl::eliminate<T>({d_other, nullptr, nullptr, x_other}, nullptr, nullptr, nullptr, nullptr,
+                              nullptr);
+        x -= u * x_other;
+        right(one) = right(one_from_tip) = x;
+        right(other) = right(other_from_tip) = x_other;
+    }
+    WETCURL_HD void substitute(const Side& side) const {
+        if (side.rows < 1) return;
+        T* row = side.row + (side.rows - 1) * side.next;
+        V x1 = right(row + side.next), x2 = right(row + 2 * side.next);
+        // What is read next is on its way already.
+        Numbers<without_diagonal> here(row), ahead = here;
+        for (int i = side.rows - 1; i >= 0; --i, row -= side.next) {
+            here = ahead;
+            if (i > 0) ahead = Numbers<without_diagonal>(row - side.next);
+            const V known = right(here.v) - matrix(here.v + after_at) * x2;
+            x2 = x1, x1 = known - matrix(here.v + next_at) * x1;
+            right(row) = x1;
+        }
     }
 
-    int n_ = 0, pairs_ = 0;
+    int n_ = 0, middle_ = 0, rows_ = 0;
     T* numbers_ = nullptr;
 };
 

@@ -45,6 +45,30 @@ struct Team {
         }
         wait();
     }
+
+    // A part of the team, which goes through the steps of one job together: on a device eight of its threads.
+#ifdef __CUDA_ARCH__
+    static constexpr int of_a_part = 8;
+#else
+    static constexpr int of_a_part = 1;
+#endif
+    // So many of a step's pieces of work fall to one of them.
+    static constexpr int share_of(int pieces) { return (pieces + of_a_part - 1) / of_a_part; }
+    WETCURL_HD static void part_waits() {
+#ifdef __CUDA_ARCH__
+        __syncwarp();
+#endif
+    }
+    // f(job, member) for 0 <= job < count and the members of its part. f must wait as often for any job.
+    // Waits for all.
+    template <class F>
+    WETCURL_HD void by_parts(int count, F f) const {
+        // Whole warps, so that their parts wait together.
+        const int whole = (count * of_a_part + 31) / 32 * 32;
+        for (int k = thread; k < (of_a_part > 1 ? whole : count); k += threads)
+            f(k / of_a_part, k % of_a_part);
+        wait();
+    }
 };
 
 }  // namespace wetcurl

@@ -60,7 +60,7 @@ void step(OnHost<T>& host, const Set& set, size_t begin, size_t end) {
     struct alignas(32) Aligned {
         T numbers[32 / sizeof(T)];
     };
-    std::vector<Aligned> room(StrandStep<T>::room(m.n, limits) * together * sizeof(T) / 32 + 1);
+    std::vector<Aligned> room(StrandStep<T>::room(m.n, together, limits) * sizeof(T) / 32 + 1);
     for (int first = 0; first < m.strands; first += together) {
         StrandStep<T> strands(m, host.constants, Team{}, first, std::min(together, m.strands - first), limits,
                               room[0].numbers, flags.data());
@@ -159,44 +159,65 @@ std::vector<Case> cases() {
              {"groom.grid=[6, 6]"}}};
 }
 
-// Random positive definite systems of every length, of which one is not to be solved: A x = r for rows 2 ..
-// n-1, whatever the first two are known to be.
+// Systems of random positive definite elements, of every length, of which one is not to be solved: A x = r
+// for rows 2 .. n-1, whatever the first two are known to be.
 TEST(StrandSystem, solves_every_length) {
     Random random(3);
     auto matrix = [&] { return Mat3<double>{random.vector(1), random.vector(1), random.vector(1)}; };
     for (int n = 2; n < 70; ++n) {
-        const StrandSystem<double> layout(n, nullptr);
         struct alignas(32) Aligned {
             double numbers[4];
         };
-        const int pairs = layout.pairs_of(n);
-        std::vector<Aligned> room(size_t(2 * pairs * layout.pair_size) / 4 + 1, Aligned{1e300, 1e300, 1e300});
+        const size_t particles = size_t(n), numbers = size_t(StrandSystem<double>::numbers_of(n, 2));
+        std::vector<Aligned> room(numbers / 4, Aligned{1e300, 1e300, 1e300, 1e300});
         const StrandSystem<double> system(n, room[0].numbers);
-        std::vector<Sym3<double>> diagonal;
-        std::vector<Mat3<double>> u1, u2;
-        std::vector<Vec3d> r, x;
-        for (int i = 0; i < n; ++i) {
-            const Sym3<double> outside = isotropic_plus_outer(20.0, 1.0, random.vector(1));
-            const bool next = i + 1 < n, after = i + 2 < n;
-            diagonal.push_back(outside), r.push_back(random.vector(1));
-            u1.push_back(next ? matrix() : Mat3<double>{}), u2.push_back(after ? matrix() : Mat3<double>{});
-            for (int strand : {0, 1}) system.set_row(strand, i, outside, r.back(), u1.back(), u2.back());
+        std::vector<Element<double>> elements(particles);
+        for (int j = 2; j < n; ++j)
+            for (int l = 0; l < 3; ++l) {
+                Element<double>& e = elements[size_t(j)];
+                e.diagonal[l] = isotropic_plus_outer(8.0, 1.0, random.vector(1));
+                e.force[l] = random.vector(1);
+                if (l < 2) e.upper1[l] = matrix();
+                if (l < 1) e.upper2[l] = matrix();
+            }
+        for (int strand : {0, 1}) {
+            for (int k = 0; k < 4; ++k) system.clear(strand, k);
+            std::vector<bool> seen(particles, false);
+            for (int k = 0; k < system.jobs(); ++k) {
+                const int j = system.element_of(k);
+                if (j >= n) continue;
+                EXPECT_FALSE(seen[size_t(j)]);
+                seen[size_t(j)] = true;
+                for (int turn = 0; turn < 3; ++turn) system.add(strand, j, turn, elements[size_t(j)]);
+            }
+            EXPECT_EQ(std::count(seen.begin(), seen.end(), true), n - 2);
         }
-        if (n % 2)
-            for (int strand : {0, 1}) system.clear_row(strand, n);
-        for (int i = 2; i < n && i < 4; ++i) system.right(1, i) -= system.known_part(1, i, r[0], r[1]);
+        const Vec3d known[2] = {random.vector(1), random.vector(1)};
+        std::vector<Vec3d> left(particles), x(particles);
+        for (int i = 0; i < n; ++i) {
+            Vec3d& right = system.right(1, i);
+            right = i < 2 ? known[i] : 0.5 * system.gathered(1, i);
+            if (i > 1 && i < 4) right -= system.known_part(1, i, known[0], known[1]);
+            if (i > 1) system.add_diagonal(1, i, identity_times(0.1));
+        }
         const Vec3d untouched = system.right(0, n - 1);
         system.solve(Team{}, 2, [](int strand) { return strand == 1; });
         EXPECT_EQ(norm(system.right(0, n - 1) - untouched), 0);
-        for (int i = 0; i < n; ++i) x.push_back(system.right(1, i));
-        for (int i = 2; i < n; ++i) {
-            Vec3d left = to_mat3(diagonal[size_t(i)]) * x[size_t(i)];
-            left += transposed_times(u1[size_t(i - 1)], x[size_t(i - 1)]);
-            left += transposed_times(u2[size_t(i - 2)], x[size_t(i - 2)]);
-            if (i + 1 < n) left += u1[size_t(i)] * x[size_t(i + 1)];
-            if (i + 2 < n) left += u2[size_t(i)] * x[size_t(i + 2)];
-            EXPECT_LT(norm(left - r[size_t(i)]), 1e-13) << "row " << i << " of " << n;
+        for (int i = 0; i < n; ++i) x[size_t(i)] = system.right(1, i);
+        for (int i = 2; i < n; ++i) left[size_t(i)] = 0.1 * x[size_t(i)];
+        for (int j = 2; j < n; ++j) {
+            const Element<double>& e = elements[size_t(j)];
+            const size_t k = size_t(j);
+            for (size_t l = 0; l < 3; ++l)
+                left[k - 2 + l] += to_mat3(e.diagonal[l]) * x[k - 2 + l] - 0.5 * e.force[l];
+            for (size_t l = 0; l < 2; ++l) {
+                left[k - 2 + l] += e.upper1[l] * x[k - 1 + l];
+                left[k - 1 + l] += transposed_times(e.upper1[l], x[k - 2 + l]);
+            }
+            left[k - 2] += e.upper2[0] * x[k];
+            left[k] += transposed_times(e.upper2[0], x[k - 2]);
         }
+        for (int i = 2; i < n; ++i) EXPECT_LT(norm(left[size_t(i)]), 1e-13) << "row " << i << " of " << n;
     }
 }
 
