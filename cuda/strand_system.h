@@ -21,6 +21,8 @@ class StrandSystem {
     static constexpr int next_at = 0, right_at = 9, after_at = 12, diagonal_at = 21;
     // Columns of a row: those of both couplings, and its right side. What is read of it but its diagonal.
     static constexpr int columns = 7, own_column = 6, without_diagonal = 24;
+    // Rows for the parts of a warp that have no job: one that they read, and one of each that it writes.
+    static constexpr int spare = 4;
 
   public:
     // Whole quadruples, which are read at once; an odd number of them, so that those of eight rows lie in
@@ -31,10 +33,7 @@ class StrandSystem {
     };
     // The middle's two rows twice: for what comes from the root, and from the tip. One beyond the tip.
     WETCURL_HD static int rows_of(int n) { return (n < 4 ? 4 : n) + 3; }
-    WETCURL_HD static int numbers_of(int n, int strands) {
-        constexpr int parts_without_job = 3;
-        return (strands * rows_of(n) + parts_without_job) * row_size;
-    }
+    WETCURL_HD static int numbers_of(int n, int strands) { return (strands * rows_of(n) + spare) * row_size; }
 
     StrandSystem() = default;
     // `numbers`: as many as numbers_of tells, aligned to four.
@@ -42,7 +41,7 @@ class StrandSystem {
         : n_(n), middle_(n < 4 ? 2 : n / 2), rows_(rows_of(n)), numbers_(numbers) {}
 
     // Of one strand, all its rows'.
-    WETCURL_HD T* numbers(int strand) const { return numbers_ + strand * rows_ * row_size; }
+    WETCURL_HD T* numbers(int strand) const { return numbers_ + (spare + strand * rows_) * row_size; }
     // The right side of row i, then its solution.
     WETCURL_HD V& right(int strand, int i) const { return right(row(strand, i)); }
 
@@ -54,15 +53,16 @@ class StrandSystem {
     WETCURL_HD int element_of(int k) const { return k < middle_ ? middle_ + 1 - k : k + 2; }
     // Before the first element, job k of four: rows that more than one element reaches at a time.
     WETCURL_HD void clear(int strand, int k) const {
-        T* row = place(strand, middle_ + k);
-        for (int l = 0; l < row_size; ++l) row[l] = T(0);
-        if (k == 2)
-            for (int l = 0; l < row_size; ++l) place(strand, rows_ - 1)[l] = T(0);
+        auto zero = [](T* row) {
+            for (int l = 0; l < row_size; ++l) row[l] = T(0);
+        };
+        zero(place(strand, middle_ + k));
+        if (k == 2) zero(place(strand, rows_ - 1));
+        if (strand == 0 && k < spare) zero(numbers_ + k * row_size);
         if (n_ > 3) return;
-        if (k == 0)
-            for (int l = 0; l < row_size; ++l) place(strand, 1)[l] = T(0);
+        if (k == 0) zero(place(strand, 1));
         // There is no such particle.
-        if (k == 1) put_diagonal<false>(row, identity_times(T(1)));
+        if (k == 1) put_diagonal<false>(place(strand, middle_ + k), identity_times(T(1)));
     }
     // The part of the element that ends at particle j, in each of three turns. In each, elements reach
     // different rows.
@@ -97,13 +97,13 @@ class StrandSystem {
     WETCURL_HD void solve(const Team& team, int strands, Chosen chosen) const {
         team.by_parts(2 * strands, [&](int job, int member) {
             const bool there = job < 2 * strands, works = there && chosen(job / 2);
-            // Those without a job go through the same in a row of their own.
-            Side side = there ? side_of(job) : Side{place(strands, job - 2 * strands), 0, 0};
+            // Those without a job go through the same where nobody looks.
+            Side side = there ? side_of(job) : Side{numbers_, (2 * strands - 1 - job) * row_size, 0};
             constexpr std::make_index_sequence<Team::share_of(columns)> share;
             // Of an odd number the tip has one more.
             if (n_ % 2 && n_ > 3) {
                 eliminate(side, 1, works && job % 2, member, share);
-                if (job % 2) side.row += side.next, --side.rows;
+                if (there && job % 2) side.row += side.next, --side.rows;
             }
             eliminate(side, middle_ - 2, works, member, share);
         });
