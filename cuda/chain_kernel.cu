@@ -101,7 +101,6 @@ StrandGroup strand_group(int n, int strands, const ChainTerms& terms) {
 
 template <class T>
 void launch_chain(const ChainLaunch<T>& launch, cudaStream_t stream) {
-    if (launch.lanes.count) return launch_lanes(launch, stream);
     if (!launch.group.near) return run<T, AnySet, false>(launch, {launch.set}, stream);
     with_set(launch.set, [&](auto set) { run<T, decltype(set), true>(launch, set, stream); });
 }

@@ -3,7 +3,6 @@
 
 #include <cuda_runtime.h>
 
-#include "cuda/lane_step.h"
 #include "cuda/strand_step.h"
 
 namespace wetcurl {
@@ -17,9 +16,6 @@ struct StrandGroup {
 template <class T>
 StrandGroup strand_group(int n, int strands, const ChainTerms& terms);
 
-// Seen on an H200: so many strands are faster a strand a thread, fewer by a block for some of them.
-constexpr int strands_for_lanes = 50000;
-
 // One launch's work: `substeps` of all strands.
 template <class T>
 struct ChainLaunch {
@@ -30,16 +26,12 @@ struct ChainLaunch {
     bool first, always_first;     // from rest: no history; each substep goes without
     unsigned set;                 // what is there: set_of
     unsigned long long* limited;  // edges that the limiter shortened are added to it
-    T* room;  // lanes.total(); by groups group.bytes of each block where they are not near, else null
+    T* room;                      // group.bytes of each block where strands are not near, else null
     StrandGroup group;
-    LaneNumbers lanes;  // a strand a thread; none: by groups
     WETCURL_HD bool is_first(int substep) const { return always_first || (first && substep == 0); }
 };
 template <class T>
 void launch_chain(const ChainLaunch<T>& launch, cudaStream_t stream);
-// Its way for launches with lanes.
-template <class T>
-void launch_lanes(const ChainLaunch<T>& launch, cudaStream_t stream);
 
 // Calls f(set). Common sets have kernels of their own, with nothing in them of what is absent.
 template <class F>

@@ -53,9 +53,6 @@ CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
         const auto rules = substep_rules<T>(scene);
         room_ =
             DeviceBuffer<T>(size_t(state.strands) * reference_room(state.n, rules, !scene.solids.empty()));
-    } else if (stepping == Stepping::by_lanes || state.strands >= strands_for_lanes) {
-        lanes_ = LaneNumbers(scene.chain, !scene.solids.empty());
-        room_ = DeviceBuffer<T>(lanes_.total(state.n, state.strands));
     } else {
         group_ = strand_group<T>(state.n, state.strands, scene.chain);
         const size_t blocks = size_t((state.strands + group_.strands - 1) / group_.strands);
@@ -266,8 +263,7 @@ void CudaHair<T>::launch_chain(int slot, int substeps, bool begins) {
     const bool given = given_force_.size() || given_adhesion_.size();
     const ChainLaunch<T> launch{
         memory(),       chain_constants<T>(scene_, dt_), motion_.data() + slot,    substeps,     begins,
-        always_first(), set_of(scene_, given),           &report_.data()->limited, room_.data(), group_,
-        lanes_};
+        always_first(), set_of(scene_, given),           &report_.data()->limited, room_.data(), group_};
     if (by_reference_)
         launch_reference(launch, stream_.handle);
     else

@@ -186,8 +186,7 @@ class CudaHair {
     DeviceBuffer<T> touching_, pushed_, mass_, rest_length_, rest_core_, saturation_, rest_depth_;
     const bool by_reference_;  // stepped by the CPU's own pass
     StrandGroup group_{};
-    LaneNumbers lanes_;     // where strands are many
-    DeviceBuffer<T> room_;  // of strands that do not fit a processor, or are a thread's
+    DeviceBuffer<T> room_;  // of strands that do not fit a processor, or take the CPU's pass
     DeviceBuffer<Vec3f> positions_, displayed_;
     // What others give, and where adhesion was asked for; empty where nobody does.
     NearestSurface<T> nearest_;

@@ -8,9 +8,9 @@
 
 namespace wetcurl {
 
-// Who steps strands: whoever is the faster for so many of them; a thread each; the CPU's own pass, a thread
-// each, as explicit steps and builds for parity always do.
-enum class Stepping { chosen, by_lanes, by_reference };
+// Who steps strands: a block of threads some of them; the CPU's own pass, a thread each, as explicit steps
+// and builds for parity always do.
+enum class Stepping { chosen, by_reference };
 
 // `precision` as for make_simulation; `device` counts from 0. The scene must outlive the simulation. Strands,
 // what they do to each other, cohesion on display, contact with solids, level sets that deform, water that

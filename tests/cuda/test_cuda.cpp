@@ -346,17 +346,6 @@ void expect_the_cpus(Stepping stepping, double bound) {
     }
 }
 
-// As where strands are many.
-TEST_F(Cuda, steps_a_strand_a_thread_are_the_cpus) {
-    expect_the_cpus(Stepping::by_lanes, 1e-6);
-    for (const auto& c : cases()) {
-        const Scene scene = scene_of(c.text, c.set);
-        const RunFrame a = on_device(scene, 8, "float", Stepping::by_lanes),
-                       b = on_device(scene, 8, "float", Stepping::by_lanes);
-        EXPECT_TRUE(same_bits(a.positions, b.positions)) << c.name;
-    }
-}
-
 // A frame as one graph, substep by substep, from a settled state, by the CPU's own pass.
 TEST_F(Cuda, strands_on_each_other_do_the_same_however_they_are_run) {
     const Scratch scratch;
@@ -379,7 +368,7 @@ TEST_F(Cuda, strands_on_each_other_do_the_same_however_they_are_run) {
         const Scene settled = scene_of(c.text, set);
         const auto cpu = make_simulation(settled, "double");
         for (int f = 0; f < 4; ++f) cpu->advance();
-        for (Stepping stepping : {Stepping::chosen, Stepping::by_lanes, Stepping::by_reference}) {
+        for (Stepping stepping : {Stepping::chosen, Stepping::by_reference}) {
             const auto gpu = make_cuda_simulation(settled, "double", 0, stepping);
             for (int f = 0; f < 4; ++f) gpu->advance();
             RunFrame wanted, got;
@@ -551,7 +540,7 @@ TEST_F(Cuda, a_network_of_dense_layers_is_asked_by_the_device) {
 #endif
     const Scratch scratch;
     for (const auto& c : sticky(scratch))
-        for (Stepping stepping : {Stepping::chosen, Stepping::by_lanes, Stepping::by_reference}) {
+        for (Stepping stepping : {Stepping::chosen, Stepping::by_reference}) {
             SCOPED_TRACE(c.name);
             const Scene scene = scene_of(c.text, c.set);
             DenseAdhesion here(5), there(5);

@@ -1,7 +1,6 @@
 // The device's steps run on the host by a team of one, against the reference passes.
 #include "cuda/adhesion_bodies.h"
 #include "cuda/chain_setup.h"
-#include "cuda/lane_step.h"
 #include "solver/chain_state.h"
 #include "tests/cuda/dense_adhesion.h"
 #include "tests/solver/one_strand.h"
@@ -102,34 +101,6 @@ Strands stepped_with(const DenseLayers& network, const Scene& scene, int frames)
         step(host, AnySet{set_of(scene, true)}, k, k + 1);
         motion = host.motion[k];
     }
-    return host.strands();
-}
-
-// Stepped a strand a lane.
-template <class T, class Set>
-Strands stepped_by_lanes(const Scene& scene, const Set& set, int frames) {
-    OnHost<T> host(scene, frames);
-    const auto& m = host.memory;
-    const LaneNumbers of(scene.chain, !scene.solids.empty());
-    std::vector<T> numbers(of.total(m.n, m.strands), T(NAN));
-    // Calls f(value outside, as lanes hold it from `first` on).
-    auto each = [&](auto* values, const TakenAlong<T>& taken, unsigned first, auto f) {
-        for (int p = 0; values && p < m.strands * m.n; ++p)
-            for (unsigned k = 0; k < taken.numbers; ++k)
-                f(values[unsigned(p) * taken.numbers + k],
-                  numbers[of.place(m.n, p / m.n, p % m.n, first + k)]);
-    };
-    const bool odd = host.motion.size() % 2;
-    for_each_taken_along(m, of, odd, [&](const TakenAlong<T>& t) {
-        each(t.values, t, t.first, [](const T& outside, T& inside) { inside = outside; });
-    });
-    for (int s = 0; s < m.strands; ++s) {
-        LaneStep<T> strand(m, host.constants, of, numbers.data(), s);
-        for (size_t k = 0; k < host.motion.size(); ++k) strand.step(set, host.motion[k], k == 0);
-    }
-    for_each_taken_along(m, of, odd, [&](const TakenAlong<T>& t) {
-        each(t.changed, t, t.after, [](T& outside, const T& inside) { outside = inside; });
-    });
     return host.strands();
 }
 
@@ -245,16 +216,6 @@ TEST(StrandStep, with_a_network_does_what_the_cpu_does_with_it) {
         ASSERT_GT(model.asked, 500u) << c.name;
         ASSERT_GT(farthest(wanted.positions, after(scene, frames, "double").positions), 1e-4) << c.name;
         EXPECT_LT(farthest(stepped_with<double>(model.all, scene, frames), wanted.positions), 1e-6) << c.name;
-    }
-}
-
-TEST(LaneStep, does_what_the_reference_passes_do) {
-    for (const auto& c : cases()) {
-        const Scene scene = scene_of(c.text, c.set);
-        const Strands wanted = after(scene, 4, "double").positions;
-        ASSERT_GT(farthest(wanted, scene.groom.rest), 1e-3) << c.name;
-        EXPECT_LT(farthest(stepped_by_lanes<double>(scene, AnySet{set_of(scene)}, 4), wanted), 1e-6)
-            << c.name;
     }
 }
 
