@@ -17,13 +17,13 @@ template <class T, class Set, bool near>
 __global__ void __launch_bounds__(threads, blocks_at_once)
     run_substeps(const __grid_constant__ ChainLaunch<T> launch, const Set set) {
     extern __shared__ __align__(32) unsigned char own[];
-    __shared__ typename StrandStep<T>::Flags flags[most_strands];
+    __shared__ StrandFlags flags[most_strands];
     const int first = int(blockIdx.x) * launch.group.strands, left = launch.memory.strands - first,
               count = left < launch.group.strands ? left : launch.group.strands;
     T* room = reinterpret_cast<T*>(own);
     if constexpr (!near) room = launch.room + blockIdx.x * (launch.group.bytes / sizeof(T));
-    StrandStep<T> strands(launch.memory, launch.constants, {int(threadIdx.x), threads}, first, count,
-                          has<StrainLimit>(set), room, flags);
+    StrandStep<T, Block> strands(launch.memory, launch.constants, {Block{}, int(threadIdx.x), threads}, first,
+                                 count, has<StrainLimit>(set), room, flags);
     strands.load(set);
     int limited = 0;
     for (int k = 0; k < launch.substeps; ++k)
@@ -83,7 +83,7 @@ template <class T>
 StrandGroup strand_group(int n, int strands, const ChainTerms& terms) {
     const bool limits = std::get<Slot<StrainLimit>>(terms).has_value();
     auto bytes = [&](int count) {
-        return (StrandStep<T>::room(n, count, limits) * sizeof(T) + 31) / 32 * 32;
+        return (StrandStep<T, Block>::room(n, count, limits) * sizeof(T) + 31) / 32 * 32;
     };
     // A kernel has some of it for itself.
     constexpr size_t reserved = 2048;

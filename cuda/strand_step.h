@@ -11,7 +11,12 @@
 
 namespace wetcurl {
 
-template <class T>
+// What a team shares of a strand beside its room.
+struct StrandFlags {
+    unsigned now, seen;
+};
+
+template <class T, class Meeting>
 class StrandStep {
     using V = Vec3<T>;
     using Q = Quat<T>;
@@ -53,10 +58,6 @@ class StrandStep {
     static constexpr int most_chunks = 64;
 
   public:
-    // What the team shares of a strand beside its room.
-    struct Flags {
-        unsigned now, seen;
-    };
     // Numbers of room for so many strands.
     WETCURL_HD static size_t room(int n, int count, bool limits) {
         const size_t of_a_particle = 4 + 7 * 3 + 2 + (limits ? 3 : 0);
@@ -64,8 +65,9 @@ class StrandStep {
     }
 
     // Strands first .. first + count - 1. `room`: aligned to four numbers; `flags` (count).
-    WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants, const Team& team,
-                          int first, int count, bool limits, T* room, Flags* flags)
+    WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants,
+                          const Team<Meeting>& team, int first, int count, bool limits, T* room,
+                          StrandFlags* flags)
         : m_(m),
           k_(constants),
           parts_(m, constants),
@@ -204,7 +206,7 @@ class StrandStep {
             gap_[k] = hold.gap;
             if (!(momentum > 0)) return;
             pushed_[k] = hold.weight > 0 ? momentum : -momentum;
-            Team::raise(flags_[g].now, touches);
+            Meeting::raise(flags_[g].now, touches);
         });
     }
 
@@ -493,7 +495,7 @@ class StrandStep {
                     if (weigh_again(scheme.h, system_.right(g, i), hold) > 0)
                         pushed_[k] = -pushed_[k], seen |= hold_changed;
                 }
-                if (seen) Team::raise(flags_[g].seen, seen);
+                if (seen) Meeting::raise(flags_[g].seen, seen);
             });
             if (has<StrainLimit>(set) && limits)
                 for_each_particle(1, n - 1, [&](int g, int i) {
@@ -547,10 +549,10 @@ class StrandStep {
     const StrandMemory<T>& m_;
     const ChainConstants<T>& k_;
     const StrandParts<T> parts_;
-    Team team_;
+    Team<Meeting> team_;
     int count_;
     size_t first_;
-    Flags* flags_;
+    StrandFlags* flags_;
     StrandSystem<T> system_;
     Frame* frame_;
     V *x_, *x_before_, *v_, *v_before_;

@@ -93,19 +93,19 @@ class StrandSystem {
     // --- the solution
 
     // Of the strands s < `strands` for which chosen(s) holds.
-    template <class Chosen>
-    WETCURL_HD void solve(const Team& team, int strands, Chosen chosen) const {
+    template <class Meeting, class Chosen>
+    WETCURL_HD void solve(const Team<Meeting>& team, int strands, Chosen chosen) const {
         team.by_parts(2 * strands, [&](int job, int member) {
             const bool there = job < 2 * strands, works = there && chosen(job / 2);
             // Those without a job go through the same where nobody looks.
             Side side = there ? side_of(job) : Side{numbers_, (2 * strands - 1 - job) * row_size, 0};
-            constexpr std::make_index_sequence<Team::share_of(columns)> share;
+            constexpr std::make_index_sequence<Team<Meeting>::share_of(columns)> share;
             // Of an odd number the tip has one more.
             if (n_ % 2 && n_ > 3) {
-                eliminate(side, 1, works && job % 2, member, share);
+                eliminate(team, side, 1, works && job % 2, member, share);
                 if (there && job % 2) side.row += side.next, --side.rows;
             }
-            eliminate(side, middle_ - 2, works, member, share);
+            eliminate(team, side, middle_ - 2, works, member, share);
         });
         team.share(strands, 1, [&](int strand, int) {
             if (chosen(strand)) solve_middle(strand);
@@ -235,10 +235,10 @@ class StrandSystem {
         WETCURL_HD void put() const { before[0] = solved.x, before[1] = solved.y, before[2] = solved.z; }
     };
     // The outermost rows of a side, so many in any side; not of it where it does not work.
-    template <size_t... k>
-    WETCURL_HD static void eliminate(const Side& side, int rows, bool works, int member,
-                                     std::index_sequence<k...>) {
-        Column mine[] = {Column(member + int(k) * Team::of_a_part, side, works)...};
+    template <class Meeting, size_t... k>
+    WETCURL_HD static void eliminate(const Team<Meeting>& team, const Side& side, int rows, bool works,
+                                     int member, std::index_sequence<k...>) {
+        Column mine[] = {Column(member + int(k) * Meeting::of_a_part, side, works)...};
         const int to_next = works ? side.next : 0;
         const T* row = side.row;
         for (int i = 0; i < rows; ++i, row += to_next) {
@@ -246,10 +246,10 @@ class StrandSystem {
             const Factor3<T> factor(diagonal_of(all.v));
             const M u1 = matrix(all.v + next_at), u2 = matrix(all.v + after_at);
             (mine[k].step(factor, u1, u2, to_next, works), ...);
-            Team::part_waits();
+            team.part_waits();
         }
         (mine[k].put(), ...);
-        Team::part_waits();
+        team.part_waits();
     }
     WETCURL_HD void solve_middle(int strand) const {
         if (n_ < 3) return;

@@ -1,34 +1,40 @@
-// Who steps a few strands together: on a device the threads of a block; elsewhere one thread. Ours.
+// Who steps a few strands together, and how they wait for each other. Ours.
 #pragma once
 
 #include "base/host_device.h"
 
 namespace wetcurl {
 
-struct Team {
-    int thread = 0, threads = 1;
+// One thread.
+struct Alone {
+    // So many of its threads make a part of a team.
+    static constexpr int of_a_part = 1;
+    WETCURL_HD void wait() const {}
+    WETCURL_HD bool any(bool mine) const { return mine; }
+    WETCURL_HD void part_waits() const {}
+    WETCURL_HD static void raise(unsigned& shared, unsigned bits) { shared |= bits; }
+};
+#ifdef __CUDACC__
+// The threads of a block. A part waits with its warp.
+struct Block {
+    static constexpr int of_a_part = 8;
+    __device__ void wait() const { __syncthreads(); }
+    __device__ bool any(bool mine) const { return __syncthreads_or(mine); }
+    __device__ void part_waits() const { __syncwarp(); }
+    __device__ static void raise(unsigned& shared, unsigned bits) { atomicOr(&shared, bits); }
+};
+#endif
 
-    WETCURL_HD void wait() const {
-#ifdef __CUDA_ARCH__
-        __syncthreads();
-#endif
-    }
-    // Waits. Whether it holds for any thread.
-    WETCURL_HD bool any(bool mine) const {
-#ifdef __CUDA_ARCH__
-        return __syncthreads_or(mine);
-#else
-        return mine;
-#endif
-    }
-    // Sets bits of a number that the team shares.
-    WETCURL_HD static void raise(unsigned& shared, unsigned bits) {
-#ifdef __CUDA_ARCH__
-        atomicOr(&shared, bits);
-#else
-        shared |= bits;
-#endif
-    }
+// One of `threads`, each of which goes through the same. Meeting: wait() for all; any(mine), which waits too,
+// tells whether it holds for any; part_waits() for those of the same part; raise() sets bits of a number that
+// all share.
+template <class Meeting>
+struct Team : Meeting {
+    static constexpr int warp = 32;
+    int thread, threads;
+    WETCURL_HD Team(const Meeting& meeting, int thread, int threads)
+        : Meeting(meeting), thread(thread), threads(threads) {}
+
     // f(k) for 0 <= k < count, shared out among the threads.
     template <class F>
     WETCURL_HD void each(int count, F f) const {
@@ -43,31 +49,22 @@ struct Team {
             const int k = int((float(job) + 0.5f) * inverse);
             f(k, job - k * span);
         }
-        wait();
+        this->wait();
     }
 
-    // A part of the team, which goes through the steps of one job together: on a device eight of its threads.
-#ifdef __CUDA_ARCH__
-    static constexpr int of_a_part = 8;
-#else
-    static constexpr int of_a_part = 1;
-#endif
-    // So many of a step's pieces of work fall to one of them.
-    static constexpr int share_of(int pieces) { return (pieces + of_a_part - 1) / of_a_part; }
-    WETCURL_HD static void part_waits() {
-#ifdef __CUDA_ARCH__
-        __syncwarp();
-#endif
+    // So many of the pieces of each step of a part's job fall to one of it.
+    static constexpr int share_of(int pieces) {
+        return (pieces + Meeting::of_a_part - 1) / Meeting::of_a_part;
     }
-    // f(job, member) for 0 <= job < count and the members of its part. f must wait as often for any job.
-    // Waits for all.
+    // f(job, member) for 0 <= job < count and the members of a part each, which take its steps together.
+    // Whole warps do, so that their parts wait together: some have a job beyond the count, and f waits as
+    // often for any. Waits for all.
     template <class F>
     WETCURL_HD void by_parts(int count, F f) const {
-        // Whole warps, so that their parts wait together.
-        const int whole = (count * of_a_part + 31) / 32 * 32;
-        for (int k = thread; k < (of_a_part > 1 ? whole : count); k += threads)
-            f(k / of_a_part, k % of_a_part);
-        wait();
+        constexpr int part = Meeting::of_a_part;
+        const int all = part > 1 ? (count * part + warp - 1) / warp * warp : count;
+        for (int k = thread; k < all; k += threads) f(k / part, k % part);
+        this->wait();
     }
 };
 

@@ -1,4 +1,9 @@
 // The device's steps run on the host by a team of one, against the reference passes.
+#include <atomic>
+#include <barrier>
+#include <deque>
+#include <thread>
+
 #include "cuda/adhesion_bodies.h"
 #include "cuda/chain_setup.h"
 #include "solver/chain_state.h"
@@ -49,29 +54,71 @@ struct OnHost {
     }
 };
 
-// Substeps from `begin` to before `end` by a team of one.
-template <class T, class Set>
-void step(OnHost<T>& host, const Set& set, size_t begin, size_t end) {
+// Threads of this machine in the place of a block's.
+class Threads {
+  public:
+    static constexpr int of_a_part = 8, warp = 32;
+    struct Place {
+        std::barrier<> all;
+        std::deque<std::barrier<>> warps;
+        std::atomic<int> found{0};
+        explicit Place(int threads) : all(threads) {
+            for (int t = 0; t < threads; t += warp) warps.emplace_back(warp);
+        }
+    };
+    Threads(Place& place, int thread) : place_(&place), warp_(&place.warps[size_t(thread / warp)]) {}
+    void wait() const { place_->all.arrive_and_wait(); }
+    void part_waits() const { warp_->arrive_and_wait(); }
+    bool any(bool mine) const {
+        place_->found += mine;
+        wait();
+        const bool found = place_->found > 0;
+        wait();
+        place_->found -= mine;
+        return found;
+    }
+    static void raise(unsigned& shared, unsigned bits) { std::atomic_ref<unsigned>(shared) |= bits; }
+
+  private:
+    Place* place_;
+    std::barrier<>* warp_;
+};
+struct OneAlone {};
+struct ManyThreads {};
+void as_a_team(OneAlone, auto f) { f(Team<Alone>(Alone(), 0, 1)); }
+void as_a_team(ManyThreads, auto f) {
+    constexpr int count = 2 * Threads::warp;
+    Threads::Place place(count);
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < count; ++t)
+        threads.emplace_back([&, t] { f(Team<Threads>(Threads(place, t), t, count)); });
+}
+
+// Substeps from `begin` to before `end`.
+template <class T, class Set, class Who = OneAlone>
+void step(OnHost<T>& host, const Set& set, size_t begin, size_t end, Who who = {}) {
     const auto& m = host.memory;
     const bool limits = host.scene.template term<StrainLimit>().has_value();
     constexpr int together = 3;
-    std::vector<typename StrandStep<T>::Flags> flags(together);
+    std::vector<StrandFlags> flags(together);
     struct alignas(32) Aligned {
         T numbers[32 / sizeof(T)];
     };
-    std::vector<Aligned> room(StrandStep<T>::room(m.n, together, limits) * sizeof(T) / 32 + 1);
-    for (int first = 0; first < m.strands; first += together) {
-        StrandStep<T> strands(m, host.constants, Team{}, first, std::min(together, m.strands - first), limits,
-                              room[0].numbers, flags.data());
-        strands.load(set);
-        for (size_t k = begin; k < end; ++k) strands.step(set, host.motion[k], k == 0);
-        strands.store(set);
-    }
+    std::vector<Aligned> room(StrandStep<T, Alone>::room(m.n, together, limits) * sizeof(T) / 32 + 1);
+    for (int first = 0; first < m.strands; first += together)
+        as_a_team(who, [&]<class Meeting>(const Team<Meeting>& team) {
+            StrandStep<T, Meeting> strands(m, host.constants, team, first,
+                                           std::min(together, m.strands - first), limits, room[0].numbers,
+                                           flags.data());
+            strands.load(set);
+            for (size_t k = begin; k < end; ++k) strands.step(set, host.motion[k], k == 0);
+            strands.store(set);
+        });
 }
-template <class T, class Set>
-Strands stepped(const Scene& scene, const Set& set, int frames) {
+template <class T, class Set, class Who = OneAlone>
+Strands stepped(const Scene& scene, const Set& set, int frames, Who who = {}) {
     OnHost<T> host(scene, frames);
-    step(host, set, 0, host.motion.size());
+    step(host, set, 0, host.motion.size(), who);
     return host.strands();
 }
 
@@ -172,7 +219,7 @@ TEST(StrandSystem, solves_every_length) {
             if (i > 1) system.add_diagonal(1, i, identity_times(0.1));
         }
         const Vec3d untouched = system.right(0, n - 1);
-        system.solve(Team{}, 2, [](int strand) { return strand == 1; });
+        system.solve(Team<Alone>(Alone(), 0, 1), 2, [](int strand) { return strand == 1; });
         EXPECT_EQ(norm(system.right(0, n - 1) - untouched), 0);
         for (int i = 0; i < n; ++i) x[size_t(i)] = system.right(1, i);
         for (int i = 2; i < n; ++i) left[size_t(i)] = 0.1 * x[size_t(i)];
@@ -200,6 +247,21 @@ TEST(StrandStep, does_what_the_reference_passes_do) {
         // The whip of a chain without bends magnifies rounding.
         EXPECT_LT(farthest(stepped<double>(scene, AnySet{set_of(scene)}, 4), wanted), 1e-6) << c.name;
     }
+}
+
+// As a block of threads does, but for its speed.
+TEST(StrandStep, of_many_threads_does_what_one_alone_does) {
+    for (const char* particles : {"groom.particles=28", "groom.particles=29"})
+        for (const auto& c : cases()) {
+            auto settings = c.set;
+            settings.insert(settings.end(), {"groom.grid=[2, 2]", particles});
+            const Scene scene = scene_of(c.text, settings);
+            const AnySet set{set_of(scene)};
+            const Strands alone = stepped<double>(scene, set, 1);
+            ASSERT_GT(farthest(alone, scene.groom.rest), 1e-5) << c.name;
+            EXPECT_LT(farthest(stepped<double>(scene, set, 1, ManyThreads()), alone), 1e-9)
+                << c.name << ' ' << particles;
+        }
 }
 
 TEST(StrandStep, with_a_network_does_what_the_cpu_does_with_it) {
