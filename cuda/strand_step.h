@@ -5,6 +5,7 @@
 // those of solver/passes/chain_step.h, which is the reference.
 #pragma once
 
+#include "cuda/strand_chunks.h"
 #include "cuda/strand_parts.h"
 #include "cuda/strand_system.h"
 #include "cuda/team.h"
@@ -22,40 +23,8 @@ class StrandStep {
     using Q = Quat<T>;
     using M = Mat3<T>;
     struct alignas(4 * sizeof(T)) Frame : Q {};  // read and written whole
-    // An edge's row of the system of the turns of edges about themselves: what couples it to an edge before
-    // and to one after, what its diagonal has beyond these (nothing cancels in sums of such), its right side.
-    struct alignas(4 * sizeof(T)) TwistRow {
-        T before, after, excess, right;
-        WETCURL_HD T inverse() const { return T(1) / maximum(before + after + excess, T(1e-30)); }
-        // Is coupled no longer to row `b` before it, but to what that is coupled to before; likewise after.
-        WETCURL_HD void take_before(const TwistRow& b) {
-            const T share = before * b.inverse();
-            before = share * b.before, excess += share * b.excess, right += share * b.right;
-        }
-        WETCURL_HD void take_after(const TwistRow& a) {
-            const T share = after * a.inverse();
-            after = share * a.after, excess += share * a.excess, right += share * a.right;
-        }
-    };
-    // What the filter of Eq 2 but for its factor beta², 1 / (1 - q z)² with q = 1 - beta, makes of edges, and
-    // on its way there.
-    struct Smoothed {
-        V once{T(0), T(0), T(0)}, twice{T(0), T(0), T(0)};
-        WETCURL_HD void next(const V& e, T q) {
-            once = e + q * once;
-            twice = once + q * twice;
-        }
-        // What came so many edges before. `weight`: q to the power of these.
-        WETCURL_HD void add(const Smoothed& before, T edges, T weight) {
-            twice += weight * (before.twice + edges * before.once);
-            once += weight * before.once;
-        }
-    };
-    // Edges begin .. end - 1, the number-th such chunk.
-    struct Chunk {
-        int number, begin, end;
-    };
-    static constexpr int most_chunks = 64;
+    using TwistRow = wetcurl::TwistRow<T>;
+    using Smoothed = wetcurl::Smoothed<T>;
 
   public:
     // Numbers of room for so many strands.
@@ -74,12 +43,9 @@ class StrandStep {
           team_(team),
           count_(count),
           first_(size_t(first)),
-          flags_(flags) {
+          flags_(flags),
+          chunks_(m.n - 1) {
         const size_t cells = size_t(count) * size_t(m.n);
-        // An odd number of edges, so that threads' numbers lie in different banks.
-        const int edges = m.n - 1, least = (edges + most_chunks - 1) / most_chunks;
-        chunk_ = (least < 3 ? 3 : least) | 1;
-        chunks_ = (edges + chunk_ - 1) / chunk_;
         auto take = [&](size_t numbers) {
             T* at = room;
             room += numbers * cells;
@@ -179,10 +145,11 @@ class StrandStep {
     // what the filter has there, each of the last two twice.
     WETCURL_HD TwistRow* twist(int g) const { return reinterpret_cast<TwistRow*>(system_.numbers(g)); }
     WETCURL_HD TwistRow* last_twist(int g, bool other) const {
-        return twist(g) + m_.n + (other ? chunks_ : 0);
+        return twist(g) + m_.n + (other ? chunks_.count : 0);
     }
     WETCURL_HD Smoothed* smoothed(int g, int which, bool other) const {
-        return reinterpret_cast<Smoothed*>(twist(g) + m_.n + 2 * chunks_) + (2 * which + other) * chunks_;
+        return reinterpret_cast<Smoothed*>(twist(g) + m_.n + 2 * chunks_.count) +
+               (2 * which + other) * chunks_.count;
     }
     WETCURL_HD V edge_at(int k) const { return at_[k + 1] - at_[k]; }
     WETCURL_HD V placed_root(const SubstepMotion<T>& motion, int g, int i) const {
@@ -215,7 +182,8 @@ class StrandStep {
     template <class Set>
     WETCURL_HD void look(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, bool first) {
         if (has<Bend>(set) || has<StrainLimit>(set))
-            for_each_active(0, [&](int g, int i) {
+            for_each_particle(0, m_.n - 1, [&](int g, int i) {
+                if (!is(active, g)) return;
                 const int k = cell(g, i);
                 const V e = edge_at(k);
                 if (has<StrainLimit>(set)) limit_edge_[k] = e;
@@ -225,19 +193,11 @@ class StrandStep {
             });
         if (has<Core>(set) || has<Twist>(set)) take_along(set, scheme);
     }
-    // f(strand, edge) for edges from `first` on of strands whose forces are taken. Waits.
-    template <class F>
-    WETCURL_HD void for_each_active(int first, F f) const {
-        for_each_particle(first, m_.n - 1, [&](int g, int i) {
-            if (is(active, g)) f(g, i);
-        });
-    }
     // f(strand, chunk) of strands whose forces are taken. Waits.
     template <class F>
     WETCURL_HD void for_each_chunk(F f) const {
-        team_.share(count_, chunks_, [&](int g, int c) {
-            const int begin = c * chunk_, end = begin + chunk_;
-            if (is(active, g)) f(g, Chunk{c, begin, end < m_.n ? end : m_.n - 1});
+        team_.share(count_, chunks_.count, [&](int g, int c) {
+            if (is(active, g)) f(g, chunks_.chunk(c));
         });
     }
     // The turns of edges about themselves and the core's forces.
@@ -261,24 +221,22 @@ class StrandStep {
                 if (c.end + 2 < m_.n) row.take_after(twist(g)[c.end]);
                 last_twist(g, false)[c.number] = row;
             });
-        T weight(1);
-        for (int i = 0; i < chunk_; ++i) weight *= q;
-        const bool last = in_rounds(false, weight, [&](bool other, int reach, T share) {
+        const bool last = chunks_.in_rounds(false, q, [&](bool other, int reach, T share) {
             for_each_chunk([&](int g, const Chunk& c) {
                 if (has<Twist>(set))
-                    last_twist(g, !other)[c.number] = reduced(last_twist(g, other), c.number, reach);
+                    last_twist(g, !other)[c.number] = chunks_.reduced(last_twist(g, other), c.number, reach);
                 if (!has<Core>(set)) return;
                 for (int which = 0; which < 2; ++which)
                     smoothed(g, which, !other)[c.number] =
-                        carried(smoothed(g, which, other), c.number, -reach, share);
+                        chunks_.carried(smoothed(g, which, other), c.number, -reach, share);
             });
         });
         const bool adjoint = has<Core>(set) && !get<Core>(k_.rules.terms).printed;
         for_each_chunk([&](int g, const Chunk& c) {
             if (has<Twist>(set)) turn(g, c, last_twist(g, last));
             if (!has<Core>(set)) return;
-            Smoothed edges = before(smoothed(g, 0, last), c.number - 1),
-                     rates = before(smoothed(g, 1, last), c.number - 1);
+            Smoothed edges = chunks_.at(smoothed(g, 0, last), c.number - 1),
+                     rates = chunks_.at(smoothed(g, 1, last), c.number - 1);
             pull(g, c, q, edges, rates);
             if (!adjoint) return;
             Smoothed back;
@@ -286,37 +244,20 @@ class StrandStep {
             smoothed(g, 0, !last)[c.number] = back;
         });
         if (!adjoint) return;
-        const bool end = in_rounds(!last, weight, [&](bool other, int reach, T share) {
+        const bool end = chunks_.in_rounds(!last, q, [&](bool other, int reach, T share) {
             for_each_chunk([&](int g, const Chunk& c) {
-                smoothed(g, 0, !other)[c.number] = carried(smoothed(g, 0, other), c.number, reach, share);
+                smoothed(g, 0, !other)[c.number] =
+                    chunks_.carried(smoothed(g, 0, other), c.number, reach, share);
             });
         });
         for_each_chunk([&](int g, const Chunk& c) {
-            Smoothed back = before(smoothed(g, 0, end), c.number + 1);
+            Smoothed back = chunks_.at(smoothed(g, 0, end), c.number + 1);
             for (int i = c.end - 1; i >= c.begin; --i) {
                 V& core = core_[cell(g, i)];
                 back.next(core, q);
                 core = back.twice;
             }
         });
-    }
-    // f(other, reach, weight) in rounds, each of which reaches twice as many chunks far as the one before and
-    // reads what that has left, in turns here or (`other`) there. Returns where the last one leaves it.
-    template <class F>
-    WETCURL_HD bool in_rounds(bool other, T weight, F f) const {
-        for (int reach = 1; reach < chunks_; reach *= 2, other = !other, weight *= weight)
-            f(other, reach, weight);
-        return other;
-    }
-    // Chunk c's with that of the one `reach` (before: < 0) away, of whole chunks but at the tip.
-    WETCURL_HD Smoothed carried(const Smoothed* chunks, int c, int reach, T weight) const {
-        Smoothed sum = chunks[c];
-        if (c + reach >= 0 && c + reach < chunks_)
-            sum.add(chunks[c + reach], T((reach < 0 ? -reach : reach) * chunk_), weight);
-        return sum;
-    }
-    WETCURL_HD Smoothed before(const Smoothed* chunks, int c) const {
-        return c >= 0 && c < chunks_ ? chunks[c] : Smoothed();
     }
     // f(edge, e, rate) of a chunk, less those at the root: before it the strand goes on straight.
     template <class F>
@@ -343,14 +284,6 @@ class StrandStep {
             core_[k] = weight * core.pull(e0 + factor * edges.twice, rate0 + factor * rates.twice,
                                           of(m_.rest_core, k));
         });
-    }
-    // Hockney and Jesshope 1981, parallel cyclic reduction: rows of chunks `reach` before and after are taken
-    // off row c.
-    WETCURL_HD TwistRow reduced(const TwistRow* rows, int c, int reach) const {
-        TwistRow row = rows[c];
-        if (c - reach >= 0) row.take_before(rows[c - reach]);
-        if (c + reach < chunks_) row.take_after(rows[c + reach]);
-        return row;
     }
     // As of TwistElimination, edge 0 is held by the root. In the end a chunk's rows are coupled to the last
     // ones of this chunk and of the one before alone.
@@ -560,7 +493,7 @@ class StrandStep {
     V* core_;                  // the core's force along each edge
     V* limit_edge_ = nullptr;  // edges at which the strain limit is taken
     T *pushed_, *gap_;         // gap: from surfaces where particles were first expected
-    int chunk_, chunks_;       // edges of one; of a strand
+    const Chunks chunks_;      // of a strand
 };
 
 }  // namespace wetcurl
