@@ -113,10 +113,15 @@ void CohesionPass::move_strands() {
                 own_weight.set(lane, own_weight_[s]);
                 for (size_t i = 1; i < n; ++i) {
                     const size_t k = rank_[s * n + i];
+                    // Two lines anywhere: those of the strand after are asked for a strand ahead.
+                    if (s + 1 < size_t(strands_)) {
+                        const size_t next = rank_[(s + 1) * n + i];
+                        __builtin_prefetch(&sums_[next]), __builtin_prefetch(&now.number(next), 1);
+                    }
                     const Cohesion::Sums<float>& of = sums_[k];
                     u[i].by.x.set(lane, of.pull.x), u[i].by.y.set(lane, of.pull.y);
                     u[i].by.z.set(lane, of.pull.z), u[i].weight.set(lane, of.weight);
-                    u[i].own.set(lane, now.number(k));
+                    u[i].own.set(lane, volume_[s * n + i]);
                 }
             }
             u[0].by = cast<S>(Vec3f{0, 0, 0});
