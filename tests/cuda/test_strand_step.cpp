@@ -249,6 +249,16 @@ TEST(StrandStep, does_what_the_reference_passes_do) {
     }
 }
 
+// Their chunks are of more edges.
+TEST(StrandStep, of_long_strands_does_what_the_reference_passes_do) {
+    for (const char* particles : {"groom.particles=197", "groom.particles=330"}) {
+        const Scene scene = scene_of(dry_scene, {"groom.grid=[2, 2]", particles});
+        const Strands wanted = after(scene, 2, "double").positions;
+        ASSERT_GT(farthest(wanted, scene.groom.rest), 1e-4) << particles;
+        EXPECT_LT(farthest(stepped<double>(scene, AnySet{set_of(scene)}, 2), wanted), 1e-6) << particles;
+    }
+}
+
 // As a block of threads does, but for its speed.
 TEST(StrandStep, of_many_threads_does_what_one_alone_does) {
     for (const char* particles : {"groom.particles=28", "groom.particles=29"})
