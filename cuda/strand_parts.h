@@ -1,6 +1,6 @@
-// What steps on a device take of a strand particle by particle, however its numbers lie in memory: elements,
-// rows of the system, contact. Terms, formulas and order are those of solver/passes/chain_step.h, which is
-// the reference.
+// What steps on a device take of a strand particle by particle, wherever its numbers lie: elements, rows of
+// the system, contact. Terms, formulas and order are those of solver/passes/chain_step.h, which is the
+// reference.
 #pragma once
 
 #include <utility>

@@ -6,7 +6,7 @@
 
 namespace wetcurl {
 
-// Of a normal number: a device's division looks after others first.
+// 1 / pivot. A pivot is a normal number; a device's division takes time to see whether it is.
 template <class S>
 WETCURL_HD S inverse_of_pivot(const S& pivot) {
 #if defined(__CUDA_ARCH__) && !defined(WETCURL_PARITY)
