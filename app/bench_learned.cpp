@@ -17,15 +17,22 @@ namespace wetcurl::bench {
 
 namespace {
 
-// Dry strands of every second root each way.
+// The low-resolution run has every second root each way.
 const Workload workloads[] = {{64, 32, 0.0042, 0}, {220, 180, 0.0012, 0}};
+
+// As the network learned it: dry, or wet before Eq 10.
+Scene low_scene_of(const Workload& w, bool wet) {
+    Scene low = scene_of(w, wet, {}, 2);
+    leave_out_display(low);
+    return low;
+}
 
 // A network on the workload's hair, in and out where it computes.
 class LearnedHair {
   public:
     LearnedHair(const Workload& w, const std::string& model, const std::string& device, int threads)
         : high_(scene_of(w, true)),
-          low_(scene_of(w, false, {}, 2)),
+          low_(low_scene_of(w, network_module().card(model).low == "wet")),
           device_(device),
           learned_(learned_strands_of(model, high_, high_.title, low_.groom, device, threads)) {}
 
@@ -41,7 +48,7 @@ class LearnedHair {
         bind(low);
         return repeated([&] { return [&] { learned_->run(HeadWindow()); }; });
     }
-    // Of strands that are simulated, dry, before each frame: read where they are.
+    // Of strands that are simulated before each frame: read where they are.
     Times simulated() {
         const auto simulation = make_simulation_on(device_, low_, "float");
         RunFrame frame;

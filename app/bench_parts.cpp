@@ -72,7 +72,7 @@ struct Queries {
     using S = Pack<float>;
     std::vector<Shape> shapes;
     std::vector<PosedSolid<float>> solids;
-    std::optional<SolidTree<float>> tree;
+    SolidTree<float> tree;
     std::vector<Vec3<S>> x, normal, velocity;
     std::vector<S> phi;
 
@@ -89,7 +89,7 @@ struct Queries {
                               {0, 0, 0},
                               0.3f,
                               false});
-        tree.emplace(solids);
+        tree.pose(solids);
         std::mt19937 random(1);
         const auto number = [&](double size) { return float(size * (double(random()) / 4294967296.0)); };
         for (size_t k = 0; k < packs; ++k) {
@@ -121,7 +121,7 @@ Entry query(const std::string& shape_name, const std::function<Shape()>& shape, 
         return [q, by_tree] {
             for (size_t k = 0; k < Queries::packs; ++k)
                 if (by_tree)
-                    sample_nearest(*q->tree, q->solids, q->x[k], q->phi[k], q->normal[k], q->velocity[k]);
+                    sample_nearest(q->tree, q->solids, q->x[k], q->phi[k], q->normal[k], q->velocity[k]);
                 else
                     sample_nearest(q->solids, q->x[k], q->phi[k], q->normal[k], q->velocity[k]);
         };

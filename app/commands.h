@@ -25,6 +25,7 @@ struct SimulateOptions : CommonOptions {
     std::string groom;
     std::string precision = "float";
     bool dry = false;
+    bool before_cohesion = false;  // without Eq 10, which moves what is displayed alone
     bool reference = false;  // also run in double with 160 substeps and report the error
 };
 struct EncodeOptions : CommonOptions {

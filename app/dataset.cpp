@@ -87,10 +87,9 @@ class MemberRun {
         if (high_.flow)
             throw Misuse(m.name + ": its water moves ([wetness.flow]), allowed is wetness that stays");
         if (!recipe.low_is_wet) make_dry(low_);
-        // Eq 10 moves what is seen alone.
-        if (!recipe.root && !recipe.displayed && !keeps_runs() && high_.cohesion &&
-            high_.cohesion->strength == 0)
-            high_.cohesion.reset(), low_.cohesion.reset();
+        // Eq 10 moves what is seen alone, and no network sees it of the low-resolution run.
+        leave_out_display(low_);
+        if (!recipe.root && !recipe.displayed && !keeps_runs()) leave_out_display(high_);
         if (recipe.first >= high_.frames)
             throw Misuse(fmt::format("{}: first: found {}, allowed 0 to {}, since the scene has {} frames",
                                      m.name, recipe.first, high_.frames - 1, high_.frames));

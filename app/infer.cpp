@@ -250,6 +250,7 @@ void simulate_low(InferOptions& o, const Scene& low, bool wet) {
     if (run.device != "cpu" && names_of_cuda_devices().empty()) run.device = "cpu";
     run.output = o.output + (wet ? ".wet.h5" : ".dry.h5");
     run.dry = !wet;
+    run.before_cohesion = wet && low.cohesion && low.cohesion->strength == 0;
     run.strands = low.groom.rest.count;
     simulate_command(run);
     o.input = run.output;

@@ -100,6 +100,8 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"float", "double"}))
         ->capture_default_str();
     c->add_flag("--dry", simulate.dry, "leave out all that acts on wet hair; the wetness is recorded");
+    c->add_flag("--before-cohesion", simulate.before_cohesion,
+                "leave out Eq 10, which moves what is displayed alone: a low-resolution run to infer from");
     c->add_flag("--reference", simulate.reference,
                 "run in double with 160 substeps beside it and report the distance");
 

@@ -111,7 +111,7 @@ Placement<T> placement_at(const Scene& scene, double time, double dt, bool movin
                    cast<T>((1 / dt) * (head.translation - head_before.translation)),
                    std::move(room.solids),
                    std::move(room.deforming),
-                   {},
+                   std::move(room.tree),
                    moving ? time - dt : time};
     p.solids.clear(), p.deforming.clear();
     for (const auto& solid : scene.solids) {
@@ -130,7 +130,12 @@ Placement<T> placement_at(const Scene& scene, double time, double dt, bool movin
         else
             p.solids.push_back(posed(&solid.shape));
     }
-    if (p.solids.size() > most_solids_in_a_loop) p.tree.emplace(p.solids);
+    if (p.solids.size() <= most_solids_in_a_loop) {
+        p.tree.reset();
+    } else {
+        if (!p.tree) p.tree.emplace();
+        p.tree->pose(p.solids);
+    }
     return p;
 }
 

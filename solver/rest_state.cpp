@@ -51,10 +51,9 @@ const float* saturation_along(const Scene& scene, int s) {
 }
 
 // `saturation` (n); read where the scene has [wetness].
-std::vector<double> wet_masses(const Scene& scene, std::vector<double> mass, const float* saturation) {
+void wet(const Scene& scene, std::vector<double>& mass, const float* saturation) {
     if (scene.wetness)
         for (size_t i = 0; i < mass.size(); ++i) mass[i] = scene.wetness->wet_mass(mass[i], saturation[i]);
-    return mass;
 }
 
 // The drawn shape as an equilibrium: from the tip, edge i must pass on the weight below it (f_i = G_i -
@@ -108,12 +107,13 @@ double mean_segment(const Groom& groom) {
     return sum / (double(groom.rest.count) * (groom.rest.particles - 1));
 }
 
-void soak(const Scene& scene, const Soaking& soaking, const float* saturation, StrandRest& rest) {
-    rest.mass = wet_masses(scene, soaking.dry_mass, saturation);
+void soak(const Scene& scene, const Soaking& soaking, const float* saturation, StrandRest& rest,
+          std::vector<Vec3d>& points) {
+    rest.mass = soaking.dry_mass;
+    wet(scene, rest.mass, saturation);
     if (!soaking.curl) return;
-    rest.target = soaking.curl->at(saturation);
+    soaking.curl->at(saturation, rest.target, points);
     if (soaking.core.empty()) return;
-    std::vector<Vec3d> points(rest.target.size() + 1);
     rest.rest_core.resize(soaking.core.size());
     core_of_curl(int(soaking.core.size()), scene.term<Core>()->beta, rest.target.data(), soaking.core.data(),
                  soaking.rest_core.data(), points.data(),
@@ -145,7 +145,8 @@ StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking) {
             scene.rest == "sag_free" ? curled(*scene.curl, intrinsic_shape(p), sigma) : dry.curl->at(sigma);
         rest.start = shape_from_intrinsic(wet, p[0], root);
     }
-    soak(scene, dry, sigma, rest);
+    std::vector<Vec3d> room;
+    soak(scene, dry, sigma, rest, room);
     rest.frame = frames_along(rest.start);
     for (size_t i = 1; i < rest.frame.size(); ++i)
         rest.frame[i] = turned_about_itself(rest.frame[i], angle[i]);
@@ -187,8 +188,9 @@ std::vector<float> rest_depths_of(const Scene& scene) {
 std::vector<float> volumes_of(const Scene& scene) {
     std::vector<float> out;
     for (int s = 0; s < scene.groom.rest.count; ++s) {
-        const auto dry = dry_masses(points_of(scene.groom.rest, s), scene.linear_density);
-        for (double m : wet_masses(scene, dry, saturation_along(scene, s)))
+        auto mass = dry_masses(points_of(scene.groom.rest, s), scene.linear_density);
+        wet(scene, mass, saturation_along(scene, s));
+        for (double m : mass)
             out.push_back(float(m / scene.volume_density));
     }
     return out;

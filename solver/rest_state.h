@@ -35,8 +35,9 @@ struct Soaking {
 // Strand `s` of the scene's groom; `soaking`, where given, receives what `soak` needs of it.
 StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking = nullptr);
 // Mass, target and core lengths of `rest` at another saturation (n) of the strand; the last two are left as
-// they are where no curl blends them.
-void soak(const Scene& scene, const Soaking& soaking, const float* saturation, StrandRest& rest);
+// they are where no curl blends them. In the memory of `rest`; `points`: room.
+void soak(const Scene& scene, const Soaking& soaking, const float* saturation, StrandRest& rest,
+          std::vector<Vec3d>& points);
 
 // Dry masses (n) [kg] of a strand p (n) [m]: half of each segment to either end. density [kg/m].
 std::vector<double> dry_masses(const std::vector<Vec3d>& p, double density);

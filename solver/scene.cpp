@@ -328,6 +328,10 @@ void make_dry(Scene& scene) {
     scene.term<CurlPush>().reset();
 }
 
+void leave_out_display(Scene& scene) {
+    if (scene.cohesion && scene.cohesion->strength == 0) scene.cohesion.reset();
+}
+
 bool acts_wet(const Scene& scene) { return scene.wetness.has_value(); }
 
 }  // namespace wetcurl

@@ -39,6 +39,12 @@ uint32_t NeighborList::Search::operator()(NeighborGrid::Sweep& sweep, size_t c, 
     uint32_t pairs = 0, with_source = 0;
     for (size_t k = first, end; k < stop; k = end) {
         end = sweep.move_to(k, stop);
+        bool some = false;
+        sweep.rows([&](uint32_t low, uint32_t high) {
+            for (size_t block = low / sources; !some && block <= (high - 1) / sources; ++block)
+                some = some_source[block];
+        });
+        if (!some) continue;
         // Lanes of those points.
         const uint32_t asked = (1u << 4 * (end - first)) - (1u << 4 * (k - first));
         sweep.rows([&](uint32_t low, uint32_t high) {
@@ -77,7 +83,14 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
     const size_t count = grid.size();
     clusters_ = (count + cluster - 1) / cluster;
     const size_t chunks = (clusters_ + chunk - 1) / chunk;
-    const Search search{grid, group, source, radius};
+    some_source_.resize((count + sources - 1) / sources);
+#pragma omp parallel for schedule(static)
+    for (size_t block = 0; block < some_source_.size(); ++block) {
+        const auto first = source.begin() + long(block * sources),
+                   end = source.begin() + long(std::min(count, (block + 1) * sources));
+        some_source_[block] = std::any_of(first, end, [](float s) { return s > 0; });
+    }
+    const Search search{grid, group, source, some_source_, radius};
     begin_.resize(clusters_ + chunks);
     // As much room for each thread as any has needed: which chunks it meets is chance.
     found_.resize(size_t(omp_get_max_threads()));
@@ -126,7 +139,7 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
 size_t NeighborList::bytes() const {
     size_t runs = bits_.capacity(), firsts = first_.capacity();
     for (const auto& f : found_) runs += f.bits.capacity(), firsts += f.first.capacity();
-    return (firsts + begin_.capacity()) * sizeof(uint32_t) + runs * sizeof(uint16_t);
+    return (firsts + begin_.capacity()) * sizeof(uint32_t) + runs * sizeof(uint16_t) + some_source_.capacity();
 }
 
 }  // namespace wetcurl

@@ -60,16 +60,20 @@ class NeighborList {
         const NeighborGrid& grid;
         const std::vector<uint32_t>& group;
         const std::vector<float>& source;
+        const std::vector<uint8_t>& some_source;
         float radius;
         uint32_t operator()(NeighborGrid::Sweep& sweep, size_t c, Found& found) const;
     };
 
+    static constexpr size_t sources = 64;  // points of `some_source_`
     // Chunks of clusters lie wherever a thread found room; a chunk has one more begin than clusters.
     static constexpr size_t chunk = 128;
     const uint32_t* begin(size_t c) const { return &begin_[c + c / chunk]; }
     size_t clusters_ = 0;
     std::vector<uint32_t> first_, begin_;
     std::vector<uint16_t> bits_;
+    // (64 points) whether one of them has a source: who has none around is not searched for.
+    std::vector<uint8_t> some_source_;
     std::vector<Found> found_;  // (thread)
     double mean_ = 0;
 };

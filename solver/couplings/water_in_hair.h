@@ -1,6 +1,8 @@
 // The flow of water in a scene's hair, and what of the strands follows it. Ours.
 #pragma once
 
+#include <omp.h>
+
 #include <vector>
 
 #include "solver/chain_state.h"
@@ -62,19 +64,21 @@ class WaterInHair {
 
   private:
     // All of the strands that follows the saturation.
-    void soak(Hair& hair) const {
+    void soak(Hair& hair) {
         auto& state = hair.state;
         const int n = state.n;
+        room_.resize(size_t(omp_get_max_threads()));
 #pragma omp parallel for schedule(static)
         for (int block = 0; block < state.blocks; ++block)
             for (int lane = 0; lane < state.lanes; ++lane) {
                 const int s = state.strand_of(block, lane);
                 const float* sigma = flow_.saturation().data() + size_t(s) * size_t(n);
-                StrandRest rest;
+                auto& [rest, points] = room_[size_t(omp_get_thread_num())];
+                rest.rest_length.clear();
                 for (int i = 0; !state.push.empty() && i + 1 < n; ++i)
                     rest.rest_length.push_back(
                         state.template lane_of<double>(state.rest_length[state.at(block, i)], lane));
-                wetcurl::soak(scene_, soaking_[size_t(s)], sigma, rest);
+                wetcurl::soak(scene_, soaking_[size_t(s)], sigma, rest, points);
                 state.put_water(scene_, block, lane, rest, sigma);
             }
         if (scene_.cohesion) hair.take_up_water(flow_.dry_mass());
@@ -83,6 +87,11 @@ class WaterInHair {
     const Scene& scene_;
     FlowPass flow_;
     std::vector<Soaking> soaking_;  // (strand)
+    struct Room {
+        StrandRest rest;
+        std::vector<Vec3d> points;
+    };
+    std::vector<Room> room_;  // (thread)
 };
 
 }  // namespace wetcurl

@@ -1,6 +1,8 @@
 // The flow of water on the CPU.
 #include "solver/passes/flow.h"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -72,9 +74,11 @@ void FlowPass::wet(const Strands& p, double time, double dt) {
 void FlowPass::run_along(const Strands& p, double dt, const Vec3d& gravity) {
     const FlowBodies b = bodies();
     const Vec3d down = flow_.down(gravity);
+    rows_.resize(size_t(omp_get_max_threads()));
 #pragma omp parallel
     {
-        std::vector<FlowRow> rows(size_t(n_), FlowRow{});
+        auto& rows = rows_[size_t(omp_get_thread_num())];
+        rows.assign(size_t(n_), FlowRow{});
 #pragma omp for schedule(static)
         for (int s = 0; s < strands_; ++s) b.run_along(s, p.points.data(), dt, down, rows.data());
     }

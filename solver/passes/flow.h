@@ -50,6 +50,7 @@ class FlowPass {
     std::vector<double> sigma_, next_, limit_;  // (strand, particle)
     std::vector<float> shown_;
     std::vector<FlowLedger> ledger_;  // (strand)
+    std::vector<std::vector<FlowRow>> rows_;  // (thread, particle)
     // Where nobody else searches.
     NeighborGrid grid_;
     NeighborList list_;

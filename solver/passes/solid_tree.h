@@ -18,15 +18,15 @@ inline constexpr size_t most_solids_in_a_loop = 6;
 template <class T>
 class SolidTree {
   public:
-    // Of solids as they are posed; indices below are theirs.
-    explicit SolidTree(const std::vector<PosedSolid<T>>& solids) : order_(solids.size()) {
-        std::vector<Box> boxes;
-        for (const auto& solid : solids) boxes.push_back(box_of(solid));
+    // Of solids as they are posed; indices below are theirs. In the memory of those before.
+    void pose(const std::vector<PosedSolid<T>>& solids) {
+        boxes_.clear(), nodes_.clear();
+        for (const auto& solid : solids) boxes_.push_back(box_of(solid));
+        order_.resize(solids.size());
         std::iota(order_.begin(), order_.end(), 0);
         nodes_.reserve(2 * solids.size());
         nodes_.emplace_back();
-        build(0, 0, int(solids.size()), boxes);
-        boxes_ = std::move(boxes);
+        build(0, 0, int(solids.size()));
     }
 
     // Calls visit(k), near boxes first, for each solid that may be as near as `phi` [m] at x in some lane;
@@ -117,18 +117,18 @@ class SolidTree {
         const T more = T(1e-5) * (norm(box.high - box.low) + norm(solid.translation));
         return {box.low - Vec3<T>{more, more, more}, box.high + Vec3<T>{more, more, more}};
     }
-    void build(int node, int first, int count, const std::vector<Box>& boxes) {
+    void build(int node, int first, int count) {
         const auto begin = order_.begin() + first, end = begin + count;
-        Box around = boxes[size_t(*begin)];
+        Box around = boxes_[size_t(*begin)];
         for (auto k = begin; k != end; ++k)
-            around = {lower(around.low, boxes[size_t(*k)].low), upper(around.high, boxes[size_t(*k)].high)};
+            around = {lower(around.low, boxes_[size_t(*k)].low), upper(around.high, boxes_[size_t(*k)].high)};
         nodes_[size_t(node)].box = around;
         if (count == 1) {
             nodes_[size_t(node)].solid = *begin;
             return;
         }
         const auto middle = [&](int k) {
-            return T(0.5) * boxes[size_t(k)].low + T(0.5) * boxes[size_t(k)].high;
+            return T(0.5) * boxes_[size_t(k)].low + T(0.5) * boxes_[size_t(k)].high;
         };
         Box spread{middle(*begin), middle(*begin)};
         for (auto k = begin; k != end; ++k)
@@ -142,8 +142,8 @@ class SolidTree {
         const int children = int(nodes_.size());
         nodes_[size_t(node)].children = children;
         nodes_.resize(nodes_.size() + 2);
-        build(children, first, count / 2, boxes);
-        build(children + 1, first + count / 2, count - count / 2, boxes);
+        build(children, first, count / 2);
+        build(children + 1, first + count / 2, count - count / 2);
     }
 
     std::vector<int> order_;

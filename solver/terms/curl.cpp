@@ -162,9 +162,14 @@ WetCurlView<const Vec3d*, const Quatd*> WetCurl::view() const {
 }
 
 std::vector<Vec3d> WetCurl::at(const float* saturation) const {
-    std::vector<Vec3d> out(dry_.size()), points(dry_.size() + 1);
-    view().at(saturation, out.data(), points.data());
+    std::vector<Vec3d> out, points;
+    at(saturation, out, points);
     return out;
+}
+
+void WetCurl::at(const float* saturation, std::vector<Vec3d>& out, std::vector<Vec3d>& points) const {
+    out.resize(dry_.size()), points.resize(dry_.size() + 1);
+    view().at(saturation, out.data(), points.data());
 }
 
 size_t WetCurl::bytes() const {

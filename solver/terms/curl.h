@@ -50,6 +50,8 @@ class WetCurl {
     WetCurl(const Curl& curl, const std::vector<Vec3d>& tbar);  // (n-1), dry
     // tbar (n-1) at `saturation` (n). Up to where it is first above 0, the dry bits.
     std::vector<Vec3d> at(const float* saturation) const;
+    // The same to `out` (n-1), in its memory; `points`: room.
+    void at(const float* saturation, std::vector<Vec3d>& out, std::vector<Vec3d>& points) const;
     size_t bytes() const;
 
     // What any device needs for it.

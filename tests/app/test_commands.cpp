@@ -259,6 +259,31 @@ TEST_F(Commands, rest_with_its_water_curls_the_strands_and_draws_them_together) 
     EXPECT_LT(moved(dry_both.displayed, dry.positions), 1e-6);
 }
 
+TEST_F(Commands, before_cohesion_strands_are_the_same_and_nothing_is_displayed_of_them) {
+    SimulateOptions low = simulation("whole.h5", 16);
+    low.scene = scratch.file("wet.toml", wet_scene);
+    simulate_command(low);
+    low.before_cohesion = true, low.output = scratch.path("low.h5");
+    simulate_command(low);
+    const RunReader whole(scratch.path("whole.h5")), before(low.output);
+    EXPECT_EQ(before.header().method, "simulated wet");
+    const auto whole_points = whole.frame(3).positions.points, points = before.frame(3).positions.points;
+    ASSERT_EQ(points.size(), whole_points.size());
+    for (size_t k = 0; k < points.size(); ++k) EXPECT_EQ(norm(points[k] - whole_points[k]), 0);
+    EXPECT_EQ(whole.frame(3).displayed.count, 16);
+    EXPECT_EQ(before.frame(3).displayed.count, 0);
+    // What follows takes Eq 10 from the scene all the same.
+    InferOptions o = inference("rest", 4);
+    o.cohesion = true;
+    EXPECT_EQ(infer_command(o), 0);
+    EXPECT_EQ(RunReader(o.output).frame(3).displayed.count, 64);
+
+    low.set = {"cohesion.strength=1e-6"};
+    low.output = scratch.path("refused.h5");
+    expect_error<Misuse>([&] { simulate_command(low); }, {"--before-cohesion", "cohesion.strength = 1e-06", "0"});
+    EXPECT_FALSE(fs::exists(low.output));
+}
+
 TEST_F(Commands, water_that_nothing_takes_up_is_refused) {
     simulate_command(simulation("low.h5", 16));
     for (const std::string kind : {"nearest", "quad", "core"}) {

@@ -233,7 +233,8 @@ void expect_tree_is_loop(unsigned seed) {
     Random random(seed);
     for (int count : {1, 2, 9, 40}) {
         const auto solids = random_solids<T>(count, random);
-        const SolidTree<T> tree(solids.posed);
+        SolidTree<T> tree;
+        tree.pose(solids.posed);
         size_t visited = 0, asked = 0;
         for (int k = 0; k < 300; ++k) {
             Vec3<S> x;
@@ -285,7 +286,8 @@ TEST(SolidTree, meets_every_solid_that_the_loop_pushes_out_of) {
     for (auto& solid : solids.posed)
         if (!std::holds_alternative<Plane>(*solid.shape))
             solid.translation = cast<float>(random.vector(0.25));
-    const SolidTree<float> tree(solids.posed);
+    SolidTree<float> tree;
+    tree.pose(solids.posed);
     constexpr int n = 12;
     int met = 0, asked = 0;
     for (int round = 0; round < 400; ++round) {
