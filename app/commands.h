@@ -26,7 +26,7 @@ struct SimulateOptions : CommonOptions {
     std::string precision = "float";
     bool dry = false;
     bool before_cohesion = false;  // without Eq 10, which moves what is displayed alone
-    bool reference = false;  // also run in double with 160 substeps and report the error
+    bool reference = false;        // also run in double with 160 substeps and report the error
 };
 struct EncodeOptions : CommonOptions {
     std::vector<std::string> inputs;  // DRY.h5 WET.h5 pairs, or wet runs for adhesion samples

@@ -33,9 +33,10 @@ int simulate_command(const SimulateOptions& o) {
     if (o.dry) make_dry(scene);
     if (o.before_cohesion) leave_out_display(scene);
     if (o.before_cohesion && scene.cohesion)
-        throw Misuse(fmt::format("--before-cohesion: found cohesion.strength = {:g}, allowed 0: cohesion that acts "
-                                 "in the solve cannot be left out of what is displayed",
-                                 scene.cohesion->strength));
+        throw Misuse(
+            fmt::format("--before-cohesion: found cohesion.strength = {:g}, allowed 0: cohesion that acts "
+                        "in the solve cannot be left out of what is displayed",
+                        scene.cohesion->strength));
     const std::string precision = trusted_precision(scene, o.precision);
     if (precision != o.precision)
         log_warning(

@@ -9,6 +9,15 @@
 
 namespace wetcurl {
 
+// Level sets are gathered lane by lane, many solids by a tree; those that deform come near by themselves.
+static bool far_pays(const Scene& scene) {
+    const auto sampled = [](const auto& solid) {
+        return std::holds_alternative<std::shared_ptr<const LevelSet>>(solid.shape);
+    };
+    return scene.integrator.is_implicit() && !scene.has_deforming_solid() &&
+           (scene.solids.size() > most_solids_in_a_loop || std::ranges::any_of(scene.solids, sampled));
+}
+
 template <class T>
 ChainStepper<T>::ChainStepper(const Scene& scene)
     : state(scene),
@@ -23,6 +32,7 @@ ChainStepper<T>::ChainStepper(const Scene& scene)
     nearest_.normal.assign(cells, {S(0), S(1), S(0)}), nearest_.velocity.assign(cells, {S(0), S(0), S(0)});
     while (scratch_.size() < size_t(omp_get_max_threads()))
         scratch_.emplace_back(n_, scene.chain, scene.integrator.is_implicit(), !scene.solids.empty());
+    while (far_pays(scene) && far_.size() < scratch_.size()) far_.emplace_back(n_);
 }
 
 template <class T>
@@ -44,7 +54,8 @@ ChainView<Pack<T>> ChainStepper<T>::view_of(int block) const {
 // One substep. The new state is written over the one before.
 template <class T>
 void ChainStepper<T>::step_block(int block, const BlockState& now, const Placement<T>& p,
-                                 const GivenToChain<S>& given, bool first, ChainScratch<S>& scratch) {
+                                 const GivenToChain<S>& given, bool first, ChainScratch<S>& scratch,
+                                 FarFromSolids<S>* far) {
     const size_t k = state.at(block, 0);
     auto from = [&](auto& buffer) { return buffer.empty() ? nullptr : &buffer[k]; };
     Vec3<S> root[2];
@@ -74,7 +85,7 @@ void ChainStepper<T>::step_block(int block, const BlockState& now, const Placeme
     const NearestView<S> near{from(nearest_.phi), from(nearest_.normal), from(nearest_.velocity),
                               from(state.touching)};
     const int limited =
-        take_substep(rules_, step, view, near, from(state.rest_depth), SurfacesOf<S>{p}, scratch, meter);
+        take_substep(rules_, step, view, near, from(state.rest_depth), SurfacesOf<S>{p, far}, scratch, meter);
     if (limited > 0) {
 #pragma omp atomic
         limited_ += limited;
@@ -87,9 +98,12 @@ void ChainStepper<T>::run(const std::vector<Placement<T>>& path, const GivenToCh
     for (int block = 0; block < state.blocks; ++block) {
         const size_t k = state.at(block, 0);
         BlockState now{&state.x[k], &state.x_before[k], &state.v[k], &state.v_before[k]};
+        const size_t thread = size_t(omp_get_thread_num());
+        FarFromSolids<S>* far = far_.empty() ? nullptr : &far_[thread];
+        if (far) far->forget();
         bool begins = first;
         for (const auto& p : path) {
-            step_block(block, now, p, given, begins, scratch_[size_t(omp_get_thread_num())]);
+            step_block(block, now, p, given, begins, scratch_[thread], far);
             std::swap(now.x, now.x_before);
             std::swap(now.v, now.v_before);
             begins = always_first();
@@ -169,6 +183,7 @@ void ChainStepper<T>::list(BufferList& buffers) const {
     add_buffer(buffers, "adhesion surface velocity", nearest_.velocity);
     size_t bytes = 0;
     for (const auto& s : scratch_) bytes += s.bytes();
+    for (const auto& f : far_) bytes += f.left.size() * (sizeof(S) + sizeof(Vec3<S>));
     buffers.push_back({"scratch of the threads", bytes});
 }
 

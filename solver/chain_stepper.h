@@ -68,7 +68,7 @@ class ChainStepper {
         Vec3<S>*x, *x_before, *v, *v_before;
     };
     void step_block(int block, const BlockState& now, const Placement<T>& p, const GivenToChain<S>& given,
-                    bool first, ChainScratch<S>& scratch);
+                    bool first, ChainScratch<S>& scratch, FarFromSolids<S>* far);
     ChainView<S> view_of(int block) const;
     std::vector<S> energy_of(int block) const;  // of each kind in each lane
 
@@ -79,6 +79,7 @@ class ChainStepper {
     const T share_;
     NearestSurface<S> nearest_;
     std::vector<OwnScratch<S>> scratch_;  // (thread)
+    std::vector<FarFromSolids<S>> far_;   // (thread); empty where it does not pay
     std::vector<WorkMeter<S>> meters_;    // (block); empty: not counted
     long limited_ = 0;
 };

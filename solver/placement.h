@@ -19,8 +19,39 @@ struct Placement {
     std::vector<PosedSolid<T, MovingGrid>> deforming;
     std::optional<SolidTree<T>> tree;  // of `solids`, where they are many
     double begins;                     // [s] the substep that ends here
+    T dt;                              // [s] its length
     // Whether a plain loop over `solids` is all there is to do.
     bool few() const { return !tree && deforming.empty(); }
+    // The longest way [m] from `before` to x, a substep later, that a rigid solid sees.
+    template <class S>
+    S way(const Vec3<S>& before, const Vec3<S>& x) const {
+        S longest(0);
+        for (const auto& solid : solids) {
+            const Vec3<S> arm = x - cast<S>(solid.translation);
+            const T turn = dt * norm(solid.spin);  // its second order is kept apart
+            longest = maximum(
+                longest, norm(x - before - S(dt) * velocity_at(solid, x)) + S(turn * turn / 2) * norm(arm));
+        }
+        return longest;
+    }
+};
+
+// Where a block's particles are far from all solids, from one substep to the next.
+template <class S>
+struct FarFromSolids {
+    std::vector<S> left;         // (particle) [m] to go before a gap may close; below 0: not known
+    std::vector<Vec3<S>> asked;  // (particle) where it was in the substep before
+
+    explicit FarFromSolids(int n) : left(size_t(n)), asked(size_t(n), {S(0), S(0), S(0)}) { forget(); }
+    void forget() { std::fill(left.begin(), left.end(), S(-1)); }
+    // Of particle i, which now is at x. A sampled distance falls by up to sqrt(3) of a way within a grid,
+    // which is interpolated along three axes, and by the way itself up to its border.
+    bool is_far(int i, const Vec3<S>& x, const Placement<Plain<S>>& p) {
+        S& to_go = left[size_t(i)];
+        to_go -= S(3) * p.way(asked[size_t(i)], x);
+        asked[size_t(i)] = x;
+        return !any_positive(S(Plain<S>(1e-3)) - to_go);
+    }
 };
 
 // expected_contact and sample_nearest where the solids are not few.
@@ -51,16 +82,25 @@ void sample_nearest(const Placement<Plain<S>>& p, int n, const Vec3<S>* x, S* ph
     for (int i = 0; i < n; ++i) sample_nearest_of_all(p, x[i], phi[i], normal[i], surface_velocity[i]);
 }
 
-// A placement's surfaces as a substep asks for them.
+// A placement's surfaces as a substep asks for them. `far`: null where asking costs as much as remembering.
 template <class S>
 struct SurfacesOf {
     const Placement<Plain<S>>& p;
+    FarFromSolids<S>* far = nullptr;
 
     template <class Use>
     void expect(Use use) const {
-        if (p.few()) return SolidsInALoop<S, std::vector<PosedSolid<Plain<S>>>>{p.solids}.expect(use);
-        use([&](const S& rest_depth, const S& stiff, const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
-            return expected_contact_of_all(p, rest_depth, stiff, x, v, pushed);
+        if (p.few() && !far) return SolidsInALoop<S, std::vector<PosedSolid<Plain<S>>>>{p.solids}.expect(use);
+        use([&](int i, const S& rest_depth, const S& stiff, const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
+            if (!far) return expected_contact_of_all(p, rest_depth, stiff, x, v, pushed);
+            Hold<S> hold = no_contact<S>();
+            // Who was pushed is held by the gap as it is.
+            if (far->is_far(i, x, p) && !any_positive(pushed))
+                hold.gap = far->left[size_t(i)];
+            else
+                hold = expected_contact_of_all(p, rest_depth, stiff, x, v, pushed),
+                far->left[size_t(i)] = hold.gap;
+            return hold;
         });
     }
     void sample(int n, const Vec3<S>* x, const NearestView<S>& near) const {
@@ -112,7 +152,8 @@ Placement<T> placement_at(const Scene& scene, double time, double dt, bool movin
                    std::move(room.solids),
                    std::move(room.deforming),
                    std::move(room.tree),
-                   moving ? time - dt : time};
+                   moving ? time - dt : time,
+                   T(dt)};
     p.solids.clear(), p.deforming.clear();
     for (const auto& solid : scene.solids) {
         const Pose now = solid.at(time, head), before = moving ? solid.at(time - dt, head_before) : now;

@@ -190,8 +190,7 @@ std::vector<float> volumes_of(const Scene& scene) {
     for (int s = 0; s < scene.groom.rest.count; ++s) {
         auto mass = dry_masses(points_of(scene.groom.rest, s), scene.linear_density);
         wet(scene, mass, saturation_along(scene, s));
-        for (double m : mass)
-            out.push_back(float(m / scene.volume_density));
+        for (double m : mass) out.push_back(float(m / scene.volume_density));
     }
     return out;
 }

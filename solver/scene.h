@@ -115,8 +115,8 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::s
 // The scene as a dry one: no wet weight, curl, cohesion, adhesion, nor a compared method of them; its
 // saturation is kept as a record.
 void make_dry(Scene& scene);
-// The scene before cohesion: without Eq 10, which moves what is displayed alone. Strands move the same. A scene
-// whose cohesion acts in the solve too stays as it is.
+// The scene before cohesion: without Eq 10, which moves what is displayed alone. Strands move the same. A
+// scene whose cohesion acts in the solve too stays as it is.
 void leave_out_display(Scene& scene);
 
 // Whether anything of the scene acts on wet hair.

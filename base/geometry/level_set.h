@@ -3,6 +3,7 @@
 // open. Ours.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,10 +32,20 @@ struct DistanceGrid {
 namespace detail {
 
 // Where x falls on one axis: the lower node and the fraction beyond it, held inside the grid.
-template <class T>
+template <class S>
 struct CellPlace {
     int node;
-    T fraction;
+    S fraction;
+};
+// A node for each lane.
+template <class T>
+struct Nodes {
+    std::array<int, size_t(Pack<T>::lanes)> of;
+};
+template <class T>
+struct CellPlace<Pack<T>> {
+    Nodes<T> node;
+    Pack<T> fraction;
 };
 template <class T>
 WETCURL_HD CellPlace<T> cell_place(T x, T origin, T per_metre, int n) {
@@ -44,11 +55,32 @@ WETCURL_HD CellPlace<T> cell_place(T x, T origin, T per_metre, int n) {
     return {node, g - T(node)};
 }
 
-// The cell that x falls in: its lowest node, the steps to the next row and slab, the fractions beyond.
 template <class T>
+CellPlace<Pack<T>> cell_place(const Pack<T>& x, T origin, T per_metre, int n) {
+    using S = Pack<T>;
+    const S g = minimum(maximum((x - S(origin)) * S(per_metre), S(0)), S(n - 1)),
+            lower = minimum(g, S(n - 2));
+    CellPlace<S> place;
+    S node;
+    for (int lane = 0; lane < S::lanes; ++lane) {
+        place.node.of[size_t(lane)] = int(lower.v[lane]);
+        node.v[lane] = T(place.node.of[size_t(lane)]);
+    }
+    place.fraction = g - node;
+    return place;
+}
+
+// The cell that x falls in: its lowest node, the steps to the next row and slab, the fractions beyond.
+template <class S>
 struct Cell {
     size_t node, row, slab;
-    T u, v, w;
+    S u, v, w;
+};
+template <class T>
+struct Cell<Pack<T>> {
+    Nodes<T> node;
+    size_t row, slab;
+    Pack<T> u, v, w;
 };
 template <class T>
 WETCURL_HD Cell<T> cell_of(const DistanceGrid& grid, const Vec3<T>& x) {
@@ -60,13 +92,41 @@ WETCURL_HD Cell<T> cell_of(const DistanceGrid& grid, const Vec3<T>& x) {
     return {size_t(k) * slab + size_t(j) * row + size_t(i), row, slab, u, v, w};
 }
 
+template <class T>
+Cell<Pack<T>> cell_of(const DistanceGrid& grid, const Vec3<Pack<T>>& x) {
+    const T per_metre = T(1) / T(grid.spacing);
+    const auto [i, u] = cell_place(x.x, T(grid.origin.x), per_metre, grid.nx);
+    const auto [j, v] = cell_place(x.y, T(grid.origin.y), per_metre, grid.ny);
+    const auto [k, w] = cell_place(x.z, T(grid.origin.z), per_metre, grid.nz);
+    Cell<Pack<T>> cell{{}, size_t(grid.nx), size_t(grid.nx) * size_t(grid.ny), u, v, w};
+    // A grid has at most 2^27 nodes.
+    for (size_t lane = 0; lane < cell.node.of.size(); ++lane)
+        cell.node.of[lane] = (k.of[lane] * grid.ny + j.of[lane]) * grid.nx + i.of[lane];
+    return cell;
+}
+
+// Of the node that lies `more` beyond, in each lane.
+template <class T, class Grid>
+WETCURL_HD T value_at(const Grid& grid, size_t node, size_t more) {
+    return grid.at(node + more);
+}
+template <class S, class Grid, class T>
+S value_at(const Grid& grid, const Nodes<T>& nodes, size_t more) {
+    S value;
+    for (int lane = 0; lane < S::lanes; ++lane)
+        value.v[lane] = T(grid.at(size_t(nodes.of[size_t(lane)]) + more));
+    return value;
+}
+
 // Trilinear interpolant and its own gradient, x inside the grid. Grid: a DistanceGrid or one made of it.
 template <class T, class Grid>
 WETCURL_HD DistanceSample<T> sample_inside(const Grid& grid, const Vec3<T>& x) {
-    const auto [p, row, slab, u, v, w] = cell_of(grid, x);
-    const T p000 = grid.at(p), p100 = grid.at(p + 1), p010 = grid.at(p + row), p110 = grid.at(p + row + 1);
-    const T p001 = grid.at(p + slab), p101 = grid.at(p + slab + 1), p011 = grid.at(p + slab + row),
-            p111 = grid.at(p + slab + row + 1);
+    const auto cell = cell_of(grid, x);
+    const size_t row = cell.row, slab = cell.slab;
+    const T u = cell.u, v = cell.v, w = cell.w;
+    const auto at = [&](size_t more) { return value_at<T>(grid, cell.node, more); };
+    const T p000 = at(0), p100 = at(1), p010 = at(row), p110 = at(row + 1);
+    const T p001 = at(slab), p101 = at(slab + 1), p011 = at(slab + row), p111 = at(slab + row + 1);
     // Along x, then y, then z; differences are those of the corner values times spacing.
     const T q00 = p000 + u * (p100 - p000), q10 = p010 + u * (p110 - p010);
     const T q01 = p001 + u * (p101 - p001), q11 = p011 + u * (p111 - p011);
@@ -95,6 +155,22 @@ WETCURL_HD DistanceSample<T> sample(const Grid& grid, const Vec3<T>& x) {
     if (!(dot(beyond, beyond) > T(0))) return at_border;
     const Vec3<T> from_surface = beyond + at_border.phi * at_border.normal;
     return {norm(from_surface), normalized(from_surface, at_border.normal)};
+}
+template <class T, class Grid>
+DistanceSample<Pack<T>> sample(const Grid& grid, const Vec3<Pack<T>>& x) {
+    using S = Pack<T>;
+    const Vec3<S> low = cast<S>(cast<T>(grid.origin));
+    const S h(T(grid.spacing));
+    const Vec3<S> high = low + h * Vec3<S>{S(grid.nx - 1), S(grid.ny - 1), S(grid.nz - 1)};
+    const Vec3<S> border = lower(upper(x, low), high);
+    const DistanceSample<S> at_border = detail::sample_inside(grid, border);
+    const Vec3<S> beyond = x - border;
+    const S far = dot(beyond, beyond);
+    if (!any_positive(far)) return at_border;
+    const Vec3<S> from_surface = beyond + at_border.phi * at_border.normal;
+    const auto outside = far > S(0);
+    return {select(outside, norm(from_surface), at_border.phi),
+            select(outside, normalized(from_surface, at_border.normal), at_border.normal)};
 }
 
 // The spacing [m] that gives the longest side of `box` 96 cells.

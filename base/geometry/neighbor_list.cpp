@@ -139,7 +139,8 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
 size_t NeighborList::bytes() const {
     size_t runs = bits_.capacity(), firsts = first_.capacity();
     for (const auto& f : found_) runs += f.bits.capacity(), firsts += f.first.capacity();
-    return (firsts + begin_.capacity()) * sizeof(uint32_t) + runs * sizeof(uint16_t) + some_source_.capacity();
+    return (firsts + begin_.capacity()) * sizeof(uint32_t) + runs * sizeof(uint16_t) +
+           some_source_.capacity();
 }
 
 }  // namespace wetcurl

@@ -62,31 +62,9 @@ template <class S>
 DistanceSample<S> distance(const std::shared_ptr<const LevelSet>& level_set, const Vec3<S>& x) {
     return sample(level_set->grid(), x);
 }
-// A grid is gathered from lane by lane.
-template <class T, class Grid>
-DistanceSample<Pack<T>> sample_lanes(const Grid& grid, const Vec3<Pack<T>>& x) {
-    DistanceSample<Pack<T>> out;
-    for (int lane = 0; lane < Pack<T>::lanes; ++lane) {
-        const auto s = sample(grid, Vec3<T>{x.x[lane], x.y[lane], x.z[lane]});
-        out.phi.set(lane, s.phi);
-        out.normal.x.set(lane, s.normal.x);
-        out.normal.y.set(lane, s.normal.y);
-        out.normal.z.set(lane, s.normal.z);
-    }
-    return out;
-}
-template <class T>
-DistanceSample<Pack<T>> distance(const std::shared_ptr<const LevelSet>& level_set, const Vec3<Pack<T>>& x) {
-    return sample_lanes(level_set->grid(), x);
-}
-
-template <class T>
-DistanceSample<T> distance(const MovingGrid& grid, const Vec3<T>& x) {
+template <class S>
+DistanceSample<S> distance(const MovingGrid& grid, const Vec3<S>& x) {
     return sample(grid, x);
-}
-template <class T>
-DistanceSample<Pack<T>> distance(const MovingGrid& grid, const Vec3<Pack<T>>& x) {
-    return sample_lanes(grid, x);
 }
 
 // Signed distance [m] and unit outward normal at x [m], S float, double or a Pack of them.

@@ -49,7 +49,7 @@ class FlowPass {
     const FlowHair hair_;
     std::vector<double> sigma_, next_, limit_;  // (strand, particle)
     std::vector<float> shown_;
-    std::vector<FlowLedger> ledger_;  // (strand)
+    std::vector<FlowLedger> ledger_;          // (strand)
     std::vector<std::vector<FlowRow>> rows_;  // (thread, particle)
     // Where nobody else searches.
     NeighborGrid grid_;

@@ -29,10 +29,10 @@ template <class S, class Solids>
 struct SolidsInALoop {
     const Solids& solids;
 
-    // Calls use(contact) with contact(rest_depth, stiff, x, v, pushed) -> Hold.
+    // Calls use(contact) with contact(particle, rest_depth, stiff, x, v, pushed) -> Hold.
     template <class Use>
     WETCURL_HD void expect(Use use) const {
-        use([&](const S& rest_depth, const S& stiff, const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
+        use([&](int, const S& rest_depth, const S& stiff, const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
             return expected_contact(solids, rest_depth, stiff, x, v, pushed);
         });
     }
@@ -72,7 +72,7 @@ WETCURL_HD int take_substep(const SubstepRules<Plain<S>>& rules, BlockStep<S>& s
         surfaces.expect([&](auto contact) {
             for (int i = 2; i < n; ++i)
                 scratch.hold[i] =
-                    contact(rest_depth ? rest_depth[i] : S(0),
+                    contact(i, rest_depth ? rest_depth[i] : S(0),
                             hold_stiffness(rules.spring_sum, h, view.mass[i]), x[i], v[i], step.pushed[i]);
         });
     };

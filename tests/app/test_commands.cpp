@@ -280,7 +280,8 @@ TEST_F(Commands, before_cohesion_strands_are_the_same_and_nothing_is_displayed_o
 
     low.set = {"cohesion.strength=1e-6"};
     low.output = scratch.path("refused.h5");
-    expect_error<Misuse>([&] { simulate_command(low); }, {"--before-cohesion", "cohesion.strength = 1e-06", "0"});
+    expect_error<Misuse>([&] { simulate_command(low); },
+                         {"--before-cohesion", "cohesion.strength = 1e-06", "0"});
     EXPECT_FALSE(fs::exists(low.output));
 }
 

@@ -54,12 +54,15 @@ TEST(Allocations, are_counted) {
 TEST(Allocations, a_frame_asks_for_none) {
     std::string among_solids = wet_scene;
     for (size_t k = 0; k <= most_solids_in_a_loop; ++k)
-        among_solids += "[[solid]]\nradius = 0.02\n[[solid.motion.keyframe]]\ntranslation = [0, " + std::to_string(-0.1 * double(k)) + ", 0.1]\n";
+        among_solids += "[[solid]]\nradius = 0.02\n[[solid.motion.keyframe]]\ntranslation = [0, " +
+                        std::to_string(-0.1 * double(k)) + ", 0.1]\n";
     for (const auto& [name, text] :
          {std::pair{"dry", dry_scene}, std::pair{"wet", wet_scene},
           std::pair{"air", dry_scene + "[air]\ngrid = [8, 8, 8]\n[[air.source]]\n"},
           std::pair{"many solids", among_solids}, std::pair{"flow", flowing_scene(1, 0.5)},
-          std::pair{"cohesion in the solve", std::string(wet_scene).replace(wet_scene.find("radius = 0.03"), 13, "radius = 0.03\nstrength = 1e-6")}})
+          std::pair{"cohesion in the solve",
+                    std::string(wet_scene).replace(wet_scene.find("radius = 0.03"), 13,
+                                                   "radius = 0.03\nstrength = 1e-6")}})
         EXPECT_EQ(asked_in_frames(text, name == std::string("flow") ? 96 : 48, 12), 0) << name;
 }
 

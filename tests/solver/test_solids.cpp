@@ -321,6 +321,58 @@ TEST(SolidTree, meets_every_solid_that_the_loop_pushes_out_of) {
     EXPECT_LT(met, asked / 2);
 }
 
+// Particles wander among solids that fly and turn: who is said to be far has no gap that closes.
+TEST(FarFromSolids, are_those_whose_gaps_stay_open) {
+    using S = Pack<float>;
+    Random random(17);
+    constexpr int n = 40, substeps = 30;
+    const float dt = 1 / 240.f;
+    for (int count : {1, 4, 12}) {
+        auto solids = random_solids<float>(count, random);
+        std::erase_if(solids.posed, [](const auto& s) { return std::holds_alternative<Plane>(*s.shape); });
+        Placement<float> p{};
+        p.solids = solids.posed, p.dt = dt;
+        FarFromSolids<S> far(n);
+        std::vector<Vec3<S>> x(n), v(n);
+        for (int i = 0; i < n; ++i) {
+            const Vec3d about = random.vector(0.8);
+            for (int l = 0; l < S::lanes; ++l) {
+                const Vec3f at = cast<float>(about + random.vector(0.05)),
+                            speed = cast<float>(random.vector(1));
+                x[size_t(i)].x.set(l, at.x), x[size_t(i)].y.set(l, at.y), x[size_t(i)].z.set(l, at.z);
+                v[size_t(i)].x.set(l, speed.x), v[size_t(i)].y.set(l, speed.y),
+                    v[size_t(i)].z.set(l, speed.z);
+            }
+        }
+        int said = 0, near = 0;
+        for (int k = 0; k < substeps; ++k) {
+            for (auto& solid : p.solids) {
+                solid.translation += dt * solid.velocity;
+                const Quatd turn = rotation_about(normalized(cast<double>(solid.spin), Vec3d{1, 0, 0}),
+                                                  double(dt) * double(norm(solid.spin)));
+                solid.rotation = cast<float>(turn) * solid.rotation;
+            }
+            for (int i = 0; i < n; ++i) {
+                Vec3<S>& at = x[size_t(i)];
+                at += S(dt) * v[size_t(i)];
+                const auto hold = deepest_contact(p.solids, S(0), at);
+                const bool is_far = far.is_far(i, at, p);
+                if (is_far) {
+                    EXPECT_FALSE(any_positive(-hold.gap)) << "particle " << i << ", substep " << k;
+                    // What is left to go is no more than the gap.
+                    EXPECT_FALSE(any_positive(far.left[size_t(i)] - hold.gap));
+                } else {
+                    far.left[size_t(i)] = hold.gap;
+                }
+                (is_far ? said : near)++;
+            }
+        }
+        EXPECT_GT(said, near) << count;
+        far.forget();
+        EXPECT_FALSE(far.is_far(0, x[0], p));
+    }
+}
+
 TEST(SolidTree, stands_where_solids_are_many) {
     std::string few = dry_scene, many;
     for (size_t k = 0; k < most_solids_in_a_loop; ++k) few += "[[solid]]\nradius = 0.02\n";
