@@ -9,7 +9,8 @@
 
 namespace wetcurl {
 
-// Level sets are gathered lane by lane, many solids by a tree; those that deform come near by themselves.
+// Asking a level set gathers from its nodes, asking many solids walks a tree; those that deform come near by
+// themselves.
 static bool far_pays(const Scene& scene) {
     const auto sampled = [](const auto& solid) {
         return std::holds_alternative<std::shared_ptr<const LevelSet>>(solid.shape);
