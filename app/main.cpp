@@ -151,7 +151,8 @@ int main(int argc, char** argv) {
     c = command("infer",
                 "predict wet high-resolution hair from a low-resolution run, dry or as the model learned",
                 infer, infer_command);
-    c->add_option("input", infer.input, "DRY.h5, or a scene whose dry low-resolution run is made first")
+    c->add_option("input", infer.input,
+                  "LOW.h5, or a scene whose low-resolution run is made first, dry or as the model learned")
         ->required();
     c->add_option("--model", infer.model, "trained model (HDF5), in place of the scene's [learned] model");
     c->add_option("--interpolate", infer.interpolate, "without a network: nearest | quad | core | rest")
