@@ -140,29 +140,15 @@ WETCURL_HD DistanceSample<T> sample_inside(const Grid& grid, const Vec3<T>& x) {
 
 }  // namespace detail
 
-// phi and normal at x [m] in body coordinates, T float or double. Outside the grid the surface point nearest
-// to the border of the grid stands for the nearest one: an upper bound of the distance, right at
-// the border and up to a quarter too far beyond (measured on a head).
-template <class T, class Grid>
-WETCURL_HD DistanceSample<T> sample(const Grid& grid, const Vec3<T>& x) {
+// phi and normal at x [m] in body coordinates, S float, double or a Pack of them. Outside the grid the
+// surface point nearest to the border of the grid stands for the nearest one: an upper bound of the distance,
+// right at the border and up to a quarter too far beyond (measured on a head).
+template <class S, class Grid>
+WETCURL_HD DistanceSample<S> sample(const Grid& grid, const Vec3<S>& x) {
+    using T = Plain<S>;
     const Vec3<T> low = cast<T>(grid.origin);
-    const T h = T(grid.spacing);
-    const Vec3<T> high = low + h * Vec3<T>{T(grid.nx - 1), T(grid.ny - 1), T(grid.nz - 1)};
-    const Vec3<T> border{minimum(maximum(x.x, low.x), high.x), minimum(maximum(x.y, low.y), high.y),
-                         minimum(maximum(x.z, low.z), high.z)};
-    const DistanceSample<T> at_border = detail::sample_inside(grid, border);
-    const Vec3<T> beyond = x - border;
-    if (!(dot(beyond, beyond) > T(0))) return at_border;
-    const Vec3<T> from_surface = beyond + at_border.phi * at_border.normal;
-    return {norm(from_surface), normalized(from_surface, at_border.normal)};
-}
-template <class T, class Grid>
-DistanceSample<Pack<T>> sample(const Grid& grid, const Vec3<Pack<T>>& x) {
-    using S = Pack<T>;
-    const Vec3<S> low = cast<S>(cast<T>(grid.origin));
-    const S h(T(grid.spacing));
-    const Vec3<S> high = low + h * Vec3<S>{S(grid.nx - 1), S(grid.ny - 1), S(grid.nz - 1)};
-    const Vec3<S> border = lower(upper(x, low), high);
+    const Vec3<T> high = low + T(grid.spacing) * Vec3<T>{T(grid.nx - 1), T(grid.ny - 1), T(grid.nz - 1)};
+    const Vec3<S> border = lower(upper(x, cast<S>(low)), cast<S>(high));
     const DistanceSample<S> at_border = detail::sample_inside(grid, border);
     const Vec3<S> beyond = x - border;
     const S far = dot(beyond, beyond);
