@@ -93,11 +93,23 @@ template <class S>
 WETCURL_HD Sym3<S> identity_times(const S& s) {
     return {s, S(0), S(0), s, S(0), s};
 }
+template <class S>
+WETCURL_HD void add_identity(Sym3<S>& m, const S& s) {
+    m.xx += s;
+    m.yy += s;
+    m.zz += s;
+}
 // a I + b n n^T
 template <class S>
 WETCURL_HD Sym3<S> isotropic_plus_outer(const S& a, const S& b, const Vec3<S>& n) {
     return {a + b * n.x * n.x, b * n.x * n.y, b * n.x * n.z,
             a + b * n.y * n.y, b * n.y * n.z, a + b * n.z * n.z};
+}
+
+// a b^T of parallel a and b.
+template <class S>
+WETCURL_HD Sym3<S> symmetric_outer(const Vec3<S>& a, const Vec3<S>& b) {
+    return {a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.y, a.y * b.z, a.z * b.z};
 }
 
 // General 3x3 matrix by rows.
@@ -107,6 +119,7 @@ struct Mat3 {
     WETCURL_HD friend Vec3<S> operator*(const Mat3& m, const Vec3<S>& v) {
         return {dot(m.r0, v), dot(m.r1, v), dot(m.r2, v)};
     }
+    WETCURL_HD friend Mat3 operator-(const Mat3& m) { return {-m.r0, -m.r1, -m.r2}; }
     WETCURL_HD Mat3& operator+=(const Mat3& b) {
         r0 += b.r0;
         r1 += b.r1;
@@ -136,6 +149,12 @@ WETCURL_HD Vec3<S> transposed_times(const Mat3<S>& m, const Vec3<S>& v) {
 template <class S>
 WETCURL_HD Mat3<S> transposed(const Mat3<S>& m) {
     return {{m.r0.x, m.r1.x, m.r2.x}, {m.r0.y, m.r1.y, m.r2.y}, {m.r0.z, m.r1.z, m.r2.z}};
+}
+// m + m^T
+template <class S>
+WETCURL_HD Sym3<S> with_transposed(const Mat3<S>& m) {
+    return {m.r0.x + m.r0.x, m.r0.y + m.r1.x, m.r0.z + m.r2.x,
+            m.r1.y + m.r1.y, m.r1.z + m.r2.y, m.r2.z + m.r2.z};
 }
 // a b^T
 template <class S>
@@ -178,6 +197,12 @@ template <class S>
 template <class S>
 WETCURL_HD Quat<S> normalized(const Quat<S>& q) {
     S s = S(1) / sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    return {s * q.w, s * q.x, s * q.y, s * q.z};
+}
+// Of a q whose norm is 1 but for rounding: one of Newton's steps.
+template <class S>
+WETCURL_HD Quat<S> renormalized(const Quat<S>& q) {
+    S s = S(1.5) - S(0.5) * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
     return {s * q.w, s * q.x, s * q.y, s * q.z};
 }
 template <class S, class U>

@@ -72,7 +72,10 @@ class StrandParts {
         const V zero{T(0), T(0), T(0)};
         const Sym3<T> no_sym = identity_times(T(0));
         const M no_mat{zero, zero, zero};
-        Element<T> e{{zero, zero, zero}, {no_sym, no_sym, no_sym}, {no_mat, no_mat}, {no_mat}};
+        V forces[3]{zero, zero, zero}, pulls[2]{zero, zero};
+        Sym3<T> diagonals[3]{no_sym, no_sym, no_sym}, edges[2]{no_sym, no_sym};
+        M joints[2]{no_mat, no_mat};
+        const ChainSystem<T> system{scheme.h, 0, forces, pulls, diagonals, edges, joints};
         ChainView<T> view{};
         view.n = 3;
         view.x = w.x, view.v = w.v, view.mass = w.mass, view.rest_length = w.rest_length;
@@ -83,8 +86,12 @@ class StrandParts {
         if (is_given(set)) view.given_adhesion = w.given_adhesion;
         view.turn = motion.turn, view.turn_center = motion.turn_center, view.drift = motion.drift;
         view.chord = w.chord;
-        assemble_present(set, view, {scheme.h, e.force, e.diagonal, e.upper1, e.upper2},
-                         std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
+        assemble_present(set, view, system, std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
+        Element<T> e;
+        for (int i = 0; i < 3; ++i) {
+            e.force[i] = system.whole_force(i, 3);
+            system.whole_row(i, 3, e.diagonal[i], &e.upper1[i], e.upper2);
+        }
         return e;
     }
 

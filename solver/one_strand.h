@@ -140,23 +140,36 @@ inline Eigen::MatrixXd whole(const std::vector<Sym3<double>>& diagonal,
     return out;
 }
 
-// What add(c, system) adds over a step of h [s].
+inline Points whole_forces(const ChainSystem<double>& system, int n) {
+    Points out;
+    for (int i = 0; i < n; ++i) out.push_back(system.whole_force(i, n));
+    return out;
+}
+// The forces that add(c, system) adds over a step of h [s], without a matrix, which no term then makes.
+template <class Add>
+Points forces_by(Add add, const ChainView<double>& c, double h) {
+    Points force(size_t(c.n), Vec3d{0, 0, 0}), pull = force;
+    const ChainSystem<double> system{h, 0, force.data(), pull.data(), nullptr, nullptr, nullptr};
+    add(c, system);
+    return whole_forces(system, c.n);
+}
+// The same with the matrix.
 template <class Add>
 Assembled assembled_by(Add add, const ChainView<double>& c, double h) {
     const size_t n = size_t(c.n);
-    const Sym3<double> none = identity_times(0.0);
-    Points force(n, Vec3d{0, 0, 0});
-    std::vector<Sym3<double>> diagonal(n, none);
-    std::vector<Mat3<double>> upper1(n, to_mat3(none)), upper2(n, to_mat3(none));
-    add(c, ChainSystem<double>{h, force.data(), diagonal.data(), upper1.data(), upper2.data()});
-    return {stacked(force), whole(diagonal, upper1, upper2)};
+    const Vec3d zero{0, 0, 0};
+    Points force(n, zero), pull(n, zero);
+    std::vector<Sym3<double>> diagonal(n, identity_times(0.0)), edge = diagonal, whole_diagonal = diagonal;
+    std::vector<Mat3<double>> joint(n, {zero, zero, zero}), upper1 = joint, upper2 = joint;
+    const ChainSystem<double> system{h,           0,           force.data(), pull.data(), diagonal.data(),
+                                     edge.data(), joint.data()};
+    add(c, system);
+    for (size_t i = 0; i < n; ++i) system.whole_row(int(i), c.n, whole_diagonal[i], &upper1[i], &upper2[i]);
+    return {stacked(whole_forces(system, c.n)), whole(whole_diagonal, upper1, upper2)};
 }
-// The same without a matrix, which no term then makes.
 template <class Add>
 Eigen::VectorXd force_by(Add add, const ChainView<double>& c) {
-    Points force(size_t(c.n), Vec3d{0, 0, 0});
-    add(c, ChainSystem<double>{0, force.data(), nullptr, nullptr, nullptr});
-    return stacked(force);
+    return stacked(forces_by(add, c, 0));
 }
 
 }  // namespace wetcurl

@@ -52,7 +52,8 @@ WETCURL_HD Quat<S> turned_about_itself(const Quat<S>& f, const S& angle) {
                         (S(1) - q * c(1.0 / 30) *
                                     (S(1) - q * c(1.0 / 56) *
                                                 (S(1) - q * c(1.0 / 90) * (S(1) - q * c(1.0 / 132))))));
-    return normalized(f * Quat<S>{cosine, sine, S(0), S(0)});
+    return renormalized(Quat<S>{f.w * cosine - f.x * sine, f.w * sine + f.x * cosine,
+                                f.y * cosine + f.z * sine, f.z * cosine - f.y * sine});
 }
 
 }  // namespace wetcurl

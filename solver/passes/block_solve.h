@@ -94,12 +94,13 @@ WETCURL_HD void eliminate(const Row<S>& row, Sym3<S>* diagonal1, Vec3<S>* r1, Ma
     row.r = y;
 }
 
-// Of a whole system: takes row i off those after it, and the substitution once all are.
+// Of a whole system: takes row i off those after it, and the substitution once all are. `diagonal`: of rows
+// i, i+1 and i+2.
 template <bool Penta, class S>
 WETCURL_HD void eliminate_row(int i, int n, Sym3<S>* diagonal, Mat3<S>* upper1, Mat3<S>* upper2, Vec3<S>* r) {
-    const Row<S> row{diagonal[i], i + 1 < n ? &upper1[i] : nullptr, Penta && i + 2 < n ? &upper2[i] : nullptr,
+    const Row<S> row{diagonal[0], i + 1 < n ? &upper1[i] : nullptr, Penta && i + 2 < n ? &upper2[i] : nullptr,
                      r[i]};
-    eliminate(row, &diagonal[i + 1], &r[i + 1], &upper1[i + 1], &diagonal[i + 2], &r[i + 2]);
+    eliminate(row, diagonal + 1, &r[i + 1], &upper1[i + 1], diagonal + 2, &r[i + 2]);
 }
 template <bool Penta, class S>
 WETCURL_HD void substitute_rows(int first, int n, const Mat3<S>* upper1, const Mat3<S>* upper2, Vec3<S>* r) {
@@ -114,7 +115,7 @@ WETCURL_HD void substitute_rows(int first, int n, const Mat3<S>* upper1, const M
 template <bool Penta, class S>
 WETCURL_HD void solve_blocks(int first, int n, Sym3<S>* diagonal, Mat3<S>* upper1, Mat3<S>* upper2,
                              Vec3<S>* r) {
-    for (int i = first; i < n; ++i) eliminate_row<Penta>(i, n, diagonal, upper1, upper2, r);
+    for (int i = first; i < n; ++i) eliminate_row<Penta>(i, n, diagonal + i, upper1, upper2, r);
     substitute_rows<Penta>(first, n, upper1, upper2, r);
 }
 

@@ -69,15 +69,19 @@ WETCURL_HD S hold_stiffness(Plain<S> spring_sum, const S& h, const S& mass) {
 // Buffers for one block, in room that others own; null where no present term needs them.
 template <class S>
 struct ChainScratch {
-    Vec3<S>*predicted_x, *expected_v, *force, *solution, *core_pull, *limit_edge;
-    Sym3<S>* diagonal;
-    Mat3<S>*upper1, *upper2;
+    Vec3<S>*predicted_x, *expected_v, *solution, *core_pull, *limit_edge;
+    Mat3<S>*upper1, *upper2;  // rows of the substitution
+    ChainSystem<S> system;    // implicit: of a window of rows
     S* twist;
     // Of strands for which forces are not taken anew.
     Vec3<S>* kept;
     Quat<S>* kept_frame;
-    Hold<S>* hold;  // of particles that were pushed; filled before forces are taken
-    S* clearance;   // [m] (n) that the implicit step left between particles and surfaces at least
+    Hold<S>* hold;  // of particles that are pushed, as of `gap`
+    S* gap;         // [m] (n) beyond what is allowed, where the particle is expected; filled before forces
+                    // are taken. On return what the implicit step left of it at least
+
+    // Rows that are assembled at once, and how many entries a window begins before them.
+    static constexpr int at_once = 8, before = 3;
 
     // Takes `room`, and returns how many numbers of it; null: only counts them.
     WETCURL_HD size_t lay(int n, const ChainTerms& terms, bool implicit, bool solids, S* room) {
@@ -87,15 +91,33 @@ struct ChainScratch {
             taken += needed ? size_t(count) * sizeof(V) / sizeof(S) : 0;
         };
         const bool limits = bool(std::get<Slot<StrainLimit>>(terms));
-        take(predicted_x, n, true), take(expected_v, n, implicit), take(force, n, true);
-        take(solution, n, implicit), take(diagonal, n, implicit), take(upper1, n, implicit);
-        take(upper2, n, implicit && couples_two_edges(terms));
+        const bool joints = implicit && couples_two_edges(terms);
+        const int window = implicit ? at_once + before : n;
+        take(predicted_x, n, true), take(expected_v, n, implicit), take(solution, n, implicit);
+        take(upper1, n, implicit), take(upper2, n, joints);
+        take(system.forces, window, true), take(system.pulls, window, true);
+        take(system.diagonals, window, implicit), take(system.edges, window, implicit);
+        take(system.joints, window, joints);
         take(core_pull, 2 * n, bool(std::get<Slot<Core>>(terms)));
         take(limit_edge, n, implicit && limits);
         take(twist, 2 * n, bool(std::get<Slot<Twist>>(terms)));
         take(kept, n, implicit), take(kept_frame, n, implicit && bool(std::get<Slot<Bend>>(terms)));
-        take(hold, n, implicit && solids), take(clearance, n, implicit && solids);
+        take(hold, n, implicit && solids), take(gap, n, implicit && solids);
         return taken;
+    }
+    // The system's window goes on to the rows from `begin` on: with what is there of those before, else zero.
+    WETCURL_HD void move_window(int begin) {
+        auto move = [begin](auto* entries) {
+            if (!entries) return;
+            S* numbers = reinterpret_cast<S*>(entries);
+            constexpr int of_an_entry = int(sizeof(*entries) / sizeof(S));
+            for (int k = 0; k < before * of_an_entry; ++k)
+                numbers[k] = begin > 0 ? numbers[k + at_once * of_an_entry] : S(0);
+            for (int k = before * of_an_entry; k < (before + at_once) * of_an_entry; ++k) numbers[k] = S(0);
+        };
+        move(system.forces), move(system.pulls), move(system.diagonals), move(system.edges);
+        move(system.joints);
+        system.first = begin - before;
     }
 };
 
@@ -239,56 +261,63 @@ WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
     view.frame = b.frame;
     before_forces(view.x, b.v, 0);
     const bool penta = s.upper2 != nullptr;
-    const Sym3<S> no_sym = identity_times(S(0));
     const Vec3<S> gravity = cast<S>(b.gravity);
-    const ChainSystem<S> system{h, s.force, s.diagonal, s.upper1, s.upper2};
+    ChainSystem<S>& system = s.system;
+    system.h = h;
     Vec3<S> known[2], root_force[2];
+    Sym3<S> root_diagonal[2];
     Vec3<S>* r = s.solution;  // the right side, then the solution: what the view's velocities change by
-    // Nothing more is added to row i: it becomes one of the substitution.
-    auto complete = [&](int i) {
-        if (b.external) s.force[i] += b.external[i];
-        if (i < 2) return;
+    // Nothing more is added to row i of K: it becomes one of the system, `diagonal` its own block.
+    auto complete = [&](int i, Sym3<S>& diagonal) {
+        Vec3<S> force = system.whole_force(i, n) + view.mass[i] * gravity;
+        if (b.external) force += b.external[i];
+        system.whole_row(i, n, diagonal, &s.upper1[i], penta ? &s.upper2[i] : nullptr);
+        if (i < 2) {
+            root_force[i] = force, root_diagonal[i] = diagonal;
+            return;
+        }
         if (b.external_stiffness) {
             const S k = b.external_stiffness[i];
-            s.force[i] -= k * (view.x[i] - scheme.predicted(b.x[i], b.x_before[i], b.v[i]));
-            s.diagonal[i] += identity_times(h * h * k);
+            force -= k * (view.x[i] - scheme.predicted(b.x[i], b.x_before[i], b.v[i]));
+            add_identity(diagonal, h * h * k);
         }
-        r[i] += scheme.right_side(view.mass[i], b.v[i], b.v_before[i], view.v[i], s.force[i]);
-        s.diagonal[i] += identity_times(view.mass[i]);
-        if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, view.v[i], s.diagonal[i], r[i]);
+        r[i] = scheme.right_side(view.mass[i], b.v[i], b.v_before[i], view.v[i], force);
+        add_identity(diagonal, view.mass[i]);
+        if (b.pushed && any_positive(b.pushed[i])) add_hold(s.hold[i], h, view.v[i], diagonal, r[i]);
         if (i == 2) r[i] -= transposed_times(s.upper1[1], known[1]);
         if (penta && i < 4) r[i] -= transposed_times(s.upper2[i - 2], known[i - 2]);
+    };
+    auto eliminate = [&](int i, Sym3<S>* diagonal) {
+        if (i < 2) return;
         if (penta)
-            eliminate_row<true>(i, n, s.diagonal, s.upper1, s.upper2, r);
+            eliminate_row<true>(i, n, diagonal, s.upper1, s.upper2, r);
         else
-            eliminate_row<false>(i, n, s.diagonal, s.upper1, s.upper2, r);
+            eliminate_row<false>(i, n, diagonal, s.upper1, s.upper2, r);
     };
     // A few rows at a time, which stay in the nearest cache from their first element to their elimination.
     auto solve = [&] {
-        constexpr int at_once = 8;
         for (int i = 0; i < 2; ++i) known[i] = (S(1) / h) * (b.root[i] - view.x[i]);
         for_each_present(terms, [&](const auto& term) {
             if constexpr (requires { term.prepare(view); }) term.prepare(view);
         });
+        Sym3<S> diagonal[3];  // of the last rows, which wait for their elimination
         int whole = 0;
-        for (int begin = 0; begin < n; begin += at_once) {
-            const int end = begin + at_once < n ? begin + at_once : n;
-            for (int i = begin; i < end; ++i) {
-                s.force[i] = view.mass[i] * gravity;
-                r[i] = Vec3<S>{S(0), S(0), S(0)};
-                s.diagonal[i] = no_sym;
-                set_zero(s.upper1[i]);
-                if (penta) set_zero(s.upper2[i]);
-            }
+        for (int begin = 0; begin < n; begin += s.at_once) {
+            const int end = begin + s.at_once < n ? begin + s.at_once : n;
+            s.move_window(begin);
             for_each_present(terms, [&](const auto& term) { term.assemble(view, system, begin, end); });
-            for (const int elements_left_at = end < n ? end - 2 : n; whole < elements_left_at; ++whole)
-                complete(whole);
+            for (const int elements_left_at = end < n ? end - 2 : n; whole < elements_left_at; ++whole) {
+                complete(whole, diagonal[2]);
+                eliminate(whole - 2, diagonal);
+                diagonal[0] = diagonal[1], diagonal[1] = diagonal[2];
+            }
         }
+        eliminate(n - 2, diagonal), eliminate(n - 1, diagonal + 1);
         if (penta)
             substitute_rows<true>(2, n, s.upper1, s.upper2, r);
         else
             substitute_rows<false>(2, n, s.upper1, s.upper2, r);
-        for (int i = 0; i < 2; ++i) root_force[i] = s.force[i], r[i] = known[i];
+        for (int i = 0; i < 2; ++i) r[i] = known[i];
     };
     const auto& limit = std::get<Slot<StrainLimit>>(terms);
     view.limit_edge = s.limit_edge;
@@ -326,8 +355,8 @@ WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
     if (b.reaction) {
         // What rows 0 and 1 lack: h R = A d - r.
         const Vec3<S>*d0 = known, *d1 = known + 1;
-        Vec3<S> row[2] = {to_mat3(s.diagonal[0]) * *d0 + s.upper1[0] * *d1,
-                          transposed_times(s.upper1[0], *d0) + to_mat3(s.diagonal[1]) * *d1};
+        Vec3<S> row[2] = {root_diagonal[0] * *d0 + s.upper1[0] * *d1,
+                          transposed_times(s.upper1[0], *d0) + root_diagonal[1] * *d1};
         if (n > 2) row[1] += s.upper1[1] * r[2];
         if (penta && n > 2) row[0] += s.upper2[0] * r[2];
         if (penta && n > 3) row[1] += s.upper2[1] * r[3];
@@ -343,7 +372,7 @@ WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
     for (int i = 2; b.pushed && i < n; ++i) {
         if (any_positive(b.pushed[i])) b.pushed[i] = pushed_by(s.hold[i], h, r[i]);
         // Where forces were taken anew the gap is a guess.
-        s.clearance[i] = anew ? S(-1) : s.hold[i].gap - h * norm(r[i]);
+        s.gap[i] = anew ? S(-1) : s.gap[i] - h * norm(r[i]);
     }
 }
 
@@ -358,15 +387,16 @@ WETCURL_HD void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
     view.chord = view.x[b.n - 1] - view.x[0];
     view.core_pull = s.core_pull;
     before_forces(view.x, view.v, 0);
-    const Vec3<S> gravity = cast<S>(b.gravity);
-    for (int i = 0; i < b.n; ++i) s.force[i] = view.mass[i] * gravity;
-    const ChainSystem<S> system{S(b.dt), s.force, nullptr, nullptr, nullptr};
-    for_each_present(terms, [&](const auto& term) { assemble(term, view, system); });
-    for (int i = 0; b.external && i < b.n; ++i) s.force[i] += b.external[i];
+    const Vec3<S> gravity = cast<S>(b.gravity), zero{S(0), S(0), S(0)};
+    s.system.h = S(b.dt), s.system.first = 0;
+    for (int i = 0; i < b.n; ++i) s.system.force(i) = s.system.pull(i) = zero;
+    for_each_present(terms, [&](const auto& term) { assemble(term, view, s.system); });
     for (int i = 0; i < b.n; ++i) {
+        Vec3<S> force = s.system.whole_force(i, b.n) + view.mass[i] * gravity;
+        if (b.external) force += b.external[i];
         const Vec3<S> v =
-            i < 2 ? S(1 / b.dt) * (b.root[i] - b.x[i]) : b.v[i] + (S(b.dt) / view.mass[i]) * s.force[i];
-        if (b.reaction && i < 2) b.reaction[i] = (view.mass[i] * S(1 / b.dt)) * (v - b.v[i]) - s.force[i];
+            i < 2 ? S(1 / b.dt) * (b.root[i] - b.x[i]) : b.v[i] + (S(b.dt) / view.mass[i]) * force;
+        if (b.reaction && i < 2) b.reaction[i] = (view.mass[i] * S(1 / b.dt)) * (v - b.v[i]) - force;
         b.v_before[i] = v;
         b.x_before[i] = i < 2 ? b.root[i] : b.x[i] + S(b.dt) * v;
     }

@@ -177,14 +177,15 @@ WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, Plain<S
     }
     return true;
 }
-// The same for n particles; 0 and 1 are prescribed, and those of some `clearance` need no look. Null: all do.
+// The same for n particles; 0 and 1 are prescribed, and those with some `gap` left need no look. Null: all
+// do.
 template <class S, class Body>
 WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, Plain<S> friction, int n,
-                                const S* rest_depth, const S* clearance, Plain<S> dt, const S* mass,
-                                S* pushed, Vec3<S>* x, Vec3<S>* x_before, Vec3<S>* v, Vec3<S>* v_before) {
+                                const S* rest_depth, const S* gap, Plain<S> dt, const S* mass, S* pushed,
+                                Vec3<S>* x, Vec3<S>* x_before, Vec3<S>* v, Vec3<S>* v_before) {
     bool met = false;
     for (int i = 2; i < n; ++i)
-        if (!clearance || any_positive(S(Plain<S>(1e-6)) - clearance[i]))
+        if (!gap || any_positive(S(Plain<S>(1e-6)) - gap[i]))
             met |= resolve_contact(solid, friction, solid.attached ? rest_depth[i] : S(0), dt, mass[i],
                                    pushed[i], x[i], x_before[i], v[i], v_before[i]);
     return met;

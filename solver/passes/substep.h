@@ -29,7 +29,8 @@ template <class S, class Solids>
 struct SolidsInALoop {
     const Solids& solids;
 
-    // Calls use(contact) with contact(particle, rest_depth, stiff, x, v, pushed) -> Hold.
+    // Calls use(contact) with contact(particle, rest_depth, stiff, x, v, pushed) -> Hold, of which the gap
+    // alone counts where nothing pushes.
     template <class Use>
     WETCURL_HD void expect(Use use) const {
         use([&](int, const S& rest_depth, const S& stiff, const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
@@ -70,10 +71,13 @@ WETCURL_HD int take_substep(const SubstepRules<Plain<S>>& rules, BlockStep<S>& s
         if (looks > 0 || !scratch.hold) return;
         const S h = Bdf2<S>(step.dt, step.first).h;
         surfaces.expect([&](auto contact) {
-            for (int i = 2; i < n; ++i)
-                scratch.hold[i] =
+            for (int i = 2; i < n; ++i) {
+                const Hold<S> hold =
                     contact(i, rest_depth ? rest_depth[i] : S(0),
                             hold_stiffness(rules.spring_sum, h, view.mass[i]), x[i], v[i], step.pushed[i]);
+                scratch.gap[i] = hold.gap;
+                if (any_positive(step.pushed[i])) scratch.hold[i] = hold;
+            }
         });
     };
     Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
@@ -110,8 +114,8 @@ WETCURL_HD int take_substep(const SubstepRules<Plain<S>>& rules, BlockStep<S>& s
     surfaces.for_each_met(n, x, [&](const auto& solid, bool moves) {
         bool met = false;
         auto resolve = [&] {
-            met = resolve_contact(solid, rules.implicit ? T(0) : solid.friction, n, rest_depth,
-                                  scratch.clearance, step.dt, view.mass, step.pushed, x, x_old, v, v_old);
+            met = resolve_contact(solid, rules.implicit ? T(0) : solid.friction, n, rest_depth, scratch.gap,
+                                  step.dt, view.mass, step.pushed, x, x_old, v, v_old);
         };
         if (moves)
             counted(Meter::solids, resolve);

@@ -56,13 +56,13 @@ S root_spin(const Quat<S>& frame_before, const Quat<S>& frame) {
     return S(2) * Twist::HalfAngle<S>(frame_before, frame).signed_sine();
 }
 
-// force (n) of one term alone; false: there is no such term.
+// force (n) of one term alone that acts on particles; false: there is no such term.
 template <class Term, class S>
 bool forces_of(const ChainTerms& terms, const ChainView<S>& c, const S& h, Vec3<S>* force) {
     const auto& term = std::get<Slot<Term>>(terms);
     if (!term) return false;
     std::fill_n(force, c.n, Vec3<S>{S(0), S(0), S(0)});
-    assemble(*term, c, ChainSystem<S>{h, force, nullptr, nullptr, nullptr});
+    assemble(*term, c, ChainSystem<S>{h, 0, force, nullptr, nullptr, nullptr, nullptr});
     return true;
 }
 
@@ -134,7 +134,8 @@ class WorkMeter {
           gravity_(gravity),
           lanes_(lanes),
           with_frames_(std::get<Slot<Bend>>(terms).has_value()),
-          frame_(with_frames_ ? size_t(n) : 0) {}
+          frame_(with_frames_ ? size_t(n) : 0),
+          force_(size_t(n)) {}
 
     static constexpr double Work::*limiter = &Work::limiter, Work::*solids = &Work::solids;
 
@@ -158,9 +159,9 @@ class WorkMeter {
                 sum_of_lanes(S(0.5) * (torque_before_ + torque) * root_spin(root_frame_, frame_[0]), lanes_);
             torque_before_ = torque;
         }
-        const S h = scratch.diagonal ? Bdf2<S>(step.dt, step.first).h : S(step.dt);
-        work_.terms += sum_of_lanes(work_of_terms(terms_, view, step.dt, h, from, scratch.force), lanes_);
-        work_.wind += sum_of_lanes(work_of_wind(terms_, view, step.dt, scratch.force), lanes_);
+        const S h = scratch.solution ? Bdf2<S>(step.dt, step.first).h : S(step.dt);
+        work_.terms += sum_of_lanes(work_of_terms(terms_, view, step.dt, h, from, force_.data()), lanes_);
+        work_.wind += sum_of_lanes(work_of_wind(terms_, view, step.dt, force_.data()), lanes_);
         add_forces(step, from, view.x);
         work_.solids += sum_of_lanes(work_of_holds(step, scratch.hold, view.v), lanes_);
         const auto& limit = std::get<Slot<StrainLimit>>(terms_);
@@ -200,6 +201,7 @@ class WorkMeter {
     S torque_before_{};
     Quat<S> root_frame_{};  // at the step's begin
     std::vector<Quat<S>> frame_;
+    std::vector<Vec3<S>> force_;
 };
 
 }  // namespace wetcurl

@@ -57,14 +57,14 @@ struct Adhesion {
                 value = select(too_far, bound * in, value);
             }
             const Vec3<S> n = c.normal[i];
-            a.force[i] -= scale * value * n;
+            a.force(i) -= scale * value * n;
             // Below h/2 the film holds against sliding.
             const S held = select(q < S(0.5), sm * S(hold), S(0));
             const Vec3<S> slide = c.v[i] - c.surface_velocity[i];
-            a.force[i] -= held * (slide - dot(slide, n) * n);
+            a.force(i) -= held * (slide - dot(slide, n) * n);
             if (a.with_matrix()) {
                 const S pull = a.h * a.h * scale * S(1 / h_a) * maximum(S(0), slope), drag = a.h * held;
-                a.diagonal[i] += isotropic_plus_outer(drag, pull - drag, n);
+                a.diagonal(i) += isotropic_plus_outer(drag, pull - drag, n);
             }
         }
     }

@@ -28,8 +28,8 @@ struct AirDrag {
         for (int last = begin > 1 ? begin : 1; last < end; ++last) {
             const S half = S(0.5 * c) * view.rest_length[last - 1];
             for (int i = last - 1; i <= last; ++i) {
-                a.force[i] += half * (view.air[i] - view.v[i]);
-                if (a.with_matrix()) a.diagonal[i] += identity_times(a.h * half);
+                a.force(i) += half * (view.air[i] - view.v[i]);
+                if (a.with_matrix()) add_identity(a.diagonal(i), a.h * half);
             }
         }
     }

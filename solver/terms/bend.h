@@ -54,38 +54,25 @@ struct Bend {
             const Vec3<S> dv = c.v[i + 1] - c.v[i], dv1 = c.v[i] - c.v[i - 1];
             const Vec3<S> strain_rate = dv + dot(t, dv1) * u - te * dv1;
             const Vec3<S> g = k * (e - t) + damp * strain_rate;
-            a.add_edge_force(i, g);
-            if (!printed) a.add_edge_force(i - 1, dot(u, g) * t - te * g);
+            a.pull(i) += g;
+            if (!printed) a.pull(i - 1) += dot(u, g) * t - te * g;
             if (!a.with_matrix()) continue;
-            // A = [-B, B - I, I] on particles i-1, i, i+1; the system takes weight A^T A.
-            const Mat3<S> b{{u.x * t.x - te, u.x * t.y, u.x * t.z},
-                            {u.y * t.x, u.y * t.y - te, u.y * t.z},
-                            {u.z * t.x, u.z * t.y, u.z * t.z - te}};
+            const S w_te = weight * te;
+            // The system takes weight A^T A of A = [B, I] on edges i-1, i.
             // B^T B = (u.u) t t^T - te (u t^T + t u^T) + te² I
-            const S uu = dot(u, u);
-            auto btb = [&](const S& ti, const S& tj, const S& ui, const S& uj) {
-                return uu * ti * tj - te * (ui * tj + ti * uj);
-            };
-            const S te2 = te * te;
-            const Sym3<S> bb{
-                weight * (btb(t.x, t.x, u.x, u.x) + te2), weight * btb(t.x, t.y, u.x, u.y),
-                weight * btb(t.x, t.z, u.x, u.z),         weight * (btb(t.y, t.y, u.y, u.y) + te2),
-                weight * btb(t.y, t.z, u.y, u.z),         weight * (btb(t.z, t.z, u.z, u.z) + te2)};
-            a.diagonal[i - 1] += bb;
-            const S two = weight + weight;
-            const Sym3<S> middle{bb.xx - two * b.r0.x + weight,      bb.xy - weight * (b.r0.y + b.r1.x),
-                                 bb.xz - weight * (b.r0.z + b.r2.x), bb.yy - two * b.r1.y + weight,
-                                 bb.yz - weight * (b.r1.z + b.r2.y), bb.zz - two * b.r2.z + weight};
-            a.diagonal[i] += middle;
-            a.diagonal[i + 1] += identity_times(weight);
-            const Mat3<S> bt{{weight * b.r0.x, weight * b.r1.x, weight * b.r2.x},
-                             {weight * b.r0.y, weight * b.r1.y, weight * b.r2.y},
-                             {weight * b.r0.z, weight * b.r1.z, weight * b.r2.z}};
-            a.upper1[i - 1] -= to_mat3(bb);  // -B^T (B - I)
-            a.upper1[i - 1] += bt;
-            a.upper2[i - 1] -= bt;  // -B^T
-            a.upper1[i] += bt;      // (B - I)^T
-            a.upper1[i] -= to_mat3(identity_times(weight));
+            const Vec3<S> wt = weight * t, wu = w_te * u, side = dot(u, u) * t - te * u;
+            const S diagonal = w_te * te;
+            a.edge(i - 1) += Sym3<S>{wt.x * side.x - wu.x * t.x + diagonal,
+                                     wt.x * side.y - wu.x * t.y,
+                                     wt.x * side.z - wu.x * t.z,
+                                     wt.y * side.y - wu.y * t.y + diagonal,
+                                     wt.y * side.z - wu.y * t.z,
+                                     wt.z * side.z - wu.z * t.z + diagonal};
+            add_identity(a.edge(i), weight);
+            // B^T = t u^T - te I
+            a.joint(i) -= Mat3<S>{{wt.x * u.x - w_te, wt.x * u.y, wt.x * u.z},
+                                  {wt.y * u.x, wt.y * u.y - w_te, wt.y * u.z},
+                                  {wt.z * u.x, wt.z * u.y, wt.z * u.z - w_te}};
         }
     }
 };

@@ -36,27 +36,45 @@ struct ChainView {
     Vec3<S>* core_pull;  // (2n) the core's force along each edge in the first half, made by its `prepare`
 };
 
-// Forces f and, for the implicit step, the block-pentadiagonal K = h C + h² H, upper half.
+// Forces f and, for the implicit step, K = h C + h² H. What acts between particles is added by edges, as
+// derivatives by e_i = x_{i+1} - x_i are; a row by particles is made of it once all is there.
 template <class S>
 struct ChainSystem {
     S h;
-    Vec3<S>* force;     // (n) [N]
-    Sym3<S>* diagonal;  // (n) K(i, i); null: forces alone
-    Mat3<S>* upper1;    // (n) K(i, i+1)
-    Mat3<S>* upper2;    // (n) K(i, i+2); null where no term couples so far
+    int first;           // particle, and edge, of the arrays' first entries
+    Vec3<S>* forces;     // (n) on particles [N]
+    Vec3<S>* pulls;      // (n-1) along edges [N]
+    Sym3<S>* diagonals;  // (n) K of particles; null: forces alone
+    Sym3<S>* edges;      // (n-1) K of edges
+    Mat3<S>* joints;     // (n-1) null where no term couples two edges
 
-    WETCURL_HD bool with_matrix() const { return diagonal != nullptr; }
+    WETCURL_HD bool with_matrix() const { return diagonals != nullptr; }
 
-    // A force along edge i: +g on particle i, -g on i+1.
-    WETCURL_HD void add_edge_force(int i, const Vec3<S>& g) const {
-        force[i] += g;
-        force[i + 1] -= g;
+    WETCURL_HD Vec3<S>& force(int i) const { return forces[i - first]; }
+    // Acts on particle i, and the other way on i+1.
+    WETCURL_HD Vec3<S>& pull(int i) const { return pulls[i - first]; }
+    WETCURL_HD Sym3<S>& diagonal(int i) const { return diagonals[i - first]; }
+    WETCURL_HD Sym3<S>& edge(int i) const { return edges[i - first]; }
+    // -K(e_{i-1}, e_i), which is what couples particles i-1 and i+1.
+    WETCURL_HD Mat3<S>& joint(int i) const { return joints[i - first]; }
+
+    // On particle i of n, with what edges add.
+    WETCURL_HD Vec3<S> whole_force(int i, int n) const {
+        Vec3<S> f = force(i);
+        if (i + 1 < n) f += pull(i);
+        if (i > 0) f -= pull(i - 1);
+        return f;
     }
-    // An edge stiffness: k (x_{i+1} - x_i) between particles i and i+1.
-    WETCURL_HD void add_edge_matrix(int i, const Sym3<S>& k) const {
-        diagonal[i] += k;
-        diagonal[i + 1] += k;
-        upper1[i] -= to_mat3(k);
+    // Row i of n by particles: K(i, i), K(i, i+1) and K(i, i+2), the last two where these particles are.
+    WETCURL_HD void whole_row(int i, int n, Sym3<S>& k0, Mat3<S>* k1, Mat3<S>* k2) const {
+        k0 = diagonal(i);
+        if (i > 0) k0 += edge(i - 1);
+        if (i + 1 == n) return;
+        k0 += edge(i);
+        Mat3<S> sum = to_mat3(edge(i));
+        if (joints && i > 0) k0 += with_transposed(joint(i)), sum += joint(i);
+        if (joints && i + 2 < n) sum += joint(i + 1), assign(*k2, joint(i + 1));
+        assign(*k1, -sum);
     }
 };
 

@@ -61,10 +61,10 @@ struct Core {
 
     template <class S>
     WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a, int begin, int end) const {
-        const Sym3<S> majoriser = identity_times(a.h * a.h * S(k_c) + a.h * S(c_c));
+        const S majoriser = a.h * a.h * S(k_c) + a.h * S(c_c);
         for (int i = maximum(begin - 1, 0); i + 1 < end; ++i) {
-            a.add_edge_force(i, c.core_pull[i]);
-            if (a.with_matrix()) a.add_edge_matrix(i, majoriser);
+            a.pull(i) += c.core_pull[i];
+            if (a.with_matrix()) add_identity(a.edge(i), majoriser);
         }
     }
 };

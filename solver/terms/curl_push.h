@@ -26,8 +26,7 @@ struct CurlPush {
     WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a, int begin, int end) const {
         const Vec3<S> x_axis{S(1), S(0), S(0)};
         const Quat<S> m = minimal_rotation(x_axis, normalized(c.chord, x_axis));
-        for (int i = maximum(begin - 1, 0); i + 1 < end; ++i)
-            a.add_edge_force(i, S(k_w) * rotate(m, c.push[i]));
+        for (int i = maximum(begin - 1, 0); i + 1 < end; ++i) a.pull(i) += S(k_w) * rotate(m, c.push[i]);
     }
 };
 

@@ -31,8 +31,8 @@ struct Stiffness {
             const S sigma = c.saturation ? c.saturation[i] : S(0);
             const S rate = S(c_all) + sigma * S(c_wet) + (S(1) - sigma) * S(c_dry);
             const Vec3<S> rigid = c.drift + cross(c.turn, c.x[i] - c.turn_center);
-            a.force[i] -= rate * c.mass[i] * (c.v[i] - rigid);
-            if (a.with_matrix()) a.diagonal[i] += identity_times(a.h * rate * c.mass[i]);
+            a.force(i) -= rate * c.mass[i] * (c.v[i] - rigid);
+            if (a.with_matrix()) add_identity(a.diagonal(i), a.h * rate * c.mass[i]);
         }
     }
 };

@@ -51,9 +51,9 @@ struct StrainLimit {
             const S k = select(d > S(0), stiffness(c.mass[i + 1]), S(0));
             const S across = k * d / maximum(length, S(tiny_length<S>));
             const Vec3<S> back = edge(c, i) - e;
-            a.add_edge_force(i, (k * d + (k - across) * dot(e_hat, back)) * e_hat + across * back);
+            a.pull(i) += (k * d + (k - across) * dot(e_hat, back)) * e_hat + across * back;
             const S h2 = a.h * a.h;
-            a.add_edge_matrix(i, isotropic_plus_outer(h2 * across, h2 * (k - across), e_hat));
+            a.edge(i) += isotropic_plus_outer(h2 * across, h2 * (k - across), e_hat);
         }
     }
 

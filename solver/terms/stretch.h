@@ -41,10 +41,10 @@ struct Stretch {
             const S inverse = S(1) / maximum(length, S(tiny_length<S>));
             e_hat = select(length > S(tiny_length<S>), inverse * e, e_hat);
             const S rate = dot(c.v[i + 1] - c.v[i], e_hat);
-            a.add_edge_force(i, (k * (length - l) + damp * rate) * e_hat);
+            a.pull(i) += (k * (length - l) + damp * rate) * e_hat;
             if (a.with_matrix()) {
                 const S across = k_h * maximum(S(0), S(1) - l * inverse);
-                a.add_edge_matrix(i, isotropic_plus_outer(across, k_h + c_h - across, e_hat));
+                a.edge(i) += isotropic_plus_outer(across, k_h + c_h - across, e_hat);
             }
         }
     }

@@ -30,8 +30,8 @@ struct Twist {
     // swing.
     template <class S>
     WETCURL_HD S lag(const S& h, const S& mass) const {
-        const S q = h * h * S(k_b) / (S(1000) * mass);
-        return q / (S(1) + q);
+        const S stiff = h * h * S(k_b);
+        return stiff / (stiff + S(1000) * mass);
     }
 
     // Half the angle m of an edge's frame against the one before, carried along the strand: the turn from one
@@ -96,18 +96,15 @@ struct Twist {
             const Direction<S> after(edge(c, i));
             const auto [g1, g] = gradient(before, after);
             before = after;
-            a.add_edge_force(i - 1, torque * g1);
-            a.add_edge_force(i, torque * g);
+            a.pull(i - 1) += torque * g1;
+            a.pull(i) += torque * g;
             if (!a.with_matrix()) continue;
-            // By particles -g1, g1 - g, g: the system takes weight times their outer product.
+            // The system takes weight times the outer product of both gradients.
             const S weight = a.h * a.h * k;
-            const Vec3<S> middle = g1 - g, w1 = weight * g1, w = weight * g;
-            a.diagonal[i - 1] += isotropic_plus_outer(S(0), weight, g1);
-            a.diagonal[i] += isotropic_plus_outer(S(0), weight, middle);
-            a.diagonal[i + 1] += isotropic_plus_outer(S(0), weight, g);
-            a.upper1[i - 1] -= outer(w1, middle);
-            a.upper1[i] += outer(middle, w);
-            a.upper2[i - 1] -= outer(w1, g);
+            const Vec3<S> w1 = weight * g1, w = weight * g;
+            a.edge(i - 1) += symmetric_outer(w1, g1);
+            a.edge(i) += symmetric_outer(w, g);
+            a.joint(i) -= outer(w1, g);
         }
     }
 };

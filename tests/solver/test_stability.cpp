@@ -82,9 +82,11 @@ StabilityMethod forward_euler() {
             for (int i = 0; i < n; ++i)
                 one.x[size_t(i)] = s.x[k + size_t(i)], one.v[size_t(i)] = s.v[k + size_t(i)];
             one.frame.assign(s.frame.begin() + long(k), s.frame.begin() + long(k) + n - 1);
-            Points force(size_t(n), Vec3d{0, 0, 0});
-            const ChainSystem<double> system{dt, force.data(), nullptr, nullptr, nullptr};
-            for_each_present(scene.chain, [&](const auto& term) { assemble(term, one.view(), system); });
+            const Points force = forces_by(
+                [&](const auto& view, const auto& system) {
+                    for_each_present(scene.chain, [&](const auto& term) { assemble(term, view, system); });
+                },
+                one.view(), dt);
             for (size_t i = 2; i < size_t(n); ++i) {
                 s.x[k + i] += dt * s.v[k + i];
                 s.v[k + i] += dt * (scene.integrator.gravity + (1 / one.mass[i]) * force[i]);
@@ -150,31 +152,30 @@ TEST(Battery, sees_energy_that_comes_from_nowhere) {
 }
 
 TEST(Battery, sees_forces_and_matrices_that_are_none) {
-    const auto wrong_twist = ours_assembled_with(
-        [](const ChainTerms& terms, const ChainView<double>& c, const ChainSystem<double>& a) {
-            const size_t n = size_t(c.n);
-            Points f(n, Vec3d{0, 0, 0});
-            assemble(*std::get<std::optional<Twist>>(terms), c,
-                     ChainSystem<double>{a.h, f.data(), nullptr, nullptr, nullptr});
-            for (size_t i = 0; i < n; ++i) a.force[i] -= 2.0 * f[i];
-        });
+    const auto wrong_twist = ours_assembled_with([](const ChainTerms& terms, const ChainView<double>& c,
+                                                    const ChainSystem<double>& a) {
+        const Twist& twist = *std::get<std::optional<Twist>>(terms);
+        const Points f =
+            forces_by([&](const auto& view, const auto& system) { assemble(twist, view, system); }, c, a.h);
+        for (int i = 0; i < c.n; ++i) a.force(i) -= 2.0 * f[size_t(i)];
+    });
     EXPECT_TRUE(sees(wrong_twist, "S3", "force differenced"));
     const auto one_sided =
         ours_assembled_with([](const ChainTerms&, const ChainView<double>& c, const ChainSystem<double>& a) {
-            a.force[5] += 1e-3 * (c.x[9] - c.x[8]);
+            a.force(5) += 1e-3 * (c.x[9] - c.x[8]);
         });
     EXPECT_TRUE(sees(one_sided, "S3", "force differenced"));
     const auto negative =
         ours_assembled_with([](const ChainTerms&, const ChainView<double>& c, const ChainSystem<double>& a) {
-            if (a.diagonal) a.diagonal[c.n - 1] += identity_times(-1.0);
+            if (a.with_matrix()) a.diagonal(c.n - 1) += identity_times(-1.0);
         });
     EXPECT_TRUE(sees(negative, "S3", "assembled matrix"));
     const auto halved =
         ours_assembled_with([](const ChainTerms&, const ChainView<double>& c, const ChainSystem<double>& a) {
-            for (int i = 0; a.diagonal && i < c.n; ++i) {
-                const Sym3<double> d = a.diagonal[i];
-                a.diagonal[i] += Sym3<double>{-0.5 * d.xx, -0.5 * d.xy, -0.5 * d.xz,
-                                              -0.5 * d.yy, -0.5 * d.yz, -0.5 * d.zz};
+            for (int i = 0; a.with_matrix() && i + 1 < c.n; ++i) {
+                const Sym3<double> d = a.edge(i);
+                a.edge(i) += Sym3<double>{-0.5 * d.xx, -0.5 * d.xy, -0.5 * d.xz,
+                                          -0.5 * d.yy, -0.5 * d.yz, -0.5 * d.zz};
             }
         });
     EXPECT_TRUE(sees(halved, "S3", "matrix above"));
