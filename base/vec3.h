@@ -68,6 +68,11 @@ WETCURL_HD Vec3<S> cast(const Vec3<U>& a) {
     return {S(a.x), S(a.y), S(a.z)};
 }
 
+template <class S>
+WETCURL_HD void set_zero(Vec3<S>& a) {
+    a.x = a.y = a.z = S(0);
+}
+
 using Vec3f = Vec3<float>;
 using Vec3d = Vec3<double>;
 
@@ -92,6 +97,10 @@ struct Sym3 {
 template <class S>
 WETCURL_HD Sym3<S> identity_times(const S& s) {
     return {s, S(0), S(0), s, S(0), s};
+}
+template <class S>
+WETCURL_HD void set_zero(Sym3<S>& m) {
+    m.xx = m.xy = m.xz = m.yy = m.yz = m.zz = S(0);
 }
 template <class S>
 WETCURL_HD void add_identity(Sym3<S>& m, const S& s) {
@@ -140,7 +149,7 @@ WETCURL_HD void assign(Mat3<S>& to, const Mat3<S>& from) {
 }
 template <class S>
 WETCURL_HD void set_zero(Mat3<S>& m) {
-    m.r0 = m.r1 = m.r2 = Vec3<S>{S(0), S(0), S(0)};
+    set_zero(m.r0), set_zero(m.r1), set_zero(m.r2);
 }
 template <class S>
 WETCURL_HD Vec3<S> transposed_times(const Mat3<S>& m, const Vec3<S>& v) {

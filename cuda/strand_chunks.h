@@ -2,26 +2,10 @@
 // chunks in rounds that reach ever farther. The tridiagonal system of twists, and the filter of Eq 2. Ours.
 #pragma once
 
-#include "base/vec3.h"
+#include "solver/terms/twist.h"
 
 namespace wetcurl {
 
-// An edge's row of the system of the turns of edges about themselves: what couples it to an edge before
-// and to one after, what its diagonal has beyond these (nothing cancels in sums of such), its right side.
-template <class T>
-struct alignas(4 * sizeof(T)) TwistRow {
-    T before, after, excess, right;
-    WETCURL_HD T inverse() const { return T(1) / maximum(before + after + excess, T(1e-30)); }
-    // Is coupled no longer to row `b` before it, but to what that is coupled to before; likewise after.
-    WETCURL_HD void take_before(const TwistRow& b) {
-        const T share = before * b.inverse();
-        before = share * b.before, excess += share * b.excess, right += share * b.right;
-    }
-    WETCURL_HD void take_after(const TwistRow& a) {
-        const T share = after * a.inverse();
-        after = share * a.after, excess += share * a.excess, right += share * a.right;
-    }
-};
 // What the filter of Eq 2 but for its factor beta², 1 / (1 - q z)² with q = 1 - beta, makes of edges, and
 // on its way there.
 template <class T>

@@ -75,7 +75,7 @@ class StrandParts {
         V forces[3]{zero, zero, zero}, pulls[2]{zero, zero};
         Sym3<T> diagonals[3]{no_sym, no_sym, no_sym}, edges[2]{no_sym, no_sym};
         M joints[2]{no_mat, no_mat};
-        const ChainSystem<T> system{scheme.h, 0, forces, pulls, diagonals, edges, joints};
+        const ChainSystem<T> system{scheme.h, system.whole, forces, pulls, diagonals, edges, joints};
         ChainView<T> view{};
         view.n = 3;
         view.x = w.x, view.v = w.v, view.mass = w.mass, view.rest_length = w.rest_length;

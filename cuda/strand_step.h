@@ -285,35 +285,31 @@ class StrandStep {
                                           of(m_.rest_core, k));
         });
     }
-    // As of TwistElimination, edge 0 is held by the root. In the end a chunk's rows are coupled to the last
-    // ones of this chunk and of the one before alone.
+    // In the end a chunk's rows are coupled to the last ones of this chunk and of the one before alone.
     WETCURL_HD void eliminate_twists(const Bdf2<T>& scheme, int g, const Chunk& c) const {
         const Twist& springs = get<Twist>(k_.rules.terms);
         const int first = c.begin > 0 ? c.begin : 1;
         if (first >= c.end) return;
         TwistRow* rows = twist(g);
         Q frame = frame_[cell(g, first)];
-        T stiffness = springs.stiffness(of(m_.rest_length, cell(g, first)));
-        T torque = stiffness * Twist::HalfAngle<T>(Q(frame_[cell(g, first - 1)]), frame).sine_of_whole();
+        TwistJoint<T> before =
+            springs.joint(of(m_.rest_length, cell(g, first)), Q(frame_[cell(g, first - 1)]), frame);
         TwistRow near{};
         for (int i = first; i < c.end; ++i) {
             const int k = cell(g, i);
-            T after(0), torque_after(0), slope(0), bound(0);
+            T slope(0), bound(0);
+            TwistJoint<T> after{T(0), T(0)};
             Q next{};
             if (i + 2 < m_.n) {
                 next = frame_[k + 1];
-                after = springs.stiffness(of(m_.rest_length, k + 1));
-                torque_after = after * Twist::HalfAngle<T>(frame, next).sine_of_whole();
+                after = springs.joint(of(m_.rest_length, k + 1), frame, next);
                 bend_by_turn(get<Bend>(k_.rules.terms), frame, of(m_.target, k + 1), edge_at(k + 1), slope,
                              bound);
             }
-            const T lag = springs.lag(scheme.h, of(m_.mass, k));
-            const T excess = bound + lag * (bound + stiffness + after);
-            TwistRow row{i == 1 ? T(0) : stiffness, after, i == 1 ? excess + stiffness : excess,
-                         torque_after - torque - slope};
+            TwistRow row = twist_row(i, before, after, slope, bound, springs.lag(scheme.h, of(m_.mass, k)));
             if (i > first) row.take_before(near);
             rows[i] = near = row;
-            frame = next, stiffness = after, torque = torque_after;
+            frame = next, before = after;
         }
         for (int i = c.end - 3; i >= first; --i) {
             // What the row after is coupled to before is not this row any more.

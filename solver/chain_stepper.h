@@ -67,8 +67,10 @@ class ChainStepper {
     struct BlockState {
         Vec3<S>*x, *x_before, *v, *v_before;
     };
-    void step_block(int block, const BlockState& now, const Placement<T>& p, const GivenToChain<S>& given,
-                    bool first, ChainScratch<S>& scratch, FarFromSolids<S>* far);
+    // All is inlined: what stays a call hands packs over through memory.
+    [[gnu::flatten]] void step_block(int block, const BlockState& now, const Placement<T>& p,
+                                     const GivenToChain<S>& given, bool first, ChainScratch<S>& scratch,
+                                     FarFromSolids<S>* far);
     ChainView<S> view_of(int block) const;
     std::vector<S> energy_of(int block) const;  // of each kind in each lane
 

@@ -55,7 +55,7 @@ struct OneStrand {
           push(shape.size(), Vec3d{0, 0, 0}),
           normal(shape.size(), Vec3d{0, 1, 0}),
           surface_velocity(shape.size(), Vec3d{0, 0, 0}),
-          core_pull(2 * shape.size()),
+          core_pull(shape.size()),
           mass(dry_masses(shape, linear_density)),
           saturation(shape.size(), 0.0),
           phi(shape.size(), 1.0),
@@ -149,7 +149,7 @@ inline Points whole_forces(const ChainSystem<double>& system, int n) {
 template <class Add>
 Points forces_by(Add add, const ChainView<double>& c, double h) {
     Points force(size_t(c.n), Vec3d{0, 0, 0}), pull = force;
-    const ChainSystem<double> system{h, 0, force.data(), pull.data(), nullptr, nullptr, nullptr};
+    const ChainSystem<double> system{h, system.whole, force.data(), pull.data(), nullptr, nullptr, nullptr};
     add(c, system);
     return whole_forces(system, c.n);
 }
@@ -161,7 +161,7 @@ Assembled assembled_by(Add add, const ChainView<double>& c, double h) {
     Points force(n, zero), pull(n, zero);
     std::vector<Sym3<double>> diagonal(n, identity_times(0.0)), edge = diagonal, whole_diagonal = diagonal;
     std::vector<Mat3<double>> joint(n, {zero, zero, zero}), upper1 = joint, upper2 = joint;
-    const ChainSystem<double> system{h,           0,           force.data(), pull.data(), diagonal.data(),
+    const ChainSystem<double> system{h,           system.whole, force.data(), pull.data(), diagonal.data(),
                                      edge.data(), joint.data()};
     add(c, system);
     for (size_t i = 0; i < n; ++i) system.whole_row(int(i), c.n, whole_diagonal[i], &upper1[i], &upper2[i]);

@@ -61,7 +61,7 @@ Hold<S> expected_contact_of_all(const Placement<Plain<S>>& p, const S& rest_dept
     Hold<S> hold =
         p.tree ? deepest_contact(*p.tree, p.solids, rest_depth, x) : deepest_contact(p.solids, rest_depth, x);
     for (const auto& solid : p.deforming) take_deeper(solid, rest_depth, x, hold);
-    expect_push(hold, pushed);
+    expect_push(hold.gap, pushed);
     if (any_positive(pushed)) weigh(pushed, stiff, v, hold);
     return hold;
 }

@@ -14,7 +14,7 @@ WETCURL_HD inline double filter_beta(double l, double alpha) {
     return alpha > 0 ? minimum(1.0, 1.0 - exp(-l / alpha)) : 1.0;
 }
 
-// Eq 2 edge by edge: d_i from e_i and the two before it.
+// Eq 2 edge by edge: d_i from e_i and the two before it. One product and sum lie between d_i and d_{i-1}.
 template <class S>
 struct EdgeFilter {
     S a, b, c;
@@ -22,7 +22,7 @@ struct EdgeFilter {
     WETCURL_HD EdgeFilter(Plain<S> beta, const Vec3<S>& first)
         : a(2 * (1 - beta)), b((1 - beta) * (1 - beta)), c(beta * beta), d1(first), d2(first) {}
     WETCURL_HD Vec3<S> operator()(const Vec3<S>& e) {
-        const Vec3<S> d = a * d1 - b * d2 + c * e;
+        const Vec3<S> d = a * d1 + (c * e - b * d2);
         d2 = d1;
         d1 = d;
         return d;
@@ -52,7 +52,7 @@ struct EdgeFilterAdjoint {
     WETCURL_HD explicit EdgeFilterAdjoint(Plain<S> beta)
         : a(2 * (1 - beta)), b((1 - beta) * (1 - beta)), c(beta * beta) {}
     WETCURL_HD Vec3<S> operator()(const Vec3<S>& g) {
-        const Vec3<S> d = a * d1 - b * d2 + g;
+        const Vec3<S> d = a * d1 + (g - b * d2);
         d2 = d1;
         d1 = d;
         return c * d;

@@ -87,6 +87,16 @@ ShapeView view_of(const Shape& shape);
 // space.
 Bounds bounds_of(const Shape& shape);
 
+// Whether it is the same however it is turned.
+WETCURL_HD inline bool is_ball(const ShapeView& shape) {
+    return shape.kind == ShapeView::Kind::round && shape.round.half_length == 0;
+}
+inline bool is_ball(const Shape& shape) {
+    const auto* capsule = std::get_if<Capsule>(&shape);
+    return std::holds_alternative<Sphere>(shape) || (capsule && capsule->half_length == 0);
+}
+WETCURL_HD inline bool is_ball(const MovingGrid&) { return false; }
+
 template <class S>
 WETCURL_HD DistanceSample<S> distance(const ShapeView& shape, const Vec3<S>& x) {
     switch (shape.kind) {

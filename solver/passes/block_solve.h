@@ -105,9 +105,9 @@ WETCURL_HD void eliminate_row(int i, int n, Sym3<S>* diagonal, Mat3<S>* upper1, 
 template <bool Penta, class S>
 WETCURL_HD void substitute_rows(int first, int n, const Mat3<S>* upper1, const Mat3<S>* upper2, Vec3<S>* r) {
     for (int i = n - 2; i >= first; --i) {
-        r[i] -= upper1[i] * r[i + 1];
         if constexpr (Penta)
             if (i + 2 < n) r[i] -= upper2[i] * r[i + 2];
+        r[i] -= upper1[i] * r[i + 1];
     }
 }
 

@@ -71,7 +71,7 @@ template <class S>
 struct ChainScratch {
     Vec3<S>*predicted_x, *expected_v, *solution, *core_pull, *limit_edge;
     Mat3<S>*upper1, *upper2;  // rows of the substitution
-    ChainSystem<S> system;    // implicit: of a window of rows
+    ChainSystem<S> system;    // implicit: a ring of rows
     S* twist;
     // Of strands for which forces are not taken anew.
     Vec3<S>* kept;
@@ -80,8 +80,8 @@ struct ChainScratch {
     S* gap;         // [m] (n) beyond what is allowed, where the particle is expected; filled before forces
                     // are taken. On return what the implicit step left of it at least
 
-    // Rows that are assembled at once, and how many entries a window begins before them.
-    static constexpr int at_once = 8, before = 3;
+    // Rows that are assembled at once; with those that wait for elements of the next ones they fit in a ring.
+    static constexpr int at_once = 5, ring = 8;
 
     // Takes `room`, and returns how many numbers of it; null: only counts them.
     WETCURL_HD size_t lay(int n, const ChainTerms& terms, bool implicit, bool solids, S* room) {
@@ -92,32 +92,18 @@ struct ChainScratch {
         };
         const bool limits = bool(std::get<Slot<StrainLimit>>(terms));
         const bool joints = implicit && couples_two_edges(terms);
-        const int window = implicit ? at_once + before : n;
+        const int rows = implicit ? ring : n;
         take(predicted_x, n, true), take(expected_v, n, implicit), take(solution, n, implicit);
         take(upper1, n, implicit), take(upper2, n, joints);
-        take(system.forces, window, true), take(system.pulls, window, true);
-        take(system.diagonals, window, implicit), take(system.edges, window, implicit);
-        take(system.joints, window, joints);
-        take(core_pull, 2 * n, bool(std::get<Slot<Core>>(terms)));
+        take(system.forces, rows, true), take(system.pulls, rows, true);
+        take(system.diagonals, rows, implicit), take(system.edges, rows, implicit);
+        take(system.joints, rows, joints);
+        take(core_pull, n, bool(std::get<Slot<Core>>(terms)));
         take(limit_edge, n, implicit && limits);
         take(twist, 2 * n, bool(std::get<Slot<Twist>>(terms)));
         take(kept, n, implicit), take(kept_frame, n, implicit && bool(std::get<Slot<Bend>>(terms)));
         take(hold, n, implicit && solids), take(gap, n, implicit && solids);
         return taken;
-    }
-    // The system's window goes on to the rows from `begin` on: with what is there of those before, else zero.
-    WETCURL_HD void move_window(int begin) {
-        auto move = [begin](auto* entries) {
-            if (!entries) return;
-            S* numbers = reinterpret_cast<S*>(entries);
-            constexpr int of_an_entry = int(sizeof(*entries) / sizeof(S));
-            for (int k = 0; k < before * of_an_entry; ++k)
-                numbers[k] = begin > 0 ? numbers[k + at_once * of_an_entry] : S(0);
-            for (int k = before * of_an_entry; k < (before + at_once) * of_an_entry; ++k) numbers[k] = S(0);
-        };
-        move(system.forces), move(system.pulls), move(system.diagonals), move(system.edges);
-        move(system.joints);
-        system.first = begin - before;
     }
 };
 
@@ -263,7 +249,8 @@ WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
     const bool penta = s.upper2 != nullptr;
     const Vec3<S> gravity = cast<S>(b.gravity);
     ChainSystem<S>& system = s.system;
-    system.h = h;
+    system.h = h, system.ring = s.ring - 1;
+    for (int i = 1; i <= s.ring; ++i) system.forget_row(i);
     Vec3<S> known[2], root_force[2];
     Sym3<S> root_diagonal[2];
     Vec3<S>* r = s.solution;  // the right side, then the solution: what the view's velocities change by
@@ -272,6 +259,7 @@ WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
         Vec3<S> force = system.whole_force(i, n) + view.mass[i] * gravity;
         if (b.external) force += b.external[i];
         system.whole_row(i, n, diagonal, &s.upper1[i], penta ? &s.upper2[i] : nullptr);
+        system.forget_row(i);
         if (i < 2) {
             root_force[i] = force, root_diagonal[i] = diagonal;
             return;
@@ -300,11 +288,10 @@ WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
         for_each_present(terms, [&](const auto& term) {
             if constexpr (requires { term.prepare(view); }) term.prepare(view);
         });
-        Sym3<S> diagonal[3];  // of the last rows, which wait for their elimination
+        Sym3<S> diagonal[3]{};  // of the last rows, which wait for their elimination
         int whole = 0;
         for (int begin = 0; begin < n; begin += s.at_once) {
             const int end = begin + s.at_once < n ? begin + s.at_once : n;
-            s.move_window(begin);
             for_each_present(terms, [&](const auto& term) { term.assemble(view, system, begin, end); });
             for (const int elements_left_at = end < n ? end - 2 : n; whole < elements_left_at; ++whole) {
                 complete(whole, diagonal[2]);
@@ -312,7 +299,9 @@ WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
                 diagonal[0] = diagonal[1], diagonal[1] = diagonal[2];
             }
         }
-        eliminate(n - 2, diagonal), eliminate(n - 1, diagonal + 1);
+        eliminate(n - 2, diagonal);
+        diagonal[0] = diagonal[1];
+        eliminate(n - 1, diagonal);
         if (penta)
             substitute_rows<true>(2, n, s.upper1, s.upper2, r);
         else
@@ -388,7 +377,7 @@ WETCURL_HD void explicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
     view.core_pull = s.core_pull;
     before_forces(view.x, view.v, 0);
     const Vec3<S> gravity = cast<S>(b.gravity), zero{S(0), S(0), S(0)};
-    s.system.h = S(b.dt), s.system.first = 0;
+    s.system.h = S(b.dt), s.system.ring = s.system.whole;
     for (int i = 0; i < b.n; ++i) s.system.force(i) = s.system.pull(i) = zero;
     for_each_present(terms, [&](const auto& term) { assemble(term, view, s.system); });
     for (int i = 0; i < b.n; ++i) {

@@ -23,9 +23,11 @@ struct PosedSolid {
 // Distance and outward normal in the world at x.
 template <class S, class Body>
 WETCURL_HD DistanceSample<S> distance_in_world(const PosedSolid<Plain<S>, Body>& solid, const Vec3<S>& x) {
+    const Vec3<S> arm = x - cast<S>(solid.translation);
     const Quat<S> r = cast<S>(solid.rotation);
-    DistanceSample<S> d = distance(*solid.shape, rotate(conjugate(r), x - cast<S>(solid.translation)));
-    d.normal = rotate(r, d.normal);
+    const bool ball = is_ball(*solid.shape);
+    DistanceSample<S> d = distance(*solid.shape, ball ? arm : rotate(conjugate(r), arm));
+    if (!ball) d.normal = rotate(r, d.normal);
     return d;
 }
 
@@ -105,6 +107,14 @@ WETCURL_HD S weigh_again(const S& h, const Vec3<S>& d, Hold<S>& hold) {
     return change * change;
 }
 constexpr int most_contact_solves = 2;
+// The gap alone that a particle at x has to the solid that it is deepest in.
+template <class S, class Solids>
+WETCURL_HD S least_gap(const Solids& solids, const S& rest_depth, const Vec3<S>& x) {
+    S least = no_contact<S>().gap;
+    for (const auto& solid : solids)
+        least = minimum(least, distance_in_world(solid, x).phi - (solid.attached ? rest_depth : S(0)));
+    return least;
+}
 // The solid that a particle at x is deepest in, not yet weighed.
 template <class S, class Solids>
 WETCURL_HD Hold<S> deepest_contact(const Solids& solids, const S& rest_depth, const Vec3<S>& x) {
@@ -114,8 +124,8 @@ WETCURL_HD Hold<S> deepest_contact(const Solids& solids, const S& rest_depth, co
 }
 // What is expected inside counts as pushed: a bit, without friction yet.
 template <class S>
-WETCURL_HD void expect_push(const Hold<S>& hold, S& pushed) {
-    pushed = select(hold.gap < S(0), maximum(pushed, S(Plain<S>(1e-30))), pushed);
+WETCURL_HD void expect_push(const S& gap, S& pushed) {
+    pushed = select(gap < S(0), maximum(pushed, S(Plain<S>(1e-30))), pushed);
 }
 // Of a particle at x, with velocity v, that a surface `pushed` in the step before or is to push now: a spring
 // of `stiff` [kg] that closes the gap, and friction.
@@ -123,7 +133,7 @@ template <class S, class Solids>
 WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, const S& stiff,
                                     const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
     Hold<S> hold = deepest_contact(solids, rest_depth, x);
-    expect_push(hold, pushed);
+    expect_push(hold.gap, pushed);
     if (any_positive(pushed)) weigh(pushed, stiff, v, hold);
     return hold;
 }

@@ -34,7 +34,11 @@ struct SolidsInALoop {
     template <class Use>
     WETCURL_HD void expect(Use use) const {
         use([&](int, const S& rest_depth, const S& stiff, const Vec3<S>& x, const Vec3<S>& v, S& pushed) {
-            return expected_contact(solids, rest_depth, stiff, x, v, pushed);
+            Hold<S> hold;
+            hold.gap = least_gap(solids, rest_depth, x);
+            expect_push(hold.gap, pushed);
+            if (any_positive(pushed)) hold = expected_contact(solids, rest_depth, stiff, x, v, pushed);
+            return hold;
         });
     }
     // The nearest ones of n particles.

@@ -62,7 +62,7 @@ bool forces_of(const ChainTerms& terms, const ChainView<S>& c, const S& h, Vec3<
     const auto& term = std::get<Slot<Term>>(terms);
     if (!term) return false;
     std::fill_n(force, c.n, Vec3<S>{S(0), S(0), S(0)});
-    assemble(*term, c, ChainSystem<S>{h, 0, force, nullptr, nullptr, nullptr, nullptr});
+    assemble(*term, c, ChainSystem<S>{h, ChainSystem<S>::whole, force, nullptr, nullptr, nullptr, nullptr});
     return true;
 }
 

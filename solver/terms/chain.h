@@ -33,7 +33,7 @@ struct ChainView {
     Vec3<S> turn, turn_center,
         drift;           // the root's rigid motion: angular velocity, centre, velocity of the centre
     Vec3<S> chord;       // x_{n-1} - x_0
-    Vec3<S>* core_pull;  // (2n) the core's force along each edge in the first half, made by its `prepare`
+    Vec3<S>* core_pull;  // (n-1) the core's force along each edge, made by its `prepare`
 };
 
 // Forces f and, for the implicit step, K = h C + h² H. What acts between particles is added by edges, as
@@ -41,22 +41,24 @@ struct ChainView {
 template <class S>
 struct ChainSystem {
     S h;
-    int first;           // particle, and edge, of the arrays' first entries
+    unsigned ring;       // particle i, and edge i, has entry i & ring of an array
     Vec3<S>* forces;     // (n) on particles [N]
     Vec3<S>* pulls;      // (n-1) along edges [N]
     Sym3<S>* diagonals;  // (n) K of particles; null: forces alone
     Sym3<S>* edges;      // (n-1) K of edges
     Mat3<S>* joints;     // (n-1) null where no term couples two edges
 
+    static constexpr unsigned whole = ~0u;  // a ring that never closes
+
     WETCURL_HD bool with_matrix() const { return diagonals != nullptr; }
 
-    WETCURL_HD Vec3<S>& force(int i) const { return forces[i - first]; }
+    WETCURL_HD Vec3<S>& force(int i) const { return forces[at(i)]; }
     // Acts on particle i, and the other way on i+1.
-    WETCURL_HD Vec3<S>& pull(int i) const { return pulls[i - first]; }
-    WETCURL_HD Sym3<S>& diagonal(int i) const { return diagonals[i - first]; }
-    WETCURL_HD Sym3<S>& edge(int i) const { return edges[i - first]; }
+    WETCURL_HD Vec3<S>& pull(int i) const { return pulls[at(i)]; }
+    WETCURL_HD Sym3<S>& diagonal(int i) const { return diagonals[at(i)]; }
+    WETCURL_HD Sym3<S>& edge(int i) const { return edges[at(i)]; }
     // -K(e_{i-1}, e_i), which is what couples particles i-1 and i+1.
-    WETCURL_HD Mat3<S>& joint(int i) const { return joints[i - first]; }
+    WETCURL_HD Mat3<S>& joint(int i) const { return joints[at(i)]; }
 
     // On particle i of n, with what edges add.
     WETCURL_HD Vec3<S> whole_force(int i, int n) const {
@@ -76,6 +78,15 @@ struct ChainSystem {
         if (joints && i + 2 < n) sum += joint(i + 1), assign(*k2, joint(i + 1));
         assign(*k1, -sum);
     }
+    // Forgets what row i is the last to ask for, once rows before it are made.
+    WETCURL_HD void forget_row(int i) const {
+        set_zero(force(i)), set_zero(diagonal(i));
+        if (i > 0) set_zero(pull(i - 1)), set_zero(edge(i - 1));
+        if (joints) set_zero(joint(i));
+    }
+
+  private:
+    WETCURL_HD unsigned at(int i) const { return unsigned(i) & ring; }
 };
 
 // All elements of a strand.

@@ -46,13 +46,10 @@ struct Core {
     // The force along each edge, carried back through the filter.
     template <class S>
     WETCURL_HD void prepare(const ChainView<S>& c) const {
-        Vec3<S>*g = c.core_pull, *b = c.core_pull + c.n;
-        smooth_edges<S>(
-            c.n - 1, Plain<S>(beta), [&](int i) { return edge(c, i); },
-            [&](int i, const Vec3<S>& d) { b[i] = d; });
-        smooth_edges<S>(
-            c.n - 1, Plain<S>(beta), [&](int i) { return c.v[i + 1] - c.v[i]; },
-            [&](int i, const Vec3<S>& nu) { g[i] = pull(b[i], nu, c.rest_core[i]); });
+        Vec3<S>* g = c.core_pull;
+        auto rate = [&](int i) { return c.v[i + 1] - c.v[i]; };
+        EdgeFilter<S> edges(Plain<S>(beta), edge(c, 0)), rates(Plain<S>(beta), rate(0));
+        for (int i = 0; i + 1 < c.n; ++i) g[i] = pull(edges(edge(c, i)), rates(rate(i)), c.rest_core[i]);
         if (!printed)
             smooth_edges_adjoint<S>(
                 c.n - 1, Plain<S>(beta), [&](int i) { return g[i]; },

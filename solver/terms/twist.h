@@ -10,6 +10,12 @@
 
 namespace wetcurl {
 
+// What a joint of two edges gives.
+template <class S>
+struct TwistJoint {
+    S stiffness, torque;  // [N m]
+};
+
 struct Twist {
     static constexpr const char *name = "twist", *table = "bend";
     static constexpr bool couples_two_edges = true;
@@ -53,6 +59,14 @@ struct Twist {
         }
     };
 
+    // Of an edge of that rest length and the one before it.
+    template <class S>
+    WETCURL_HD TwistJoint<S> joint(const S& rest_length, const Quat<S>& frame_before,
+                                   const Quat<S>& frame) const {
+        const S k = stiffness(rest_length);
+        return {k, k * HalfAngle<S>(frame_before, frame).sine_of_whole()};
+    }
+
     // An edge's direction and the inverse of its length.
     template <class S>
     struct Direction {
@@ -91,8 +105,7 @@ struct Twist {
         if (first + 1 >= end) return;
         Direction<S> before(edge(c, first - 1));
         for (int i = first; i + 1 < end; ++i) {
-            const S k = stiffness(c.rest_length[i]);
-            const S torque = k * HalfAngle<S>(c.frame[i - 1], c.frame[i]).sine_of_whole();
+            const auto [k, torque] = joint(c.rest_length[i], c.frame[i - 1], c.frame[i]);
             const Direction<S> after(edge(c, i));
             const auto [g1, g] = gradient(before, after);
             before = after;
@@ -109,28 +122,21 @@ struct Twist {
     }
 };
 
-// The twists of a strand relaxed toward their equilibrium with its bending: Newton's step on the energy of
-// both over the turns of edges 1 .. n-2 about themselves, with an upper bound of the curvature, so that the
-// energy never rises. A tridiagonal system, eliminated from the root to the tip.
-// In the place of Bergou's quasi-static solve: one step a substep follows it.
+// Of the turns of edges about themselves: an edge's row of the tridiagonal system. What couples it to an edge
+// before and to one after, what its diagonal has beyond these (nothing cancels in sums of such), its right
+// side. Of plain numbers it is read and written whole.
 template <class S>
-struct TwistElimination {
-    S pivot, right;
-
-    // Edge 0 is held by the root.
-    WETCURL_HD TwistElimination() : pivot(1), right(0) {}
-    // From the edge before to edge i. `k`, `torque`: of its joint with the edge before; `k_next`,
-    // `torque_next`: of that with the edge after, 0 at the tip.
-    WETCURL_HD void next(bool first, const S& k, const S& torque, const S& k_next, const S& torque_next,
-                         const S& bend_slope, const S& bend_bound, const S& lag) {
-        next(first ? S(0) : k, torque_next - torque - bend_slope, (S(1) + lag) * (bend_bound + k + k_next));
+struct alignas(std::is_same_v<S, Plain<S>> ? 4 * sizeof(S) : alignof(S)) TwistRow {
+    S before, after, excess, right;
+    WETCURL_HD S inverse() const { return S(1) / maximum(before + after + excess, S(Plain<S>(1e-30))); }
+    // Is coupled no longer to row `b` before it, but to what that is coupled to before; likewise after.
+    WETCURL_HD void take_before(const TwistRow& b) {
+        const S share = before * b.inverse();
+        before = share * b.before, excess += share * b.excess, right += share * b.right;
     }
-    // The same where row i is known: its coupling to the row before, 0 for the first, its right side and
-    // diagonal.
-    WETCURL_HD void next(const S& k, const S& right_side, const S& diagonal) {
-        const S coupling = k / pivot;
-        right = right_side + coupling * right;
-        pivot = maximum(diagonal - coupling * k, S(Plain<S>(1e-30)));
+    WETCURL_HD void take_after(const TwistRow& a) {
+        const S share = after * a.inverse();
+        after = share * a.after, excess += share * a.excess, right += share * a.right;
     }
 };
 
@@ -144,34 +150,45 @@ WETCURL_HD void bend_by_turn(const Bend& bend, const Quat<S>& f, const Vec3<S>& 
     bound = S(bend.k_b) * sqrt(dot(e_turn, e_turn) * dot(t_turn, t_turn));
 }
 
+// Edge i's row, with what its joints with the edges before and after it and, by `slope` and `bound` of
+// bend_by_turn, the bend after it make. Edge 0 is held by the root; at the tip nothing comes after.
+template <class S>
+WETCURL_HD TwistRow<S> twist_row(int i, const TwistJoint<S>& before, const TwistJoint<S>& after,
+                                 const S& slope, const S& bound, const S& lag) {
+    const S excess = bound + lag * (bound + before.stiffness + after.stiffness);
+    return {i == 1 ? S(0) : before.stiffness, after.stiffness, i == 1 ? excess + before.stiffness : excess,
+            after.torque - before.torque - slope};
+}
+
+// The twists of a strand relaxed toward their equilibrium with its bending: Newton's step on the energy of
+// both over the turns of edges 1 .. n-2 about themselves, with an upper bound of the curvature, so that the
+// energy never rises. Eliminated from the root to the tip.
+// In the place of Bergou's quasi-static solve: one step a substep follows it.
 // All frames of a strand at the positions x, in a step h [s] (0: no lag). `scratch` (2n).
 template <class S>
 WETCURL_HD void relax_twist(const Bend& bend, const Twist& twist, const ChainView<S>& c, const Vec3<S>* x,
                             const S& h, S* scratch, Quat<S>* frame) {
     const int n = c.n;
-    TwistElimination<S> row;
-    auto joint = [&](int i, S& k, S& torque) {
-        k = twist.stiffness(c.rest_length[i]);
-        torque = k * Twist::HalfAngle<S>(frame[i - 1], frame[i]).sine_of_whole();
-    };
-    S k(0), torque(0), k_next(0), torque_next(0);
-    if (n > 2) joint(1, k, torque);
+    if (n < 3) return;
+    auto joint = [&](int i) { return twist.joint(c.rest_length[i], frame[i - 1], frame[i]); };
+    TwistJoint<S> before = joint(1);
+    TwistRow<S> row_before{};
     for (int i = 1; i + 1 < n; ++i) {
-        const bool tip = i + 2 == n;
         S slope(0), bound(0);
-        k_next = torque_next = S(0);
-        if (!tip) {
-            joint(i + 1, k_next, torque_next);
+        TwistJoint<S> after{S(0), S(0)};
+        if (i + 2 < n) {
+            after = joint(i + 1);
             bend_by_turn(bend, frame[i], c.target[i + 1], x[i + 2] - x[i + 1], slope, bound);
         }
-        row.next(i == 1, k, torque, k_next, torque_next, slope, bound, twist.lag(h, c.mass[i]));
-        scratch[2 * i] = row.pivot, scratch[2 * i + 1] = row.right;
-        k = k_next, torque = torque_next;
+        TwistRow<S> row = twist_row(i, before, after, slope, bound, twist.lag(h, c.mass[i]));
+        if (i > 1) row.take_before(row_before);
+        const S inverse = row.inverse();
+        scratch[2 * i] = inverse * row.right, scratch[2 * i + 1] = inverse * row.after;
+        before = after, row_before = row;
     }
     S turn(0);
     for (int i = n - 2; i > 0; --i) {
-        const S after = i + 2 == n ? S(0) : twist.stiffness(c.rest_length[i + 1]);
-        turn = (scratch[2 * i + 1] + after * turn) / scratch[2 * i];
+        turn = scratch[2 * i] + scratch[2 * i + 1] * turn;
         frame[i] = turned_about_itself(frame[i], turn);
     }
 }
