@@ -130,13 +130,13 @@ void print_head(const Machine& m) {
     fmt::print("{}; {} threads; copies {}, multiplies and adds {}\n", m.processor, m.threads,
                with_unit(m.copy_bytes, "B/s"), with_unit(m.operations, "flop/s"));
 }
-void print_lines_head() {
-    fmt::print("\n{:42} {:>9} {:>9} {:>9} {:>18} {:>8} {:>8} {:>7} {:>7} {:>7}\n", "[ms]", "median", "min",
-               "max", "", "of copy", "of flops", "B/part.", "neighb.", "err. mm");
+void print_lines_head(size_t width) {
+    fmt::print("\n{:{}} {:>9} {:>9} {:>9} {:>18} {:>8} {:>8} {:>7} {:>7} {:>7}\n", "[ms]", width, "median",
+               "min", "max", "", "of copy", "of flops", "B/part.", "neighb.", "err. mm");
 }
-void print(const Line& line, const Machine& machine) {
+void print(const Line& line, size_t width, const Machine& machine) {
     std::string text =
-        fmt::format("{:42} {:>9.3f} {:>9.3f} {:>9.3f} {:>18} {} {} {} {} {}", line.name,
+        fmt::format("{:{}} {:>9.3f} {:>9.3f} {:>9.3f} {:>18} {} {} {} {} {}", line.name, width,
                     1e3 * line.seconds.median, 1e3 * line.seconds.min, 1e3 * line.seconds.max,
                     with_unit(line.items / line.seconds.median, (line.item + "s/s").c_str()),
                     column(100 * share_of_copy(line, machine), 8, " %"),
@@ -196,6 +196,9 @@ int bench_command(const BenchOptions& o) {
     InterruptGuard guard;
     Results results;
     std::string told;
+    size_t width = 40;
+    for (const Entry& entry : all)
+        for (const auto& name : entry.names) width = std::max(width, name.size());
     for (const Entry& entry : all) {
         if (guard.asked()) throw Interrupted("interrupted: nothing is kept of the measurements");
         if (!entry.measure) {
@@ -207,8 +210,8 @@ int bench_command(const BenchOptions& o) {
         entry.measure(found);
         for (const Line& line : found.lines) {
             if (line.name.find(o.filter) == std::string::npos) continue;
-            if (table && results.lines.empty()) print_lines_head();
-            if (table) print(line, machine);
+            if (table && results.lines.empty()) print_lines_head(width);
+            if (table) print(line, width, machine);
             results.lines.push_back(line);
         }
         for (const Point& point : found.points) {
@@ -234,7 +237,7 @@ int bench_command(const BenchOptions& o) {
         if (series.size() < 3) continue;
         const double slope = exponent(series);
         json["fits"].push_back({{"name", series[0]->series}, {"exponent", slope}});
-        if (table) fmt::print("{:42} time ~ size^{:.2f}\n", series[0]->series, slope);
+        if (table) fmt::print("{:40} time ~ size^{:.2f}\n", series[0]->series, slope);
     }
     json["machine"]["peak_bytes"] = peak_bytes();
     write_json(json, o.json);

@@ -35,10 +35,6 @@ settle = {}
 [wetness]
 jitter = 0.2
 [curl]
-[cohesion]
-radius = {}
-tightness = 0.97
-passes = 10
 [stiffness]
 dry = 4.0
 wet = 4.0
@@ -48,6 +44,26 @@ shape = "sphere"
 radius = 0.095
 attached = "head"
 )";
+constexpr const char* shown_wet = R"(
+[cohesion]
+radius = {}
+tightness = 0.97
+passes = 10
+)";
+
+// What a scene may name beside the workload, in the place of Eq 10; where it reaches, as far as that.
+struct Addition {
+    const char *name, *stage, *text;  // the last stage of its frames
+};
+constexpr Addition additions[] = {
+    {"flow", "saturation", "[wetness.flow]\nreach = {}\n"},
+    {"strand contact", "strand contact", "[strand_contact]\nradius = {}\n"},
+    {"adhesion", "chain", "[adhesion]\n"},
+    {"cohesion in the solve", "cohesion in the solve", "[cohesion]\nradius = {}\nstrength = 20\n"},
+    {"Lin 2015", "baseline", "[baseline]\nmethod = \"lin\"\nradius = {}\n"},
+    {"Kim 2016", "baseline", "[baseline]\nmethod = \"kim\"\nradius = {}\n"},
+    {"boundary particles", "baseline", "[baseline]\nmethod = \"boundary_particles\"\n"},
+};
 
 // Radii measured: 30 to 40 neighbours in the frames that count. Larger ones settle for less long, since a
 // substep of all takes that long on a CPU.
@@ -86,22 +102,35 @@ double bytes_of(const BufferList& buffers, const std::vector<std::string>& names
     return double(sum);
 }
 
+// Buffers of the hair itself, which each substep goes through: read and written, and read alone.
+const std::vector<std::string> state_buffers{
+    "positions before", "velocities before", "bend frames",     "contact momentum",
+    "adhesion contact", "adhesion distance", "adhesion normal", "adhesion surface velocity"},
+    given_buffers{"positions",    "velocities",   "roots",      "mass",      "rest lengths",
+                  "bend targets", "core lengths", "saturation", "rest depth"},
+    other_buffers{"scratch of the threads", "cohesion lists", "displayed positions"};
+// Those that are none of these: of what a scene names beside them.
+double bytes_beside(const BufferList& buffers) {
+    double sum = bytes_of(buffers, {});
+    for (const auto* names : {&state_buffers, &given_buffers, &other_buffers})
+        sum -= bytes_of(buffers, *names);
+    return sum;
+}
+
 // What a stage goes through in a frame. Caches may hold some of it: the CPU takes a block of strands through
 // all substeps before the next.
 double bytes_of_stage(const std::string& stage, const Scene& scene, const BufferList& buffers) {
     const double lists = bytes_of(buffers, {"cohesion lists"}),
                  shown = bytes_of(buffers, {"displayed positions"});
     if (stage == "chain") {
-        const double state = bytes_of(buffers, {"positions before", "velocities before", "bend frames",
-                                                "contact momentum"}),
-                     given = bytes_of(buffers, {"positions", "velocities", "roots", "mass", "rest lengths",
-                                                "bend targets", "core lengths", "saturation", "rest depth"});
-        return scene.integrator.substeps * (2 * state + given);  // the state is read and written
+        const double state = bytes_of(buffers, state_buffers), given = bytes_of(buffers, given_buffers);
+        return scene.integrator.substeps * (2 * state + given);
     }
     if (stage == "neighbours") return shown + lists;  // read, written
     if (stage == "cohesion")
-        return scene.cohesion->passes * lists + 2 * shown;  // each pass; roots to tips at the end
-    throw Error("bench: what the stage '" + stage + "' moves is not known");
+        return scene.cohesion->passes * lists + 2 * shown;    // each pass; roots to tips at the end
+    if (stage == "saturation") return bytes_beside(buffers);  // once a frame
+    return scene.integrator.substeps * bytes_beside(buffers);
 }
 
 // Of a particle in a substep, as counted on a few strands of the workload.
@@ -150,13 +179,20 @@ bool fits(const Workload& w) {
     return false;
 }
 
+// The wet workload's hair, and `beside` it.
+Scene scene_with(const char* beside, const Workload& w, const std::vector<std::string>& set = {},
+                 int stride = 1) {
+    SceneOptions options;
+    options.set = set, options.stride = stride;
+    const std::string whole = fmt::format(text, w.across, w.along, w.particles, w.settle) +
+                              fmt::format(fmt::runtime(beside), w.radius);
+    return parse_scene(whole, "the fixed workload", ".", options);
+}
+
 }  // namespace
 
 Scene scene_of(const Workload& w, bool wet, const std::vector<std::string>& set, int stride) {
-    SceneOptions options;
-    options.set = set, options.stride = stride;
-    Scene scene = parse_scene(fmt::format(text, w.across, w.along, w.particles, w.settle, w.radius),
-                              "the fixed workload", ".", options);
+    Scene scene = scene_with(shown_wet, w, set, stride);
     if (!wet) make_dry(scene);
     return scene;
 }
@@ -169,32 +205,35 @@ std::vector<std::string> names_of(const Workload& w, bool wet) {
     return names;
 }
 
-std::vector<Line> whole_frames(const Workload& w, bool wet, const std::string& device, bool with_error) {
-    const Scene scene = scene_of(w, wet);
+namespace {
+
+// Of a frame of the scene, `name`d and of a series, and of each of its stages. What is seen goes to `seen`,
+// unless null.
+std::vector<Line> frames_of(const Scene& scene, const std::string& name, const std::string& series,
+                            const Workload& w, const std::string& device, std::vector<Strands>* seen) {
     const auto simulation = make_simulation_on(device, scene, "float");
     const auto& stages = simulation->stages;
     std::vector<std::vector<double>> seconds(1 + stages.size());  // (line, frame)
-    std::vector<Strands> seen;
     double spent = 0;
     for (int f = 0; f < w.frames; ++f) {
         RunFrame frame;
         if (f > 0) simulation->advance();
         simulation->snapshot(frame);
-        if (with_error) seen.push_back(frame.seen());
+        if (seen) seen->push_back(frame.seen());
         // Frame 1 finds memory and caches cold; it counts only where it is long.
         if (f == 0 || (f == 1 && frame.seconds < long_frame)) continue;
         seconds[0].push_back(frame.seconds);
         for (size_t k = 0; k < stages.size(); ++k) seconds[1 + k].push_back(double(frame.stage_seconds[k]));
         spent += frame.seconds;
         const size_t enough = frame.seconds > long_frame ? 3 : spent > long_run ? fewest : size_t(w.frames);
-        if (!with_error && seconds[0].size() >= enough) break;
+        if (!seen && seconds[0].size() >= enough) break;
     }
-    if (simulation->divergence()) throw Error("bench: " + name_of(w, wet) + " diverges");
+    if (simulation->divergence()) throw Error("bench: " + name + " diverges");
 
     const BufferList buffers = simulation->buffers();
     const double particles = double(w.strands()) * w.particles;
     Line line;
-    line.series = wet ? "wet frame" : "dry frame", line.name = name_of(w, wet);
+    line.series = series, line.name = name;
     line.size = w.strands(), line.strands = w.strands(), line.particles = w.particles;
     line.item = "particle", line.items = particles;
     std::vector<Line> lines{line};
@@ -202,12 +241,37 @@ std::vector<Line> whole_frames(const Workload& w, bool wet, const std::string& d
         lines.push_back(line);
         lines.back().name += ": " + stage, lines.back().series += ": " + stage;
         lines.back().bytes = bytes_of_stage(stage, scene, buffers);
-        lines.back().operations = operations_of_stage(stage, w, scene, simulation->neighbours_mean());
         lines[0].bytes += lines.back().bytes;
     }
     for (size_t k = 0; k < lines.size(); ++k) lines[k].seconds = times_of(seconds[k]);
     lines[0].bytes_a_particle = bytes_of(buffers, {}) / particles;
-    if (wet) lines[0].neighbours = simulation->neighbours_mean();
+    if (const double neighbours = simulation->neighbours_mean(); neighbours > 0)
+        lines[0].neighbours = neighbours;
+    return lines;
+}
+
+// A frame with an addition, and its stage.
+Entry entry_of(const Addition& addition, const Workload& w, const std::string& device) {
+    const std::string series = fmt::format("frame with {}", addition.name),
+                      name = fmt::format("{}, {} strands", series, w.strands());
+    auto measure = [addition, w, device, series, name](Results& out) {
+        if (!fits(w)) return;
+        const auto lines = frames_of(scene_with(addition.text, w), name, series, w, device, nullptr);
+        out.lines.push_back(lines.front()), out.lines.push_back(lines.back());
+    };
+    return {{name, name + ": " + addition.stage}, series, measure};
+}
+
+}  // namespace
+
+std::vector<Line> whole_frames(const Workload& w, bool wet, const std::string& device, bool with_error) {
+    const Scene scene = scene_of(w, wet);
+    std::vector<Strands> seen;
+    auto lines = frames_of(scene, name_of(w, wet), wet ? "wet frame" : "dry frame", w, device,
+                           with_error ? &seen : nullptr);
+    for (size_t k = 1; k < lines.size(); ++k)
+        lines[k].operations = operations_of_stage(lines[k].name.substr(lines[0].name.size() + 2), w, scene,
+                                                  lines[0].neighbours.value_or(0));
     if (with_error) lines[0].error_mm = mean_error(seen, reference_frames(w, wet, device));
     return lines;
 }
@@ -293,8 +357,9 @@ static Entry air_step(int cells, const std::string& device) {
 std::vector<Entry> frame_entries(const std::string& device) {
     std::vector<Entry> all;
     for (int cells : {16, 32, 64, 128}) all.push_back(air_step(cells, device));
-    // The reference takes 16 times the substeps in double precision.
-    const int most_with_error = device == "cpu" ? 512 : 9900;
+    // The reference takes 16 times the substeps in double precision; compared methods take seconds a frame.
+    const int most_with_error = device == "cpu" ? 512 : 9900,
+              most_with_addition = device == "cpu" ? 2048 : 9900;
     for (bool wet : {true, false})
         for (Workload w : workloads) {
             if (device != "cpu") w.settle = fixed.settle;  // minutes on a CPU, seconds there
@@ -304,6 +369,12 @@ std::vector<Entry> frame_entries(const std::string& device) {
                 out.lines.insert(out.lines.end(), lines.begin(), lines.end());
             };
             all.push_back({names_of(w, wet), wet ? "wet frame" : "dry frame", measure});
+        }
+    for (const Addition& addition : additions)
+        for (Workload w : workloads) {
+            if (w.strands() > most_with_addition) continue;
+            w.settle = 0.25;
+            all.push_back(entry_of(addition, w, device));
         }
     for (const std::string integrator : {"implicit", "backward_euler", "explicit"})
         for (const std::string precision : {"float", "double"}) {

@@ -100,6 +100,33 @@ TEST(Bench, a_frame_has_a_line_and_each_of_its_stages_another) {
     EXPECT_LT(dry[1].operations.value(), 800 * 10 * 30000.0);
 }
 
+TEST(Bench, has_a_frame_for_each_stage_that_a_scene_may_name) {
+    for (const auto& [filter, stage] :
+         std::map<std::string, std::string>{{"with flow, 64", "saturation"},
+                                            {"with strand contact, 64", "strand contact"},
+                                            {"with adhesion, 64", "chain"},
+                                            {"with cohesion in the solve, 64", "cohesion in the solve"},
+                                            {"with Lin 2015, 64", "baseline"},
+                                            {"with Kim 2016, 64", "baseline"},
+                                            {"with boundary particles, 64", "baseline"}}) {
+        const auto all = frame_entries("cpu");
+        const auto entry = std::find_if(all.begin(), all.end(), [&](const Entry& e) {
+            return e.names[0].find("frame " + filter + " strands") != std::string::npos;
+        });
+        ASSERT_NE(entry, all.end()) << filter;
+        Results results;
+        entry->measure(results);
+        ASSERT_EQ(results.lines.size(), 2u) << filter;
+        for (size_t k = 0; k < 2; ++k) {
+            EXPECT_EQ(results.lines[k].name, entry->names[k]);
+            EXPECT_GT(results.lines[k].seconds.min, 0) << filter;
+            EXPECT_GT(results.lines[k].bytes, 6400 * 4) << filter;
+        }
+        EXPECT_EQ(results.lines[1].name, results.lines[0].name + ": " + stage);
+        EXPECT_LT(results.lines[1].seconds.min, results.lines[0].seconds.min);
+    }
+}
+
 TEST(Bench, error_falls_with_substeps_and_what_diverges_has_none) {
     const auto bdf2 = error_against_time(tiny, "cpu", "implicit", "double", {2, 40, 160});
     ASSERT_EQ(bdf2.size(), 3u);
