@@ -40,15 +40,22 @@ static double step_number(const Scene& scene, double k) {
     return h * h * k / (scene.linear_density * mean_segment(scene.groom));
 }
 
-// The largest of a strand's masses over its smallest, in the strand where that is largest.
-static double mass_ratio(const Scene& scene) {
+// Of the masses along strands.
+struct Masses {
+    double ratio = 1;  // the largest of a strand over its smallest, in the strand where that is largest
+    double lightest = 1e300;  // [kg] of all that have a segment on either side
+};
+static Masses masses_of(const Scene& scene) {
     const auto volume = volumes_of(scene);
-    double most = 1;
+    Masses all;
     for (auto v = volume.begin(); v != volume.end(); v += scene.groom.rest.particles) {
-        const auto [light, heavy] = std::minmax_element(v, v + scene.groom.rest.particles);
-        most = std::max(most, double(*heavy) / double(*light));
+        const auto end = v + scene.groom.rest.particles;
+        const auto [light, heavy] = std::minmax_element(v, end);
+        all.ratio = std::max(all.ratio, double(*heavy) / double(*light));
+        for (auto inner = v + 1; inner + 1 < end; ++inner)
+            all.lightest = std::min(all.lightest, scene.volume_density * double(*inner));
     }
-    return most;
+    return all;
 }
 
 double stiffness_number(const Scene& scene) {
@@ -56,11 +63,14 @@ double stiffness_number(const Scene& scene) {
     for_each_present(scene.chain, [&](const auto& t) {
         if constexpr (requires { t.spring(); }) k = std::max(k, t.spring());
     });
-    const double number = step_number(scene, k);
+    const Masses masses = masses_of(scene);
+    // Beside a light particle the same spring is stiffer.
+    const double mean = scene.linear_density * mean_segment(scene.groom),
+                 number = step_number(scene, k) * std::max(1.0, mean / masses.lightest);
     const auto& limit = scene.term<StrainLimit>();
     // per_kg h².
     const double share = share_of_step(scene);
-    return limit ? std::max(number, 1e4 * share * share * mass_ratio(scene)) : number;
+    return limit ? std::max(number, 1e4 * share * share * masses.ratio) : number;
 }
 
 double predictor_share(const Scene& scene) {

@@ -421,6 +421,17 @@ TEST(Simulation, an_explicit_run_of_stiff_hair_is_seen_to_diverge_and_a_term_is_
     EXPECT_FALSE(implicit->divergence());
 }
 
+TEST(Simulation,
+     springs_beside_a_light_particle_are_as_stiff_as_it_is_light_and_double_precision_takes_them) {
+    const Scene even = scene_of(dry_scene, {"groom.grid=[2, 2]", "stretch.stiffness=20"});
+    Scene uneven = even;
+    Vec3f* p = uneven.groom.rest.points.data();
+    for (int side : {-1, 1}) p[10 + side] = p[10] + 0.01f * (p[10 + side] - p[10]);
+    EXPECT_NEAR(stiffness_number(uneven) / stiffness_number(even), 100, 15);
+    EXPECT_EQ(trusted_precision(even, "float"), "float");
+    EXPECT_EQ(trusted_precision(uneven, "float"), "double");
+}
+
 TEST(Simulation, an_explicit_run_of_soft_hair_agrees_with_the_implicit_one_as_both_are_refined) {
     // Damped, so that the fastest modes end within the run: a phase has no order.
     const std::vector<string> soft{"stretch.stiffness=0.05", "bend.stiffness=0.0005", "core.stiffness=0.0005",
