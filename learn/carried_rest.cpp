@@ -18,12 +18,67 @@ static Strands cores_of(const Strands& strands) {
     return cores;
 }
 
-RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom& low, const Strands* shape,
+// Edge i of a strand [m].
+static Vec3f edge_of(const Strands& strands, int strand, int i) {
+    return strands.at(strand, i + 1) - strands.at(strand, i);
+}
+
+// Of the strands around one those that are drawn as it is count most; a hundredth of its length apart is as
+// good as not.
+void RestCarrier::weigh(const Strands& drawn_cores) {
+    constexpr float alike = 0.01f;
+    const int n = particles_, width = around_.width;
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < drawn_cores.count; ++s) {
+        float* weight = around_.weight.data() + size_t(s) * width;
+        const int* from = around_.from.data() + size_t(s) * width;
+        const Vec3f* core = drawn_cores.strand(s);
+        const float least = alike * float(arc_length(core, n));
+        float sum = 0;
+        for (int k = 0; k < width; ++k) {
+            float apart = 0;
+            const Vec3f* other = low_rest_cores_.strand(from[k]);
+            for (int i = 0; i < n; ++i) {
+                const Vec3f d = (core[i] - core[0]) - (other[i] - other[0]);
+                apart += dot(d, d) / float(n);
+            }
+            weight[k] /= std::max(least * least + apart, tiny_length<float>);
+            sum += weight[k];
+        }
+        for (int k = 0; k < width; ++k) weight[k] /= sum;
+    }
+}
+
+// What each low-resolution strand's core has and those beside it have not.
+void RestCarrier::find_own(const Groom& low) {
+    beside_.assign(size_t(low.rest.count), {});
+    own_ = Strands(low.rest.count, particles_);
+    for (int row = 0; row < low.grid.height; ++row)
+        for (int column = 0; column < low.grid.width; ++column) {
+            const int s = low.grid.at(column, row);
+            if (s < 0) continue;
+            int* beside = beside_[size_t(s)].strand;
+            int count = 0;
+            for (auto [c, r] :
+                 {std::pair{column - 1, row}, {column + 1, row}, {column, row - 1}, {column, row + 1}})
+                if (c >= 0 && r >= 0 && c < low.grid.width && r < low.grid.height && low.grid.at(c, r) >= 0)
+                    beside[count++] = low.grid.at(c, r);
+            for (int i = 0; count > 1 && i + 1 < particles_; ++i) {  // one beside it says nothing of a mean
+                Vec3f& own = own_.at(s, i) = edge_of(low_rest_cores_, s, i);
+                for (int k = 0; k < count; ++k)
+                    own -= (1.f / float(count)) * edge_of(low_rest_cores_, beside[k], i);
+            }
+        }
+}
+
+RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, const Strands* shape,
                          bool low_is_wet)
     : particles_(high.rest.particles),
       low_is_wet_(low_is_wet),
+      around_(std::move(stencil)),
       low_rest_cores_(cores_of(low.rest)),
-      moved_(low.rest.count, low.rest.particles) {
+      moved_(low.rest.count, low.rest.particles),
+      lost_(size_t(low.rest.count)) {
     auto size = [](const Strands& s) {
         return std::to_string(s.count) + " strands of " + std::to_string(s.particles) + " particles";
     };
@@ -31,14 +86,17 @@ RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom&
     if (size(curled) != size(high.rest))
         throw Error("interpolation: found a shape at rest of " + size(curled) + ", allowed that of all " +
                     size(high.rest));
-    if (stencil.count() != high.rest.count)
-        throw Error("interpolation: found a stencil for " + std::to_string(stencil.count()) +
+    if (around_.count() != high.rest.count)
+        throw Error("interpolation: found a stencil for " + std::to_string(around_.count()) +
                     " strands, allowed one for all " + std::to_string(high.rest.count));
     const Strands drawn_cores = cores_of(high.rest), curled_cores = cores_of(curled);
+    weigh(drawn_cores);
+    find_own(low);
     const RootFrames roots = root_frames(high);
-    const int n = particles_, blocks = (high.rest.count + S::lanes - 1) / S::lanes;
+    const int n = particles_, width = around_.width, blocks = (high.rest.count + S::lanes - 1) / S::lanes;
     const Vec3<S> none{S(0), S(0), S(0)};
-    rest_.assign(size_t(blocks) * n, {none, S(1), none, none});
+    rest_.assign(size_t(blocks) * n, {none, S(1), none, none, none});
+    loses_as_.assign(around_.weight.size(), 0);
     to_root_.assign(size_t(blocks), Quat<S>::identity());
     auto set = [](Vec3<S>& to, int lane, const Vec3f& x) {
         to.x.set(lane, x.x), to.y.set(lane, x.y), to.z.set(lane, x.z);
@@ -51,16 +109,29 @@ RestCarrier::RestCarrier(const Stencil& stencil, const Groom& high, const Groom&
             Quat<S>& q = to_root_[size_t(block)];
             q.w.set(lane, to_root.w), q.x.set(lane, to_root.x);
             q.y.set(lane, to_root.y), q.z.set(lane, to_root.z);
-            const Vec3f *drawn = drawn_cores.strand(s), *core = curled_cores.strand(s), *p = curled.strand(s);
+            const Vec3f *core = curled_cores.strand(s), *p = curled.strand(s);
+            const int* from = around_.from.data() + size_t(s) * width;
+            const float* weight = around_.weight.data() + size_t(s) * width;
+            // Edges that turn by less than this from those around [rad] say nothing.
+            constexpr float least_turn = 0.03f;
+            const float least = least_turn * float(arc_length(drawn_cores.strand(s), n));
+            float all = std::max(least * least / float(n - 1), tiny_length<float>);
+            for (int k = 0; k < width; ++k)
+                for (int i = 0; i + 1 < n; ++i)
+                    all += weight[k] * dot(own_.at(from[k], i), own_.at(from[k], i));
+            for (int k = 0; k < width; ++k) loses_as_[size_t(s) * width + k] = weight[k] / all;
             for (int i = 0; i < n; ++i) {
                 RestParticle<S>& out = rest_[size_t(block) * n + i];
                 set(out.detail, lane, rotate(to_root, p[i] - core[i]));
                 if (i + 1 == n) continue;
-                const Vec3f edge = drawn[i + 1] - drawn[i], along = core[i + 1] - core[i];
+                const Vec3f edge = edge_of(drawn_cores, s, i), along = core[i + 1] - core[i];
+                Vec3f own = edge;
+                for (int k = 0; k < width; ++k) own -= weight[k] * edge_of(low_rest_cores_, from[k], i);
                 // Wet strands come as short as they are.
                 const float length = low_is_wet ? 1 : norm(along) / std::max(norm(edge), tiny_length<float>);
                 out.length.set(lane, length);
                 set(out.edge, lane, rotate(to_root, length * edge));
+                set(out.own, lane, rotate(to_root, length * own));
                 set(out.curled, lane, rotate(to_root, along));
             }
         }
@@ -70,16 +141,16 @@ RestParticle<float> RestCarrier::rest(int strand, int particle) const {
     const RestParticle<S>& p = rest_[size_t(strand / S::lanes) * particles_ + particle];
     const int lane = strand % S::lanes;
     auto of = [&](const Vec3<S>& v) { return Vec3f{v.x[lane], v.y[lane], v.z[lane]}; };
-    return {of(p.edge), p.length[lane], of(p.curled), of(p.detail)};
+    return {of(p.edge), p.length[lane], of(p.curled), of(p.detail), of(p.own)};
 }
 
-void RestCarrier::apply(const Stencil& stencil, const Strands& low, const Pose& head, Strands& out) {
-    const int n = low.particles, width = stencil.width;
+void RestCarrier::apply(const Strands& low, const Pose& head, Strands& out) {
+    const int n = low.particles, width = around_.width;
     if (low.count != moved_.count || n != moved_.particles)
         throw Error("interpolation: found " + std::to_string(low.count) + " low-resolution strands of " +
                     std::to_string(n) + " particles, allowed " + std::to_string(moved_.count) + " of " +
                     std::to_string(moved_.particles));
-    if (out.count != stencil.count() || out.particles != n) out = Strands(stencil.count(), n);
+    if (out.count != around_.count() || out.particles != n) out = Strands(around_.count(), n);
     const float beta = core_beta(n);
     const Quatf to_head = cast<float>(conjugate(head.rotation));
 #pragma omp parallel for schedule(static)
@@ -91,12 +162,28 @@ void RestCarrier::apply(const Stencil& stencil, const Strands& low, const Pose& 
             moved[i] = rotate(to_head, moved[i] - moved[0]) - (rest[i] - rest[0]);
     }
 #pragma omp parallel for schedule(static)
+    for (int s = 0; s < low.count; ++s) {
+        const Beside& beside = beside_[size_t(s)];
+        float sum = 0;
+        for (int i = 0; i + 1 < n; ++i)
+            sum += lost_of_edge(own_.at(s, i), s, beside, [&](int k) { return edge_of(moved_, k, i); });
+        lost_[size_t(s)] = sum;
+    }
+#pragma omp parallel for schedule(static)
     for (int block = 0; block < int(to_root_.size()); ++block) {
         const int first = block * S::lanes, lanes = std::min(S::lanes, out.count - first);
-        const int* from = stencil.from.data() + size_t(first) * width;
-        const float* weight = stencil.weight.data() + size_t(first) * width;
+        const int* from = around_.from.data() + size_t(first) * width;
+        const float *weight = around_.weight.data() + size_t(first) * width,
+                    *loses_as = loses_as_.data() + size_t(first) * width;
+        S lost(0);
+        for (int lane = 0; lane < lanes; ++lane) {
+            float sum = 0;
+            for (int k = lane * width; k < (lane + 1) * width; ++k)
+                sum += loses_as[k] * lost_[size_t(from[k])];
+            lost.set(lane, std::clamp(sum, 0.f, 1.f));
+        }
         carry_rest<S>(
-            n, [&](int i) { return rest_[size_t(block) * n + i]; },
+            n, lost, [&](int i) { return rest_[size_t(block) * n + i]; },
             [&](int i) {
                 Vec3<S> sum{S(0), S(0), S(0)};
                 for (int lane = 0; lane < lanes; ++lane) {
@@ -115,7 +202,7 @@ void RestCarrier::apply(const Stencil& stencil, const Strands& low, const Pose& 
     if (!low_is_wet_) return;
 #pragma omp parallel for schedule(static)
     for (int s = 0; s < low.count; ++s) {
-        const int twin = stencil.twin[size_t(s)], lane = twin % S::lanes;
+        const int twin = around_.twin[size_t(s)], lane = twin % S::lanes;
         const Quat<S>& q = to_root_[size_t(twin / S::lanes)];
         const Quatf to_root = Quatf{q.w[lane], q.x[lane], q.y[lane], q.z[lane]} * to_head;
         for (int i = 0; i < n; ++i) out.at(twin, i) = rotate(to_root, low.at(s, i) - low.at(s, 0));

@@ -2,6 +2,10 @@
 // base that a strand network starts from, and the best way without one.
 // Ours. All in the strand's root frame (learn/root_frame.h), offsets from the root, so that neither the
 // head's pose nor the place on the scalp is in them.
+//
+// Where hair parts, a strand goes with those that are drawn as it is: of the strands around it each counts
+// by the inverse square of how far their cores lie apart at rest (Shepard 1968). What then is its own, it
+// keeps as far as low-resolution strands keep what those beside them do not have.
 #pragma once
 
 #include <vector>
@@ -20,13 +24,15 @@ struct RestParticle {
     S length;        // of the curled strand's core's edge over that of the drawn one's
     Vec3<S> curled;  // of the curled strand's core [m]
     Vec3<S> detail;  // of the curled strand around its core [m]
+    Vec3<S> own;     // of `edge`, what the strands around do not have [m]
 };
 
 // One strand of `n` particles, or a strand a lane: the drawn core, moved, its edges as much shorter as the
-// curled core's are, and the curled detail around it. `rest(i)` gives a RestParticle, `moved(i)` how far the
-// core's particle i has moved [m], `store(i, offset)` takes the result in order.
+// curled core's are, less what it does not keep of its own, and the curled detail around it. `rest(i)` gives
+// a RestParticle, `moved(i)` how far the core's particle i has moved [m], `store(i, offset)` takes the result
+// in order; `lost`: share of its own, 0 to 1.
 template <class S, class Rest, class Moved, class Store>
-WETCURL_HD void carry_rest(int n, Rest rest, Moved moved, Store store) {
+WETCURL_HD void carry_rest(int n, const S& lost, Rest rest, Moved moved, Store store) {
     CarriedTurn<S> turn;
     Vec3<S> at{S(0), S(0), S(0)}, before = moved(0);
     for (int i = 0; i < n; ++i) {
@@ -34,7 +40,7 @@ WETCURL_HD void carry_rest(int n, Rest rest, Moved moved, Store store) {
         Vec3<S> edge{S(0), S(0), S(0)};
         if (i + 1 < n) {
             const Vec3<S> next = moved(i + 1);
-            edge = p.edge + p.length * (next - before);
+            edge = p.edge + p.length * (next - before) - lost * p.own;
             before = next;
             turn.follow(p.curled, edge);
         }
@@ -43,28 +49,59 @@ WETCURL_HD void carry_rest(int n, Rest rest, Moved moved, Store store) {
     }
 }
 
+// The low-resolution strands beside one on the grid of roots, -1 where there is none.
+struct Beside {
+    int strand[4] = {-1, -1, -1, -1};
+};
+
+// How much an edge of a low-resolution strand has lost of `own`, by which it differs at rest from the mean of
+// those beside it [m^2]. `step(strand)` gives how far that edge of a strand has moved [m].
+template <class Step>
+WETCURL_HD float lost_of_edge(const Vec3f& own, int strand, const Beside& beside, Step step) {
+    Vec3f sum{0, 0, 0};
+    int count = 0;
+    for (int other : beside.strand)
+        if (other >= 0) sum += step(other), ++count;
+    return count > 0 ? dot(own, (1.f / float(count)) * sum - step(strand)) : 0.f;
+}
+
 class RestCarrier {
   public:
     // `shape` (high strands): how they lie at rest in the head's frame, null: as drawn. Throws Error where it
     // does not fit.
     // `low_is_wet`: the low-resolution strands are curled and shortened by their water too, and are kept as
     // they are.
-    RestCarrier(const Stencil& stencil, const Groom& high, const Groom& low, const Strands* shape,
+    RestCarrier(Stencil stencil, const Groom& high, const Groom& low, const Strands* shape,
                 bool low_is_wet = false);
     // low (low strands): world positions [m]; out (high strands): offsets in the root frames [m]. Throws
     // Error for other strands.
-    void apply(const Stencil& stencil, const Strands& low, const Pose& head, Strands& out);
-    RestParticle<float> rest(int strand, int particle) const;
+    void apply(const Strands& low, const Pose& head, Strands& out);
+
+    // The strands around each, weighed.
+    const Stencil& around() const { return around_; }
     bool low_is_wet() const { return low_is_wet_; }
+    RestParticle<float> rest(int strand, int particle) const;
+    const std::vector<Beside>& beside() const { return beside_; }  // (low strand)
+    const Strands& own() const { return own_; }                    // (low strand, edge) in the head's frame
+    // (high strand, width) [1/m^2]: what a strand loses of its own is the sum of these by what low-resolution
+    // strands lose of theirs, but at least 0 and at most 1.
+    const std::vector<float>& loses_as() const { return loses_as_; }
 
   private:
     using S = Pack<float>;
+    void weigh(const Strands& drawn_cores);
+    void find_own(const Groom& low);
+
     int particles_;
     bool low_is_wet_;
+    Stencil around_;
+    std::vector<Beside> beside_;
+    std::vector<float> loses_as_;
     std::vector<RestParticle<S>> rest_;  // (block of lanes, particle)
     std::vector<Quat<S>> to_root_;       // (block): head's frame to the root frames
-    Strands low_rest_cores_;
-    Strands moved_;  // (low strands) how far their cores are from rest, in the head's frame [m]
+    Strands low_rest_cores_, own_;
+    Strands moved_;            // (low strands) how far their cores are from rest, in the head's frame [m]
+    std::vector<float> lost_;  // (low strands) of their own [m^2]
 };
 
 // Offsets in the root frames to world positions at a head pose; `world` may be `offsets`.

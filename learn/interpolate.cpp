@@ -60,7 +60,7 @@ void Interpolator::apply(const Strands& low, const Pose& head, Strands& out) {
                     " low-resolution strands, allowed " + std::to_string(stencil_.twin.size()));
     if (out.count != stencil_.count() || out.particles != n) out = Strands(stencil_.count(), n);
     if (kind_ == Interpolation::rest) {
-        carrier_->apply(stencil_, low, head, out);
+        carrier_->apply(low, head, out);
         place_in_world(roots_, out, head, out);
         return;
     }

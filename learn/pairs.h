@@ -1,11 +1,10 @@
-// The pairs file: what training reads. HDF5 "wetcurl pairs", version 3, one group runs/NNN an encoded pair of
+// The pairs file: what training reads. HDF5 "wetcurl pairs", version 4, one group runs/NNN an encoded pair of
 // runs. Ours.
 //
 // Attributes: `codec` (strand | root | adhesion), `particles` a strand, `low` (dry, or wet where the
-// low-resolution runs were simulated wet too), `floor_mm` (codec strand: mean
-// distance that encoding alone costs), `support_radius` (codec root: h of Eq 16 [m]), and the inputs with
-// their hashes
-// ("input 000 dry", "input 000 wet": "FILE HASH").
+// low-resolution runs were simulated wet too), `floor_mm` (codec strand: mean distance that encoding alone
+// costs), `support_radius` (codec root: h of Eq 16 [m]), and the inputs with their hashes ("input 000 dry",
+// "input 000 wet": "FILE HASH").
 //
 // codec strand, F frames, (H, W) the high-resolution root grid:
 //   static (85, H, W) f32, dynamic (F, 153, H, W) f32: channels in learn/strand_codec.h; the first 72 of
@@ -28,7 +27,7 @@
 namespace wetcurl {
 
 inline constexpr const char* pairs_format = "wetcurl pairs";
-inline constexpr int pairs_version = 3, oldest_pairs_version = 3;  // before: other channels
+inline constexpr int pairs_version = 4, oldest_pairs_version = 4;  // before: another base
 
 enum class Codec { strand, root, adhesion };
 std::string name_of(Codec codec);

@@ -41,9 +41,8 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
     : grid_(high.grid),
       pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
       dct_(high.rest.particles),
-      stencil_(quad_stencil(high, low)),
       roots_(root_frames(high)),
-      carrier_(stencil_, high, low, shape, low_is_wet),
+      carrier_(quad_stencil(high, low), high, low, shape, low_is_wet),
       base_(high.rest.count, high.rest.particles) {
     const int n = particles(), strands = high.rest.count;
     if (!saturation.empty() && saturation.size() != high.rest.points.size())
@@ -72,12 +71,13 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
         }
     }
     constexpr int shared = static_channels - 3;
-    for (int twin : stencil_.twin) fixed_[size_t(shared) * pixels() + size_t(pixel_of_[size_t(twin)])] = 1;
+    for (int twin : carrier_.around().twin)
+        fixed_[size_t(shared) * pixels() + size_t(pixel_of_[size_t(twin)])] = 1;
 }
 
 void StrandCodec::dynamic(const Strands& low, const HeadWindow& heads, float* out) {
     constexpr int slots = history_lags.back() + 1, modes = 3 * history_modes;
-    carrier_.apply(stencil_, low, heads.now, base_);
+    carrier_.apply(low, heads.now, base_);
     project(base_, out);
     const size_t area = pixels(), strands = size_t(roots_.count());
     float* motion = out + size_t(strand_coefficients) * area;

@@ -66,10 +66,9 @@ class StrandCodec {
     int height() const { return grid_.height; }
     int width() const { return grid_.width; }
     int particles() const { return dct_.particles(); }
-    int low_strands() const { return int(stencil_.twin.size()); }
+    int low_strands() const { return int(carrier_.around().twin.size()); }
     size_t pixels() const { return size_t(grid_.height) * grid_.width; }
     const StrandDct& dct() const { return dct_; }
-    const Stencil& stencil() const { return stencil_; }
     const RootFrames& roots() const { return roots_; }
     const RestCarrier& carrier() const { return carrier_; }
     const std::vector<int>& pixel_of() const { return pixel_of_; }  // (strand)
@@ -99,7 +98,6 @@ class StrandCodec {
     RootGrid grid_;
     std::vector<int> pixel_of_;  // (strand)
     StrandDct dct_;
-    Stencil stencil_;
     RootFrames roots_;
     RestCarrier carrier_;
     Strands base_;             // offsets in the root frames

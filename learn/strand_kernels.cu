@@ -8,7 +8,7 @@ namespace wetcurl {
 
 namespace {
 
-constexpr int threads = 128, tile = 32, rest_numbers = 10;
+constexpr int threads = 128, tile = 32, rest_numbers = 13;
 constexpr int slots = history_lags.back() + 1, modes = 3 * history_modes;
 
 unsigned blocks_of(int count, int size = threads) { return unsigned((count + size - 1) / size); }
@@ -26,21 +26,51 @@ __global__ void depart_kernel(const HeadState* head, const Vec3f* p, const Vec3f
     x[k] = d.x, x[plane + k] = d.y, x[2 * plane + k] = d.z;
 }
 
+constexpr int losers = 32, loser_parts = 8;
+
+// What low-resolution strands have lost of their own; a block takes some, in parts.
+__global__ void lose_kernel(int low, int n, const Beside* __restrict__ beside, const float* __restrict__ own,
+                            const float* __restrict__ moved, float* __restrict__ lost) {
+    __shared__ float part[loser_parts][losers];
+    const int s = int(blockIdx.x) * losers + int(threadIdx.x), p = int(threadIdx.y);
+    const size_t plane = size_t(n) * low;
+    float sum = 0;
+    if (s < low) {
+        const Beside near = beside[s];
+        for (int i = p; i + 1 < n; i += loser_parts) {
+            const size_t at = size_t(i) * low;
+            const float *from = moved + at, *to = from + low;
+            sum += lost_of_edge({own[at + s], own[plane + at + s], own[2 * plane + at + s]}, s, near,
+                                [&](int k) {
+                                    return Vec3f{to[k] - from[k], to[plane + k] - from[plane + k],
+                                                 to[2 * plane + k] - from[2 * plane + k]};
+                                });
+        }
+    }
+    part[p][threadIdx.x] = sum;
+    __syncthreads();
+    if (p > 0 || s >= low) return;
+    for (int k = 1; k < loser_parts; ++k) sum += part[k][threadIdx.x];
+    lost[s] = sum;
+}
+
 constexpr int carriers = 64;
 
 // A strand goes along its particles one by one: what the next one needs is on its way meanwhile.
 __global__ void carry_kernel(int pixels, int low, int n, int width, const int* __restrict__ strand,
                              const float* __restrict__ rest, const int* __restrict__ from,
-                             const float* __restrict__ weight, const Quatf* __restrict__ turn,
+                             const float* __restrict__ weight, const float* __restrict__ loses_as,
+                             const float* __restrict__ lost, const Quatf* __restrict__ turn,
                              const float* __restrict__ moved, float* __restrict__ base) {
     constexpr int most = 4;  // of a stencil
     const int s = int(blockIdx.x) * carriers + int(threadIdx.x);
     if (s >= pixels || strand[s] < 0) return;
     int neighbour[most];
-    float share[most];
+    float share[most], lost_here = 0;
     for (int k = 0; k < most; ++k) {
         neighbour[k] = k < width ? from[k * pixels + s] : 0;
         share[k] = k < width ? weight[k * pixels + s] : 0;
+        if (k < width) lost_here += loses_as[k * pixels + s] * lost[neighbour[k]];
     }
     const Quatf to_root = conjugate(turn[s]);
     const size_t plane = size_t(n) * low, out = size_t(n) * pixels;
@@ -68,14 +98,15 @@ __global__ void carry_kernel(int pixels, int low, int n, int width, const int* _
     Rest next_rest = rest_of(0);
     Moved next_moved = moved_of(0);
     carry_rest<float>(
-        n,
+        n, fminf(fmaxf(lost_here, 0), 1),
         [&](int i) {
             const Rest r = next_rest;
             next_rest = rest_of(i + 1);
             return RestParticle<float>{{r.number[0], r.number[1], r.number[2]},
                                        r.number[3],
                                        {r.number[4], r.number[5], r.number[6]},
-                                       {r.number[7], r.number[8], r.number[9]}};
+                                       {r.number[7], r.number[8], r.number[9]},
+                                       {r.number[10], r.number[11], r.number[12]}};
         },
         [&](int i) {
             const Moved m = next_moved;
@@ -190,7 +221,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
       low_(low.rest.count),
       high_(codec.roots().count()),
       pixels_(int(codec.pixels())),
-      width_(codec.stencil().width),
+      width_(codec.carrier().around().width),
       low_is_wet_(codec.carrier().low_is_wet()) {
     const size_t n = size_t(n_), S = size_t(pixels_), width = size_t(width_);
     head() = {};
@@ -199,7 +230,9 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
         for (int i = n_ - 1; i >= 0; --i) low_rest[size_t(s) * n + i] = low.rest.at(s, i) - low.rest.at(s, 0);
     low_rest_ = DeviceBuffer<Vec3f>(low_rest);
 
-    std::vector<float> rest(n * rest_numbers * S, 0), weight(width * S, 0);
+    const RestCarrier& carrier = codec.carrier();
+    const Stencil& around = carrier.around();
+    std::vector<float> rest(n * rest_numbers * S, 0), weight(width * S, 0), loses_as(width * S, 0);
     std::vector<int> from(width * S, 0), strand(S, -1);
     std::vector<Quatf> turn(S, Quatf::identity());
     std::vector<Vec3f> root(S, Vec3f{0, 0, 0});
@@ -207,20 +240,32 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
         const size_t pixel = size_t(codec.pixel_of()[s]);
         strand[pixel] = int(s), turn[pixel] = codec.roots().rotation[s], root[pixel] = codec.roots().root[s];
         for (size_t k = 0; k < width; ++k) {
-            from[k * S + pixel] = codec.stencil().from[s * width + k];
-            weight[k * S + pixel] = codec.stencil().weight[s * width + k];
+            from[k * S + pixel] = around.from[s * width + k];
+            weight[k * S + pixel] = around.weight[s * width + k];
+            loses_as[k * S + pixel] = carrier.loses_as()[s * width + k];
         }
         for (size_t i = 0; i < n; ++i) {
-            const RestParticle<float> p = codec.carrier().rest(int(s), int(i));
+            const RestParticle<float> p = carrier.rest(int(s), int(i));
             const float numbers[rest_numbers] = {p.edge.x,   p.edge.y,   p.edge.z,   p.length,   p.curled.x,
-                                                 p.curled.y, p.curled.z, p.detail.x, p.detail.y, p.detail.z};
+                                                 p.curled.y, p.curled.z, p.detail.x, p.detail.y, p.detail.z,
+                                                 p.own.x,    p.own.y,    p.own.z};
             for (size_t k = 0; k < rest_numbers; ++k) rest[(i * rest_numbers + k) * S + pixel] = numbers[k];
         }
     }
     std::vector<int> twin;
-    for (int s : codec.stencil().twin) twin.push_back(codec.pixel_of()[size_t(s)]);
+    for (int s : around.twin) twin.push_back(codec.pixel_of()[size_t(s)]);
     twin_ = DeviceBuffer<int>(twin);
     rest_ = DeviceBuffer<float>(rest), weight_ = DeviceBuffer<float>(weight);
+    loses_as_ = DeviceBuffer<float>(loses_as), beside_ = DeviceBuffer<Beside>(carrier.beside());
+    const size_t own_plane = n * size_t(low_);
+    std::vector<float> own(3 * own_plane);
+    for (size_t s = 0; s < size_t(low_); ++s)
+        for (size_t i = 0; i < n; ++i) {
+            const Vec3f& e = carrier.own().at(int(s), int(i));
+            float* at = own.data() + i * size_t(low_) + s;
+            at[0] = e.x, at[own_plane] = e.y, at[2 * own_plane] = e.z;
+        }
+    own_ = DeviceBuffer<float>(own), lost_ = DeviceBuffer<float>(size_t(low_));
     from_ = DeviceBuffer<int>(from), strand_ = DeviceBuffer<int>(strand);
     turn_ = DeviceBuffer<Quatf>(turn), root_ = DeviceBuffer<Vec3f>(root);
     past_ = DeviceBuffer<float>(size_t(slots) * history_numbers * S);
@@ -296,9 +341,12 @@ void StrandKernels::depart(const Vec3f* low, cudaStream_t stream) const {
 }
 
 void StrandKernels::carry(cudaStream_t stream) const {
+    lose_kernel<<<blocks_of(low_, losers), dim3(losers, loser_parts), 0, stream>>>(
+        low_, n_, beside_.data(), own_.data(), moved_.data(), lost_.data());
+    check_launch("what strands lose of their own");
     carry_kernel<<<blocks_of(pixels_, carriers), carriers, 0, stream>>>(
-        pixels_, low_, n_, width_, strand_.data(), rest_.data(), from_.data(), weight_.data(), turn_.data(),
-        moved_.data(), base_.data());
+        pixels_, low_, n_, width_, strand_.data(), rest_.data(), from_.data(), weight_.data(),
+        loses_as_.data(), lost_.data(), turn_.data(), moved_.data(), base_.data());
     check_launch("rest shapes carried");
     if (!low_is_wet_) return;
     keep_kernel<<<blocks_of(low_ * n_), threads, 0, stream>>>(

@@ -68,9 +68,12 @@ class StrandKernels {
     PinnedBuffer<HeadState> head_host_{1};
     DeviceBuffer<HeadState> head_{1};
     DeviceBuffer<Vec3f> low_rest_;            // (low, n) offsets from the root, in the head's frame
-    DeviceBuffer<float> rest_;                // (n, 10, S): RestParticle
+    DeviceBuffer<float> rest_;                // (n, 13, S): RestParticle
     DeviceBuffer<int> from_;                  // (width, S)
-    DeviceBuffer<float> weight_;              // (width, S)
+    DeviceBuffer<float> weight_, loses_as_;   // (width, S)
+    DeviceBuffer<Beside> beside_;             // (low)
+    DeviceBuffer<float> own_;                 // (3, n, low): edges in the head's frame
+    DeviceBuffer<float> lost_;                // (low)
     DeviceBuffer<Quatf> turn_;                // (S): root frame to the head's
     DeviceBuffer<Vec3f> root_;                // (S): in the head's frame
     DeviceBuffer<int> strand_;                // (S): of the pixel, or -1

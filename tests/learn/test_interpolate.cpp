@@ -249,6 +249,46 @@ TEST(Interpolation, rest_keeps_every_curl_where_the_mean_of_random_phases_loses_
     EXPECT_NEAR(mean_curl(inner(groom, mean)) / mean_curl(inner(groom, groom.rest)), 0.45, 0.03);
 }
 
+// Straight strands that hang side by side.
+Groom straight_groom() { return curly_groom({.radius = 0, .lean = 0}); }
+
+// At a parting: of the columns to its left and right, the one between them is drawn as those to the right.
+TEST(Interpolation, rest_goes_with_the_strands_that_are_drawn_alike) {
+    Groom groom = straight_groom();
+    auto right = [](int strand) { return strand % 8 > 2; };
+    groom.rest = swayed(groom.rest, [&](int s) { return Vec3f{right(s) ? 0.1f : -0.1f, 0, 0}; });
+    const Groom low = coarsened(groom, 2);
+    const Vec3f sway{0, 0, 0.1f};
+    auto moving = [&](int s) { return low.rest.at(s, low.rest.particles - 1).x > low.rest.at(s, 0).x; };
+    const Strands parted = swayed(low.rest, [&](int s) { return moving(s) ? sway : Vec3f{0, 0, 0}; });
+    const Stencil stencil = quad_stencil(groom, low);
+    const Strands wanted = swayed(groom.rest, [&](int s) { return right(s) ? sway : Vec3f{0, 0, 0}; });
+    // Parallel strands within a fiftieth of their length count as one.
+    EXPECT_LT(largest_distance(interpolated(Interpolation::rest, stencil, groom, parted), wanted), 1e-3);
+    EXPECT_GT(largest_distance(interpolated(Interpolation::quad, stencil, groom, parted), wanted), 0.05);
+}
+
+// Strands at random angles, of which water takes a share from the low-resolution ones: it does from all.
+TEST(Interpolation, rest_keeps_of_its_own_what_low_resolution_strands_keep) {
+    const Groom hanging = straight_groom();
+    Random random(5);
+    std::vector<Vec3f> lean;
+    for (int s = 0; s < hanging.rest.count; ++s) lean.push_back(cast<float>(random.vector(0.1)));
+    Groom groom = hanging;
+    groom.rest = swayed(hanging.rest, [&](int s) { return lean[size_t(s)]; });
+    const Groom low = coarsened(groom, 2);
+    const Stencil stencil = quad_stencil(groom, low);
+    for (const float kept : {1.f, 0.6f, 0.f}) {
+        const Strands wanted = swayed(hanging.rest, [&](int s) { return kept * lean[size_t(s)]; });
+        Strands now = low.rest;
+        for (int s = 0; s < now.count; ++s)
+            std::copy_n(wanted.strand(stencil.twin[size_t(s)]), now.particles, now.strand(s));
+        const Strands out = interpolated(Interpolation::rest, stencil, groom, now);
+        // Strands lean by up to 0.17 m; a thirtieth of what is lost may be chance.
+        EXPECT_LT(largest_distance(out, wanted), 1e-6 + 0.005 * (1 - kept)) << kept;
+    }
+}
+
 TEST(Interpolation, rest_of_the_drawn_shape_is_that_of_no_shape) {
     const Groom groom = curly_groom({});
     const Groom low = coarsened(groom, 2);
