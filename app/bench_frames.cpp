@@ -331,7 +331,8 @@ static Entry air_step(int cells, const std::string& device) {
     line.size = line.items = std::pow(cells, 3), line.item = "cell";
     line.bytes = 2 * 3 * sizeof(double) * line.items;  // three components, read and written
     auto measure = [line, cells, device](Results& out) mutable {
-        const Scene scene = parse_scene(fmt::format("[groom]\ngrid = [2, 2]\nparticles = 8\n[integrator]\n"
+        const Scene scene = parse_scene(fmt::format("[groom]\ngrid = [2, 2]\nparticles = 8\n"
+                                                    "curl_radius = 0\n[integrator]\n"
                                                     "substeps = 1\n[stretch]\n[air]\n"
                                                     "grid = [{0}, {0}, {0}]\n[[air.source]]\n",
                                                     cells),
