@@ -49,8 +49,9 @@ void RestCarrier::weigh(const Strands& drawn_cores) {
     }
 }
 
-// What each low-resolution strand's core has and those beside it have not.
-void RestCarrier::find_own(const Groom& low) {
+// What each low-resolution strand's core has and those beside it have not, and by how much all of it a
+// high-resolution strand measures what is lost.
+void RestCarrier::find_own(const Groom& low, const Strands& drawn_cores) {
     beside_.assign(size_t(low.rest.count), {});
     own_ = Strands(low.rest.count, particles_);
     for (int row = 0; row < low.grid.height; ++row)
@@ -69,6 +70,19 @@ void RestCarrier::find_own(const Groom& low) {
                     own -= (1.f / float(count)) * edge_of(low_rest_cores_, beside[k], i);
             }
         }
+    constexpr float least_turn = 0.03f;  // of edges from those around [rad]; less says nothing
+    const int n = particles_, width = around_.width;
+    loses_as_.resize(around_.weight.size());
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < drawn_cores.count; ++s) {
+        const int* from = around_.from.data() + size_t(s) * width;
+        const float* weight = around_.weight.data() + size_t(s) * width;
+        const float least = least_turn * float(arc_length(drawn_cores.strand(s), n));
+        float all = std::max(least * least / float(n - 1), tiny_length<float>);
+        for (int k = 0; k < width; ++k)
+            for (int i = 0; i + 1 < n; ++i) all += weight[k] * dot(own_.at(from[k], i), own_.at(from[k], i));
+        for (int k = 0; k < width; ++k) loses_as_[size_t(s) * width + k] = weight[k] / all;
+    }
 }
 
 RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, const Strands* shape,
@@ -91,12 +105,11 @@ RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, c
                     " strands, allowed one for all " + std::to_string(high.rest.count));
     const Strands drawn_cores = cores_of(high.rest), curled_cores = cores_of(curled);
     weigh(drawn_cores);
-    find_own(low);
+    find_own(low, drawn_cores);
     const RootFrames roots = root_frames(high);
     const int n = particles_, width = around_.width, blocks = (high.rest.count + S::lanes - 1) / S::lanes;
     const Vec3<S> none{S(0), S(0), S(0)};
     rest_.assign(size_t(blocks) * n, {none, S(1), none, none, none});
-    loses_as_.assign(around_.weight.size(), 0);
     to_root_.assign(size_t(blocks), Quat<S>::identity());
     auto set = [](Vec3<S>& to, int lane, const Vec3f& x) {
         to.x.set(lane, x.x), to.y.set(lane, x.y), to.z.set(lane, x.z);
@@ -112,14 +125,6 @@ RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, c
             const Vec3f *core = curled_cores.strand(s), *p = curled.strand(s);
             const int* from = around_.from.data() + size_t(s) * width;
             const float* weight = around_.weight.data() + size_t(s) * width;
-            // Edges that turn by less than this from those around [rad] say nothing.
-            constexpr float least_turn = 0.03f;
-            const float least = least_turn * float(arc_length(drawn_cores.strand(s), n));
-            float all = std::max(least * least / float(n - 1), tiny_length<float>);
-            for (int k = 0; k < width; ++k)
-                for (int i = 0; i + 1 < n; ++i)
-                    all += weight[k] * dot(own_.at(from[k], i), own_.at(from[k], i));
-            for (int k = 0; k < width; ++k) loses_as_[size_t(s) * width + k] = weight[k] / all;
             for (int i = 0; i < n; ++i) {
                 RestParticle<S>& out = rest_[size_t(block) * n + i];
                 set(out.detail, lane, rotate(to_root, p[i] - core[i]));

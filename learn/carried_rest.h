@@ -90,7 +90,7 @@ class RestCarrier {
   private:
     using S = Pack<float>;
     void weigh(const Strands& drawn_cores);
-    void find_own(const Groom& low);
+    void find_own(const Groom& low, const Strands& drawn_cores);
 
     int particles_;
     bool low_is_wet_;
