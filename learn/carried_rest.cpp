@@ -11,10 +11,7 @@ namespace wetcurl {
 
 static Strands cores_of(const Strands& strands) {
     Strands cores(strands.count, strands.particles);
-    const float beta = core_beta(strands.particles);
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < strands.count; ++s)
-        core_of(strands.strand(s), strands.particles, beta, cores.strand(s));
+    take_cores(strands, cores);
     return cores;
 }
 
@@ -72,7 +69,7 @@ void RestCarrier::find_own(const Groom& low, const Strands& drawn_cores) {
         }
     constexpr float least_turn = 0.03f;  // of edges from those around [rad]; less says nothing
     const int n = particles_, width = around_.width;
-    loses_as_.resize(around_.weight.size());
+    lost_weight_.resize(around_.weight.size());
 #pragma omp parallel for schedule(static)
     for (int s = 0; s < drawn_cores.count; ++s) {
         const int* from = around_.from.data() + size_t(s) * width;
@@ -81,7 +78,7 @@ void RestCarrier::find_own(const Groom& low, const Strands& drawn_cores) {
         float all = std::max(least * least / float(n - 1), tiny_length<float>);
         for (int k = 0; k < width; ++k)
             for (int i = 0; i + 1 < n; ++i) all += weight[k] * dot(own_.at(from[k], i), own_.at(from[k], i));
-        for (int k = 0; k < width; ++k) loses_as_[size_t(s) * width + k] = weight[k] / all;
+        for (int k = 0; k < width; ++k) lost_weight_[size_t(s) * width + k] = weight[k] / all;
     }
 }
 
@@ -156,13 +153,12 @@ void RestCarrier::apply(const Strands& low, const Pose& head, Strands& out) {
                     std::to_string(n) + " particles, allowed " + std::to_string(moved_.count) + " of " +
                     std::to_string(moved_.particles));
     if (out.count != around_.count() || out.particles != n) out = Strands(around_.count(), n);
-    const float beta = core_beta(n);
     const Quatf to_head = cast<float>(conjugate(head.rotation));
+    take_cores(low, moved_);
 #pragma omp parallel for schedule(static)
     for (int s = 0; s < low.count; ++s) {
         Vec3f* moved = moved_.strand(s);
         const Vec3f* rest = low_rest_cores_.strand(s);
-        core_of(low.strand(s), n, beta, moved);
         for (int i = n - 1; i >= 0; --i)
             moved[i] = rotate(to_head, moved[i] - moved[0]) - (rest[i] - rest[0]);
     }
@@ -179,12 +175,12 @@ void RestCarrier::apply(const Strands& low, const Pose& head, Strands& out) {
         const int first = block * S::lanes, lanes = std::min(S::lanes, out.count - first);
         const int* from = around_.from.data() + size_t(first) * width;
         const float *weight = around_.weight.data() + size_t(first) * width,
-                    *loses_as = loses_as_.data() + size_t(first) * width;
+                    *lost_weight = lost_weight_.data() + size_t(first) * width;
         S lost(0);
         for (int lane = 0; lane < lanes; ++lane) {
             float sum = 0;
             for (int k = lane * width; k < (lane + 1) * width; ++k)
-                sum += loses_as[k] * lost_[size_t(from[k])];
+                sum += lost_weight[k] * lost_[size_t(from[k])];
             lost.set(lane, std::clamp(sum, 0.f, 1.f));
         }
         carry_rest<S>(

@@ -85,7 +85,7 @@ class RestCarrier {
     const Strands& own() const { return own_; }                    // (low strand, edge) in the head's frame
     // (high strand, width) [1/m^2]: what a strand loses of its own is the sum of these by what low-resolution
     // strands lose of theirs, but at least 0 and at most 1.
-    const std::vector<float>& loses_as() const { return loses_as_; }
+    const std::vector<float>& lost_weight() const { return lost_weight_; }
 
   private:
     using S = Pack<float>;
@@ -96,7 +96,7 @@ class RestCarrier {
     bool low_is_wet_;
     Stencil around_;
     std::vector<Beside> beside_;
-    std::vector<float> loses_as_;
+    std::vector<float> lost_weight_;
     std::vector<RestParticle<S>> rest_;  // (block of lanes, particle)
     std::vector<Quat<S>> to_root_;       // (block): head's frame to the root frames
     Strands low_rest_cores_, own_;

@@ -1,8 +1,15 @@
-// Curl radius from core and detail.
+// Cores of many strands, and the curl radius from core and detail.
 // Ours.
 #include "learn/core_detail.h"
 
 namespace wetcurl {
+
+void take_cores(const Strands& strands, Strands& cores) {
+    const float beta = core_beta(strands.particles);
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < strands.count; ++s)
+        core_of(strands.strand(s), strands.particles, beta, cores.strand(s));
+}
 
 float curl_radius(const Vec3f* p, int n, float beta, Vec3f* core) {
     core_of(p, n, beta, core);

@@ -40,6 +40,9 @@ inline void core_of(const Vec3f* p, int n, float beta, Vec3f* core) {
     for (int i = 1; i < n; ++i) core[i] += core[i - 1];
 }
 
+// Of all strands, into as many of as many particles.
+void take_cores(const Strands& strands, Strands& cores);
+
 // The turn that takes the edges of one core to those of another. It is carried on from edge to edge, so that
 // it does not flip where the two point opposite ways.
 template <class S>

@@ -17,13 +17,6 @@ Interpolation interpolation_named(const std::string& name) {
                  did_you_mean(name, names));
 }
 
-static void take_cores(const Strands& strands, Strands& cores) {
-    const float beta = core_beta(strands.particles);
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < strands.count; ++s)
-        core_of(strands.strand(s), strands.particles, beta, cores.strand(s));
-}
-
 Interpolator::Interpolator(Interpolation kind, Stencil stencil, const Groom& high, const Groom& low,
                            const Strands* shape, bool low_is_wet)
     : kind_(kind), stencil_(std::move(stencil)), roots_(root_frames(high)) {

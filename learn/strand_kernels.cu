@@ -26,18 +26,18 @@ __global__ void depart_kernel(const HeadState* head, const Vec3f* p, const Vec3f
     x[k] = d.x, x[plane + k] = d.y, x[2 * plane + k] = d.z;
 }
 
-constexpr int losers = 32, loser_parts = 8;
+constexpr int lost_strands = 32, lost_parts = 8;
 
 // What low-resolution strands have lost of their own; a block takes some, in parts.
-__global__ void lose_kernel(int low, int n, const Beside* __restrict__ beside, const float* __restrict__ own,
+__global__ void lost_kernel(int low, int n, const Beside* __restrict__ beside, const float* __restrict__ own,
                             const float* __restrict__ moved, float* __restrict__ lost) {
-    __shared__ float part[loser_parts][losers];
-    const int s = int(blockIdx.x) * losers + int(threadIdx.x), p = int(threadIdx.y);
+    __shared__ float part[lost_parts][lost_strands];
+    const int s = int(blockIdx.x) * lost_strands + int(threadIdx.x), p = int(threadIdx.y);
     const size_t plane = size_t(n) * low;
     float sum = 0;
     if (s < low) {
         const Beside near = beside[s];
-        for (int i = p; i + 1 < n; i += loser_parts) {
+        for (int i = p; i + 1 < n; i += lost_parts) {
             const size_t at = size_t(i) * low;
             const float *from = moved + at, *to = from + low;
             sum += lost_of_edge({own[at + s], own[plane + at + s], own[2 * plane + at + s]}, s, near,
@@ -50,7 +50,7 @@ __global__ void lose_kernel(int low, int n, const Beside* __restrict__ beside, c
     part[p][threadIdx.x] = sum;
     __syncthreads();
     if (p > 0 || s >= low) return;
-    for (int k = 1; k < loser_parts; ++k) sum += part[k][threadIdx.x];
+    for (int k = 1; k < lost_parts; ++k) sum += part[k][threadIdx.x];
     lost[s] = sum;
 }
 
@@ -59,7 +59,7 @@ constexpr int carriers = 64;
 // A strand goes along its particles one by one: what the next one needs is on its way meanwhile.
 __global__ void carry_kernel(int pixels, int low, int n, int width, const int* __restrict__ strand,
                              const float* __restrict__ rest, const int* __restrict__ from,
-                             const float* __restrict__ weight, const float* __restrict__ loses_as,
+                             const float* __restrict__ weight, const float* __restrict__ lost_weight,
                              const float* __restrict__ lost, const Quatf* __restrict__ turn,
                              const float* __restrict__ moved, float* __restrict__ base) {
     constexpr int most = 4;  // of a stencil
@@ -70,7 +70,7 @@ __global__ void carry_kernel(int pixels, int low, int n, int width, const int* _
     for (int k = 0; k < most; ++k) {
         neighbour[k] = k < width ? from[k * pixels + s] : 0;
         share[k] = k < width ? weight[k * pixels + s] : 0;
-        if (k < width) lost_here += loses_as[k * pixels + s] * lost[neighbour[k]];
+        if (k < width) lost_here += lost_weight[k * pixels + s] * lost[neighbour[k]];
     }
     const Quatf to_root = conjugate(turn[s]);
     const size_t plane = size_t(n) * low, out = size_t(n) * pixels;
@@ -232,7 +232,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
 
     const RestCarrier& carrier = codec.carrier();
     const Stencil& around = carrier.around();
-    std::vector<float> rest(n * rest_numbers * S, 0), weight(width * S, 0), loses_as(width * S, 0);
+    std::vector<float> rest(n * rest_numbers * S, 0), weight(width * S, 0), lost_weight(width * S, 0);
     std::vector<int> from(width * S, 0), strand(S, -1);
     std::vector<Quatf> turn(S, Quatf::identity());
     std::vector<Vec3f> root(S, Vec3f{0, 0, 0});
@@ -242,7 +242,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
         for (size_t k = 0; k < width; ++k) {
             from[k * S + pixel] = around.from[s * width + k];
             weight[k * S + pixel] = around.weight[s * width + k];
-            loses_as[k * S + pixel] = carrier.loses_as()[s * width + k];
+            lost_weight[k * S + pixel] = carrier.lost_weight()[s * width + k];
         }
         for (size_t i = 0; i < n; ++i) {
             const RestParticle<float> p = carrier.rest(int(s), int(i));
@@ -256,7 +256,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     for (int s : around.twin) twin.push_back(codec.pixel_of()[size_t(s)]);
     twin_ = DeviceBuffer<int>(twin);
     rest_ = DeviceBuffer<float>(rest), weight_ = DeviceBuffer<float>(weight);
-    loses_as_ = DeviceBuffer<float>(loses_as), beside_ = DeviceBuffer<Beside>(carrier.beside());
+    lost_weight_ = DeviceBuffer<float>(lost_weight), beside_ = DeviceBuffer<Beside>(carrier.beside());
     const size_t own_plane = n * size_t(low_);
     std::vector<float> own(3 * own_plane);
     for (size_t s = 0; s < size_t(low_); ++s)
@@ -341,12 +341,12 @@ void StrandKernels::depart(const Vec3f* low, cudaStream_t stream) const {
 }
 
 void StrandKernels::carry(cudaStream_t stream) const {
-    lose_kernel<<<blocks_of(low_, losers), dim3(losers, loser_parts), 0, stream>>>(
+    lost_kernel<<<blocks_of(low_, lost_strands), dim3(lost_strands, lost_parts), 0, stream>>>(
         low_, n_, beside_.data(), own_.data(), moved_.data(), lost_.data());
     check_launch("what strands lose of their own");
     carry_kernel<<<blocks_of(pixels_, carriers), carriers, 0, stream>>>(
         pixels_, low_, n_, width_, strand_.data(), rest_.data(), from_.data(), weight_.data(),
-        loses_as_.data(), lost_.data(), turn_.data(), moved_.data(), base_.data());
+        lost_weight_.data(), lost_.data(), turn_.data(), moved_.data(), base_.data());
     check_launch("rest shapes carried");
     if (!low_is_wet_) return;
     keep_kernel<<<blocks_of(low_ * n_), threads, 0, stream>>>(

@@ -70,7 +70,8 @@ class StrandKernels {
     DeviceBuffer<Vec3f> low_rest_;            // (low, n) offsets from the root, in the head's frame
     DeviceBuffer<float> rest_;                // (n, 13, S): RestParticle
     DeviceBuffer<int> from_;                  // (width, S)
-    DeviceBuffer<float> weight_, loses_as_;   // (width, S)
+    DeviceBuffer<float> weight_;              // (width, S)
+    DeviceBuffer<float> lost_weight_;         // (width, S)
     DeviceBuffer<Beside> beside_;             // (low)
     DeviceBuffer<float> own_;                 // (3, n, low): edges in the head's frame
     DeviceBuffer<float> lost_;                // (low)
