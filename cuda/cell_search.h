@@ -112,6 +112,18 @@ struct CellSearch {
                 search(begin, end);
             }
     }
+    // Whether test(cell) holds of a cell around p.
+    template <class Test>
+    WETCURL_HD bool any_cell(const Vec3f& p, Test test) const {
+        const Vec3f from = p - origin;
+        if (!grid.holds(from)) return false;
+        const auto c = grid.cell_of(from);
+        for (int z = c.z - 1; z <= c.z + 1; ++z)
+            for (int y = c.y - 1; y <= c.y + 1; ++y)
+                for (int x = c.x - 1; x <= c.x + 1; ++x)
+                    if (test(grid.key(x, y, z))) return true;
+        return false;
+    }
     // Calls visit(j, r) for each particle j that sorted particle `own` finds on other strands, r [m] away.
     template <class Visit>
     WETCURL_HD void contacts(const SortedPoint& own, Visit visit) const {

@@ -40,6 +40,7 @@ struct CohesionMemory {
     // In the order of cells, and one more who is nobody, without volume.
     HairPoint* point;
     float* wet_volume;         // sigma V
+    uint8_t* wet_cell;         // (cells) whether a wet particle lies there; null where all are wet
     ListGroup* group;          // (groups of 32)
     uint32_t* list;            // ranks; filled up with nobody's, which is the particles' count
     Displaced* displaced;      // (strand, particle)
@@ -62,12 +63,22 @@ struct CohesionBodies {
         m.point[k] = {p.x, p.y, p.z, volume[p.id]};
         m.wet_volume[k] = wet_volume[p.id];
         m.displaced[p.id] = {0, 0, 0, k};
+        const uint32_t cell = m.search.sorted_key[k];
+        if (m.wet_cell && m.wet_volume[k] > 0 && cell < m.search.grid.cells()) m.wet_cell[cell] = 1;
     }
-    // Calls visit(j), a rank, for each particle that Eq 10 sees from particle k of the order.
+    // Calls visit(j), a rank, for each particle that Eq 10 sees from particle k of the order, once all are
+    // taken. Returns whether one of them is wet: nobody is drawn to others.
     template <class Visit>
-    WETCURL_HD void neighbours(uint32_t k, Visit visit) const {
+    WETCURL_HD bool neighbours(uint32_t k, Visit visit) const {
         const SortedPoint p = m.search.sorted[k];
-        m.search.neighbours(p.id, p.position(), [&](uint32_t j, const SortedPoint&) { visit(j); });
+        bool wet = !m.wet_cell;
+        if (!wet && !m.search.any_cell(p.position(), [&](uint32_t cell) { return m.wet_cell[cell]; }))
+            return false;
+        m.search.neighbours(p.id, p.position(), [&](uint32_t j, const SortedPoint&) {
+            visit(j);
+            wet = wet || m.wet_volume[j] > 0;
+        });
+        return wet;
     }
 
     // p_i^w - p_i of particle k of the order. Roots stay, and who has no neighbour.

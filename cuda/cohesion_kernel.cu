@@ -32,11 +32,16 @@ __global__ void __launch_bounds__(most_strands* warp)
 
 constexpr int list_threads = 128, staged = 64;
 
+__global__ void __launch_bounds__(list_threads)
+    take(const CohesionBodies b, const float* volume, const float* wet_volume) {
+    const uint32_t k = blockIdx.x * list_threads + threadIdx.x;
+    if (k < b.m.search.count) b.take(k, volume, wet_volume);
+}
+
 // A thread a particle in the order of cells. Lists lie where a warp finds room, which differs from run to
 // run; what is in them does not.
 __global__ void __launch_bounds__(list_threads)
-    build_lists(const CohesionBodies b, const float* volume, const float* wet_volume, size_t room,
-                FrameReport* report) {
+    build_lists(const CohesionBodies b, size_t room, FrameReport* report) {
     // What is found stays near until it is known how much it is: memory is written to a warp at a time.
     __shared__ uint32_t stage[staged * list_threads];
     const uint32_t lane = threadIdx.x % warp, k = blockIdx.x * list_threads + threadIdx.x;
@@ -44,11 +49,11 @@ __global__ void __launch_bounds__(list_threads)
     if (k - lane >= count) return;
     uint32_t *near = stage + staged * (threadIdx.x - lane) + lane, found = 0;
     if (k < count) {
-        b.take(k, volume, wet_volume);
-        b.neighbours(k, [&](uint32_t j) {
+        const bool wet = b.neighbours(k, [&](uint32_t j) {
             if (found < staged) near[warp * found] = j;
             ++found;
         });
+        if (!wet) found = 0;
     }
     const unsigned rows = __reduce_max_sync(0xffffffffu, found),
                    pairs = __reduce_add_sync(0xffffffffu, found);
@@ -63,7 +68,7 @@ __global__ void __launch_bounds__(list_threads)
     if (row + rows > room) return;  // the frame is done again
     uint32_t *list = b.m.list + warp * row + lane, e = 0;
     if (rows > staged) {
-        if (k < count) b.neighbours(k, [&](uint32_t j) { list[warp * e++] = j; });
+        if (found > 0) b.neighbours(k, [&](uint32_t j) { list[warp * e++] = j; });
         e = found;
     }
     for (; e < rows; ++e) list[warp * e] = e < found ? near[warp * e] : count;
@@ -127,16 +132,23 @@ __global__ void __launch_bounds__(most_strands* warp)
     }
 }
 
+std::vector<float> wet_volumes_of(const std::vector<float>& volume, const std::vector<float>& saturation) {
+    std::vector<float> wet;
+    for (size_t k = 0; k < volume.size(); ++k) wet.push_back(volume[k] * saturation[k]);
+    return wet;
+}
+
 }  // namespace
 
 CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles, const Vec3f& origin,
-                               const std::vector<float>& rest_depth)
+                               const std::vector<float>& volume, const std::vector<float>& saturation,
+                               bool flows, const std::vector<float>& rest_depth)
     : term_(term),
       strands_(strands),
       particles_(particles),
       search_(size_t(strands) * size_t(particles), particles, term.h_c, origin),
-      volume_(size_t(strands) * size_t(particles)),
-      wet_volume_(volume_.size()),
+      volume_(volume),
+      wet_volume_(wet_volumes_of(volume, saturation)),
       rest_depth_(rest_depth),
       point_(volume_.size() + 1),
       sorted_wet_volume_(volume_.size() + 1),
@@ -144,6 +156,8 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
       displaced_(volume_.size()),
       beta_(size_t(strands)),
       own_weight_(size_t(strands)) {
+    if (flows || std::ranges::any_of(saturation, [](float sigma) { return sigma <= 0; }))
+        wet_cell_ = DeviceBuffer<uint8_t>(search_.view().grid.cells());
     int device = 0, processors = 1, most_shared = 0;
     check_cuda(cudaGetDevice(&device), "device");
     check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "attribute");
@@ -172,16 +186,10 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
     check_cuda(cudaStreamSynchronize(nullptr), "nobody");  // streams of launches do not wait for this one
 }
 
-void CohesionDevice::take_volumes(const std::vector<float>& volume, const std::vector<float>& saturation) {
-    std::vector<float> wet;
-    for (size_t k = 0; k < volume.size(); ++k) wet.push_back(volume[k] * saturation[k]);
-    volume_.upload(volume.data(), volume.size()), wet_volume_.upload(wet.data(), wet.size());
-}
-
 CohesionBodies CohesionDevice::bodies() const {
     return {term_,
-            {search_.view(), point_.data(), sorted_wet_volume_.data(), group_.data(), list_.data(),
-             displaced_.data(), beta_.data(), own_weight_.data()}};
+            {search_.view(), point_.data(), sorted_wet_volume_.data(), wet_cell_.data(), group_.data(),
+             list_.data(), displaced_.data(), beta_.data(), own_weight_.data()}};
 }
 
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
@@ -189,8 +197,11 @@ void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, c
     search_.launch(positions, stream);
     measure<<<blocks_for(size_t(strands_), most_strands), most_strands * warp, 0, stream>>>(b, strands_,
                                                                                             positions);
-    build_lists<<<blocks_for(volume_.size(), list_threads), list_threads, 0, stream>>>(
-        b, volume_.data(), wet_volume_.data(), list_.size() / warp, report);
+    if (wet_cell_.size())
+        check_cuda(cudaMemsetAsync(wet_cell_.data(), 0, wet_cell_.bytes(), stream), "cells without water");
+    const unsigned blocks = blocks_for(volume_.size(), list_threads);
+    take<<<blocks, list_threads, 0, stream>>>(b, volume_.data(), wet_volume_.data());
+    build_lists<<<blocks, list_threads, 0, stream>>>(b, list_.size() / warp, report);
     check_cuda(cudaGetLastError(), "launch of the neighbour lists");
 }
 
@@ -227,7 +238,8 @@ bool CohesionDevice::grow(const FrameReport& report) {
 }
 
 size_t CohesionDevice::bytes() const {
-    size_t sum = search_.bytes() + point_.bytes() + group_.bytes() + list_.bytes() + displaced_.bytes();
+    size_t sum = search_.bytes() + point_.bytes() + group_.bytes() + list_.bytes() + displaced_.bytes() +
+                 wet_cell_.bytes();
     for (const auto* b : {&volume_, &wet_volume_, &rest_depth_, &sorted_wet_volume_, &beta_, &own_weight_})
         sum += b->bytes();
     return sum;

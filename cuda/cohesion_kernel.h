@@ -22,11 +22,11 @@ struct FrameReport {
 // `grow`, so that launches can be captured into a graph.
 class CohesionDevice {
   public:
-    // `origin`: where the head is when the run begins. `rest_depth` (strand, particle) [m], or empty.
+    // `origin`: where the head is when the run begins. V [m^3], sigma and `rest_depth` [m] (strand,
+    // particle), the last or empty. `flows`: others change the sigma.
     CohesionDevice(const Cohesion& term, int strands, int particles, const Vec3f& origin,
+                   const std::vector<float>& volume, const std::vector<float>& saturation, bool flows,
                    const std::vector<float>& rest_depth);
-    // V [m^3] and sigma (strand, particle), from now on.
-    void take_volumes(const std::vector<float>& volume, const std::vector<float>& saturation);
     // Where they lie, V and sigma V, for water that changes them.
     float* volumes() const { return volume_.data(); }
     float* wet_volumes() const { return wet_volume_.data(); }
@@ -53,6 +53,7 @@ class CohesionDevice {
     // As CohesionMemory says.
     DeviceBuffer<HairPoint> point_;
     DeviceBuffer<float> sorted_wet_volume_;
+    DeviceBuffer<uint8_t> wet_cell_;
     DeviceBuffer<ListGroup> group_;
     DeviceBuffer<uint32_t> list_;
     DeviceBuffer<Displaced> displaced_;

@@ -78,13 +78,17 @@ template <class T>
 void CudaHair<T>::begin_display(const std::vector<float>& saturation, double) {
     displayed_ = DeviceBuffer<Vec3f>(positions_.size());
     cohesion_.emplace(*scene_.cohesion, state.strands, state.n, cast<float>(head.translation),
-                      rest_depths_of(scene_));
-    cohesion_->take_volumes(volumes_of(scene_), saturation);
+                      volumes_of(scene_), saturation, scene_.flow.has_value(), rest_depths_of(scene_));
 }
 
 template <class T>
+void CudaHair<T>::launch_queued() const {
+    for (const auto& launches : queued_) launches(stream_.handle);
+    queued_.clear();
+}
+template <class T>
 void CudaHair<T>::fetch() const {
-    fetch_water();
+    launch_queued(), fetch_water();
     if (fetched_) return;
     download(x_, state.x), download(v_, state.v);
     download(frame_, state.frame), download(touching_, state.touching);
@@ -288,6 +292,7 @@ void CudaHair<T>::launch_display() {
 
 template <class T>
 void CudaHair<T>::launch_frame() {
+    launch_queued();
     upload_motion();
     events_[0].record(stream_.handle);
     launch_substeps(slots_);
@@ -302,8 +307,12 @@ void CudaHair<T>::run(const std::vector<Placement<T>>& path, const GivenToChain<
     shown_ = ends_frame && path.size() == size_t(slots_) && first == always_first();
     if (shown_) {
         for (int k = 0; k < slots_; ++k) put_motion(k, path[size_t(k)]);
-        return graph_.replay(stream_.handle, [&] { launch_frame(); });
+        if (queued_in_graph_ != queued_.size()) graph_.forget();
+        queued_in_graph_ = queued_.size();
+        graph_.replay(stream_.handle, [&] { launch_frame(); });
+        return queued_.clear();
     }
+    launch_queued();
     const StageTimer timer(seconds.chain);
     for (size_t done = 0; done < path.size();) {
         const int substeps = int(std::min(path.size() - done, size_t(slots_)));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -33,13 +34,13 @@ class AirAround {
     }
     void advance(CudaHair<T>& hair, double time) {
         field_.blow(time + 1 / scene_.fps);
-        begin_.record(hair.stream());
-        graph_.replay(hair.stream(), [&] {
+        hair.queue([this, &hair](cudaStream_t stream) {
+            begin_.record(stream);
             const BrakingHair<T> braking = hair.braking();
-            field_.launch_step(scene_.air->two_way ? &braking : nullptr, hair.stream());
+            field_.launch_step(scene_.air->two_way ? &braking : nullptr, stream);
             sample(hair);
+            end_.record(stream);
         });
-        end_.record(hair.stream());
     }
     void finish() { seconds = end_.since(begin_); }
     void list(BufferList& buffers) const { buffers.push_back({"air", field_.bytes()}); }
@@ -56,7 +57,6 @@ class AirAround {
     }
     const Scene& scene_;
     AirDevice field_;
-    Graph graph_;
     Event begin_, end_;
 };
 
@@ -106,6 +106,10 @@ class CudaHair {
     void find_nearest(const Placement<T>& p);
     const NearestSurface<T>& nearest() const { return nearest_; }
 
+    // Launches on a stream that come before the substeps which follow, in a frame's graph with them: the same
+    // ones each frame that has them.
+    using Launches = std::function<void(cudaStream_t)>;
+    void queue(Launches launches) { queued_.push_back(std::move(launches)); }
     // A whole frame without history to wait for is one graph, which shows it too.
     void run(const std::vector<Placement<T>>& path, const GivenToChain<T>& given, bool ends_frame);
     void show(double time, const MovingGrid* surfaces);
@@ -163,6 +167,7 @@ class CudaHair {
         host.resize(from.size());
         from.download(host.data());
     }
+    void launch_queued() const;
     void fetch_water() const;
     void give_water();
     void take_given(const GivenToChain<T>& given);
@@ -180,6 +185,7 @@ class CudaHair {
     const double dt_;
     bool shown_ = false;  // what was run last is seen already
     mutable bool fetched_ = true, history_fetched_ = true, water_fetched_ = true;
+    mutable std::vector<Launches> queued_;
 
     DeviceBuffer<Vec3<T>> x_, x_before_, v_, v_before_, root_, target_, push_, air_;
     DeviceBuffer<Quat<T>> frame_;
@@ -217,6 +223,7 @@ class CudaHair {
     Stream stream_;
     std::array<Event, 4> events_;
     Graph graph_;  // of a frame
+    size_t queued_in_graph_ = 0;
     double neighbours_mean_ = 0;
     long limited_ = 0;
 };

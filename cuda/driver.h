@@ -1,6 +1,8 @@
 // Owners of what the driver makes. Ours.
 #pragma once
 
+#include <vector>
+
 #include "base/device_buffer.h"
 
 namespace wetcurl {
@@ -47,6 +49,47 @@ struct Event {
         return 1e-3 * milliseconds;
     }
 };
+
+// Numbers on a device and in page-locked memory of the host.
+template <class V>
+struct OnBoth {
+    explicit OnBoth(size_t count) : device(count), host(count) {}
+    void fetch(cudaStream_t stream) {
+        if (host.size())
+            check_cuda(
+                cudaMemcpyAsync(host.data(), device.data(), device.bytes(), cudaMemcpyDeviceToHost, stream),
+                "copy to the host");
+    }
+    std::vector<V> fetched() const { return {host.data(), host.data() + host.size()}; }
+    DeviceBuffer<V> device;
+    PinnedBuffer<V> host;
+};
+
+// The way of numbers to the host while others are computed.
+class WayOut {
+  public:
+    // fetch(stream): copies of what is there once `from` has come here; whatever follows on `from` may be
+    // done before them.
+    template <class Fetch>
+    void begin(cudaStream_t from, Fetch fetch) {
+        there_.record(from);
+        check_cuda(cudaStreamWaitEvent(stream_.handle, there_.handle, 0), "copy to the host");
+        fetch(stream_.handle);
+        arrived_.record(stream_.handle);
+    }
+    // On any thread, before the next begin.
+    void wait() const { check_cuda(cudaEventSynchronize(arrived_.handle), "copy to the host"); }
+
+  private:
+    Stream stream_;
+    Event there_, arrived_;
+};
+
+template <class V>
+void copy_on_device(V* to, const V* from, size_t count, cudaStream_t stream) {
+    check_cuda(cudaMemcpyAsync(to, from, count * sizeof(V), cudaMemcpyDeviceToDevice, stream),
+               "copy on the device");
+}
 
 // Launches that are captured the first time that they are asked for, and replayed.
 class Graph {

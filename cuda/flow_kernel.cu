@@ -1,4 +1,6 @@
 // Kernels of the flow: a thread a strand, or a particle in the order of cells.
+#include <numeric>
+
 #include "base/strided.h"
 #include "cuda/flow_kernel.h"
 
@@ -54,6 +56,10 @@ __global__ void __launch_bounds__(strand_threads)
     if (s >= strands) return;
     b.ledger[s] = {};
     show(b, s, shown, held);
+}
+
+double total(const std::vector<double>& of_strands) {
+    return std::accumulate(of_strands.begin(), of_strands.end(), 0.0);
 }
 
 }  // namespace
@@ -124,7 +130,7 @@ void FlowDevice::restore(const std::vector<double>& saturation, cudaStream_t str
     begin_anew<<<blocks_for(size_t(strands_), strand_threads), strand_threads, 0, stream>>>(
         bodies(), strands_, shown_.data(), held_.data());
     check_cuda(cudaGetLastError(), "launch of the flow");
-    start_ = held(stream);
+    start_ = total(host(held_, stream));
 }
 
 template <class V>
@@ -138,20 +144,36 @@ std::vector<V> FlowDevice::host(const DeviceBuffer<V>& from, cudaStream_t stream
 template std::vector<double> FlowDevice::host(const DeviceBuffer<double>&, cudaStream_t);
 template std::vector<float> FlowDevice::host(const DeviceBuffer<float>&, cudaStream_t);
 
-double FlowDevice::held(cudaStream_t stream) const {
-    double sum = 0;
-    for (double of_strand : host(held_, stream)) sum += of_strand;
-    return sum;
+WaterBalance FlowDevice::water(const std::vector<double>& held, const std::vector<FlowLedger>& ledger) const {
+    return water_balance(absorbed_, start_, total(held), ledger);
+}
+WaterBalance FlowDevice::water(cudaStream_t stream) const {
+    return water(host(held_, stream), host(ledger_, stream));
 }
 
-WaterBalance FlowDevice::water(cudaStream_t stream) const {
-    return water_balance(absorbed_, start_, held(stream), host(ledger_, stream));
+void FlowDevice::begin_record(cudaStream_t stream) {
+    if (!record_) record_.emplace(shown_.size(), held_.size());
+    auto take = [stream](auto& to, const auto& from) {
+        copy_on_device(to.device.data(), from.data(), from.size(), stream);
+    };
+    take(record_->saturation, shown_), take(record_->ledger, ledger_), take(record_->held, held_);
+    record_->way.begin(stream, [this](cudaStream_t out) {
+        record_->saturation.fetch(out), record_->ledger.fetch(out), record_->held.fetch(out);
+    });
+}
+void FlowDevice::finish_record(RunFrame& frame) const {
+    record_->way.wait();
+    frame.saturation = record_->saturation.fetched();
+    frame.water = water(record_->held.fetched(), record_->ledger.fetched()).columns();
 }
 
 size_t FlowDevice::bytes() const {
     size_t sum = search_.bytes() + shown_.bytes() + rows_.bytes() + ledger_.bytes() + sources_.bytes();
     for (const auto* b : {&mass_, &length_, &sigma_, &next_, &limit_, &held_}) sum += b->bytes();
     for (const auto& level_set : level_sets_) sum += level_set.bytes();
+    if (record_)
+        sum += record_->saturation.device.bytes() + record_->ledger.device.bytes() +
+               record_->held.device.bytes();
     return sum;
 }
 

@@ -3,7 +3,12 @@
 
 #include <cuda_runtime.h>
 
+#include <optional>
+#include <vector>
+
+#include "base/run_cache.h"
 #include "cuda/cell_search_device.h"
+#include "cuda/driver.h"
 #include "solver/passes/flow_bodies.h"
 
 namespace wetcurl {
@@ -29,13 +34,17 @@ class FlowDevice {
     std::vector<double> exact(cudaStream_t stream) const { return host(sigma_, stream); }
     std::vector<float> shown(cudaStream_t stream) const { return host(shown_, stream); }
     WaterBalance water(cudaStream_t stream) const;
+    // What a run keeps of a frame, as it is once the stream has come here; `finish_record` waits for it, on
+    // any thread, before the next `begin_record`.
+    void begin_record(cudaStream_t stream);
+    void finish_record(RunFrame& frame) const;
     size_t bytes() const;
 
   private:
     template <class V>
     static std::vector<V> host(const DeviceBuffer<V>& from, cudaStream_t stream);
     FlowBodies bodies() const;
-    double held(cudaStream_t stream) const;
+    WaterBalance water(const std::vector<double>& held, const std::vector<FlowLedger>& ledger) const;
 
     const Flow flow_;
     const int strands_, n_;
@@ -49,6 +58,14 @@ class FlowDevice {
     DeviceBuffer<FlowLedger> ledger_;
     DeviceBuffer<double> held_;                    // (strand)
     std::vector<DeviceBuffer<float>> level_sets_;  // of sources, in their order; empty where one has none
+    struct Record {
+        Record(size_t particles, size_t strands) : saturation(particles), ledger(strands), held(strands) {}
+        OnBoth<float> saturation;
+        OnBoth<FlowLedger> ledger;
+        OnBoth<double> held;
+        WayOut way;
+    };
+    std::optional<Record> record_;  // once one is asked for
     PinnedBuffer<FlowingSource> host_sources_;
     DeviceBuffer<FlowingSource> sources_;
 };

@@ -36,11 +36,6 @@ __global__ void take_contact(const T* touching, size_t count, uint8_t* contact) 
 
 unsigned blocks_of(size_t count) { return unsigned((count + threads - 1) / threads); }
 
-void copy_on_device(Vec3f* to, const Vec3f* from, size_t count, cudaStream_t stream) {
-    check_cuda(cudaMemcpyAsync(to, from, count * sizeof(Vec3f), cudaMemcpyDeviceToDevice, stream),
-               "copy of positions");
-}
-
 }  // namespace
 
 template <class T>
@@ -70,15 +65,13 @@ void FrameRecord<T>::begin(const StrandMemory<T>& memory, const ChainConstants<T
     const size_t count = size_t(strands_) * size_t(particles_);
     copy_on_device(points_.device.data(), positions, count, stream);
     if (displayed_) copy_on_device(points_.device.data() + count, displayed, count, stream);
-    taken_.record(stream);
-    check_cuda(cudaStreamWaitEvent(out_.handle, taken_.handle, 0), "copy of a frame");
-    points_.copy(out_.handle), energy_.copy(out_.handle), contact_.copy(out_.handle);
-    arrived_.record(out_.handle);
+    way_.begin(stream,
+               [&](cudaStream_t out) { points_.fetch(out), energy_.fetch(out), contact_.fetch(out); });
 }
 
 template <class T>
 void FrameRecord<T>::finish(RunFrame& frame) const {
-    check_cuda(cudaEventSynchronize(arrived_.handle), "copy of a frame");
+    way_.wait();
     const size_t count = size_t(strands_) * size_t(particles_);
     auto take = [&](const Vec3f* from, Strands& to) {
         to.count = strands_, to.particles = particles_;
@@ -91,7 +84,7 @@ void FrameRecord<T>::finish(RunFrame& frame) const {
         frame.displayed = {};
     const auto sum = sum_over_strands(energy_.host.data(), strands_, energy_.host.size() / size_t(strands_));
     frame.energy.assign(sum.begin(), sum.end());
-    frame.contact.assign(contact_.host.data(), contact_.host.data() + contact_.host.size());
+    frame.contact = contact_.fetched();
 }
 
 template class FrameRecord<float>;

@@ -28,26 +28,12 @@ class FrameRecord {
     size_t bytes() const { return points_.device.bytes() + energy_.device.bytes() + contact_.device.bytes(); }
 
   private:
-    // The same numbers on the device and in page-locked memory of the host.
-    template <class V>
-    struct Both {
-        explicit Both(size_t count) : device(count), host(count) {}
-        void copy(cudaStream_t stream) {
-            if (host.size())
-                check_cuda(cudaMemcpyAsync(host.data(), device.data(), device.bytes(), cudaMemcpyDeviceToHost,
-                                           stream),
-                           "copy of a frame");
-        }
-        DeviceBuffer<V> device;
-        PinnedBuffer<V> host;
-    };
     const int strands_, particles_;
     const bool displayed_;
-    Both<Vec3f> points_;  // positions, then what is displayed
-    Both<T> energy_;      // (strand, kind)
-    Both<uint8_t> contact_;
-    Stream out_;
-    Event taken_, arrived_;
+    OnBoth<Vec3f> points_;  // positions, then what is displayed
+    OnBoth<T> energy_;      // (strand, kind)
+    OnBoth<uint8_t> contact_;
+    WayOut way_;
 };
 
 extern template class FrameRecord<float>;

@@ -1,5 +1,6 @@
 // Kernels of rebuilding: a node a thread, or where nodes are few a node a warp, whose lanes share out the
 // tree.
+#include "cuda/driver.h"
 #include "cuda/level_set_kernel.h"
 
 namespace wetcurl {
@@ -101,42 +102,50 @@ MovingLevelSetDevice::MovingLevelSetDevice(const Mesh& mesh, const Bounds& box, 
 }
 
 void MovingLevelSetDevice::hold(const std::vector<Vec3f>& vertices) {
-    mesh_.vertices = vertices;
+    find_tree(vertices);
     per_second_ = 0;
-    build(vertices_.device);
-    check_cuda(
-        cudaMemcpyAsync(phi_before_.data(), phi_.data(), phi_.bytes(), cudaMemcpyDeviceToDevice, stream_),
-        "level set");
+    send(stream_);
+    copy_on_device(before_.data(), vertices_.device.data(), before_.size(), stream_);
+    launch_rebuild(stream_);
+    copy_on_device(phi_before_.data(), phi_.data(), phi_.size(), stream_);
 }
 
 void MovingLevelSetDevice::advance(const std::vector<Vec3f>& vertices, double seconds) {
-    std::swap(phi_, phi_before_);
-    std::swap(vertices_.device, before_);
-    mesh_.vertices = vertices;
+    find_tree(vertices);
     per_second_ = 1 / seconds;
-    build(before_);
+}
+
+void MovingLevelSetDevice::launch_advance(cudaStream_t stream) const {
+    copy_on_device(phi_before_.data(), phi_.data(), phi_.size(), stream);
+    copy_on_device(before_.data(), vertices_.device.data(), before_.size(), stream);
+    send(stream);
+    launch_rebuild(stream);
 }
 
 MovingGrid MovingLevelSetDevice::grid(double share) const {
     return moving_grid(band_, phi_before_.data(), phi_.data(), velocity_.data(), share, per_second_);
 }
 
-void MovingLevelSetDevice::build(const DeviceBuffer<Vec3f>& before) {
+void MovingLevelSetDevice::find_tree(const std::vector<Vec3f>& vertices) {
+    mesh_.vertices = vertices;
     const MeshDistance surface(mesh_);
-    const TriangleTree found = surface.tree();
-    const TriangleTree tree{triangles_.send(found.triangles, stream_),
-                            original_.send(found.original, stream_), place_.send(found.place, stream_),
-                            tree_nodes_.send(found.nodes, stream_)};
-    const LevelSetRebuild rebuild{band_,
-                                  per_second_,
-                                  corners_.data(),
-                                  before.data(),
-                                  vertices_.send(mesh_.vertices, stream_).data(),
-                                  phi_.data(),
-                                  velocity_.data(),
-                                  triangle_.data()};
+    const TriangleTree tree = surface.tree();
+    triangles_.fill(tree.triangles), original_.fill(tree.original), place_.fill(tree.place);
+    tree_nodes_.fill(tree.nodes), vertices_.fill(mesh_.vertices);
+}
+
+void MovingLevelSetDevice::send(cudaStream_t stream) const {
+    triangles_.send(stream), original_.send(stream), place_.send(stream), tree_nodes_.send(stream);
+    vertices_.send(stream);
+}
+
+void MovingLevelSetDevice::launch_rebuild(cudaStream_t stream) const {
+    const TriangleTree tree{triangles_.sent(), original_.sent(), place_.sent(), tree_nodes_.sent()};
+    const LevelSetRebuild rebuild{
+        band_,       per_second_,      corners_.data(), before_.data(), vertices_.device.data(),
+        phi_.data(), velocity_.data(), triangle_.data()};
     for (int step = LevelSetRebuild::coarsest_step; step > 0; step /= 2)
-        launch_lattice(rebuild, tree, step, stream_);
+        launch_lattice(rebuild, tree, step, stream);
     check_cuda(cudaGetLastError(), "launch of a level set's rebuilding");
 }
 

@@ -10,39 +10,44 @@
 
 namespace wetcurl {
 
-// An array that the host sends anew each time, by way of page-locked memory.
+// An array that the host fills anew each time, in page-locked memory, and sends.
 template <class V>
 struct SentBuffer {
     explicit SentBuffer(size_t most) : staged(most), device(most) {}
-    // On a stream that is through with what was sent before.
-    std::span<const V> send(std::span<const V> values, cudaStream_t stream) {
-        std::copy(values.begin(), values.end(), staged.data());
-        check_cuda(cudaMemcpyAsync(device.data(), staged.data(), values.size_bytes(), cudaMemcpyHostToDevice,
-                                   stream),
-                   "upload");
-        return {device.data(), values.size()};
+    // Once what was sent before has come through.
+    void fill(std::span<const V> values) { std::copy(values.begin(), values.end(), staged.data()); }
+    // All that there is room for, so that the launch is the same each time.
+    void send(cudaStream_t stream) const {
+        check_cuda(
+            cudaMemcpyAsync(device.data(), staged.data(), device.bytes(), cudaMemcpyHostToDevice, stream),
+            "upload");
     }
+    std::span<const V> sent() const { return {device.data(), device.size()}; }
     PinnedBuffer<V> staged;
     DeviceBuffer<V> device;
 };
 
 class MovingLevelSetDevice {
   public:
-    // As a MovingLevelSet. All is queued on `stream`.
+    // As a MovingLevelSet. What it launches by itself is queued on `stream`.
     MovingLevelSetDevice(const Mesh& mesh, const Bounds& box, double spacing, double band,
                          cudaStream_t stream);
 
-    // As MovingLevelSet's, of a stream that has come past the last one.
+    // As MovingLevelSet's, of a stream that has come past the last one. The host's part alone: the device's
+    // are the launches that follow, the same for any span of as many seconds.
     void advance(const std::vector<Vec3f>& vertices, double seconds);
+    void launch_advance(cudaStream_t stream) const;
     void hold(const std::vector<Vec3f>& vertices);
 
-    // In the device's memory. Valid until the next advance or hold.
+    // In the device's memory, which stays where it is.
     MovingGrid grid(double share) const;
     size_t nodes() const { return phi_.size(); }
     size_t bytes() const;
 
   private:
-    void build(const DeviceBuffer<Vec3f>& before);
+    void find_tree(const std::vector<Vec3f>& vertices);
+    void send(cudaStream_t stream) const;
+    void launch_rebuild(cudaStream_t stream) const;
 
     const cudaStream_t stream_;
     Mesh mesh_;

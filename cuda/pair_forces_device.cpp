@@ -1,7 +1,6 @@
 // What a scene's forces on all strands at once need on a device, and their launches in order.
 #include "cuda/pair_forces_device.h"
 
-#include "cuda/driver.h"
 #include "solver/couplings/forces_on_strands.h"
 #include "solver/passes/cohesion_forces.h"
 
@@ -88,12 +87,14 @@ void ForcesDevice<T>::put_motion(int slot, double time) const {
     for (size_t k = 0; k < solids_.size(); ++k)
         (*host_pose_)[size_t(slot) * solids_.size() + k] = solids_[k]->at(time, head);
 }
+// Of those slots alone: a frame's are filled while the one for `potential` may still be on its way.
 template <class T>
-void ForcesDevice<T>::upload_motion(cudaStream_t stream) const {
+void ForcesDevice<T>::upload_poses(int slot, int slots, cudaStream_t stream) const {
     if (solids_.empty()) return;
-    check_cuda(
-        cudaMemcpyAsync(pose_.data(), host_pose_->data(), pose_.bytes(), cudaMemcpyHostToDevice, stream),
-        "motion of solids");
+    const size_t first = size_t(slot) * solids_.size(), count = size_t(slots) * solids_.size();
+    check_cuda(cudaMemcpyAsync(pose_.data() + first, host_pose_->data() + first, count * sizeof(Pose),
+                               cudaMemcpyHostToDevice, stream),
+               "motion of solids");
 }
 
 // Pulls of particles where the scheme expects them, where they are without one, and of solids of the slot.
@@ -122,13 +123,10 @@ void ForcesDevice<T>::launch(const StrandMemory<T>& memory, const Bdf2<T>& schem
 }
 
 template <class T>
-double ForcesDevice<T>::energy(const StrandMemory<T>& memory, double time, cudaStream_t stream) const {
-    put_motion(slots_, time), upload_motion(stream);
-    launch_energies(seen(memory, nullptr, slots_, stream), energy_.data(), stream);
-    check_cuda(cudaStreamSynchronize(stream), "their energy");
-    double sum = 0;
-    for (double of_block : energy_.host()) sum += of_block;
-    return sum;
+void ForcesDevice<T>::launch_energies_at(const StrandMemory<T>& memory, double time,
+                                         cudaStream_t stream) const {
+    put_motion(slots_, time), upload_poses(slots_, 1, stream);
+    launch_energies(seen(memory, nullptr, slots_, stream), energy_.device.data(), stream);
 }
 
 template <class T>
@@ -139,7 +137,7 @@ void ForcesDevice<T>::list(BufferList& buffers) const {
     for (const auto& search : surface_search_) solids += search.bytes();
     for (const auto& volume : surface_volume_) solids += volume.bytes();
     buffers.push_back({std::string(name_) + ": particles", x_.bytes() + mass_.bytes() + saturation_.bytes() +
-                                                               kernel_sum_.bytes() + energy_.bytes()});
+                                                               kernel_sum_.bytes() + energy_.device.bytes()});
     buffers.push_back({std::string(name_) + ": lists", pairs + solids});
 }
 

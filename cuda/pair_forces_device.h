@@ -2,11 +2,13 @@
 // Ours.
 #pragma once
 
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cuda/cell_search_device.h"
+#include "cuda/driver.h"
 #include "cuda/pair_forces_kernel.h"
 #include "solver/chain_state.h"
 
@@ -24,7 +26,7 @@ class ForcesDevice {
     // Where solids are when a frame's substep begins, at `time` [s]; and all of it to the device, from
     // page-locked memory, which a graph reads anew each time it is replayed.
     void put_motion(int slot, double time) const;
-    void upload_motion(cudaStream_t stream) const;
+    void upload_motion(cudaStream_t stream) const { upload_poses(0, slots_, stream); }
     // For the substep of that slot -> force [N], stiffness [N/m] (strand, particle). Pairs are added to
     // `pairs`, unless it is null.
     void launch(const StrandMemory<T>& memory, const Bdf2<T>& scheme, int slot, Vec3<T>* force, T* stiffness,
@@ -32,7 +34,19 @@ class ForcesDevice {
     // [J] where the strands are; it waits.
     template <class Hair>
     double potential(const Hair& hair, double time) const {
-        return energy(hair.memory(), time, hair.stream());
+        launch_energies_at(hair.memory(), time, hair.stream());
+        check_cuda(cudaStreamSynchronize(hair.stream()), "their energy");
+        return total(energy_.device.host());
+    }
+    // The same for a run to keep; `recorded` waits for it, on any thread, before the next `begin_record`.
+    template <class Hair>
+    void begin_record(const Hair& hair, double time) {
+        launch_energies_at(hair.memory(), time, hair.stream());
+        way_.begin(hair.stream(), [this](cudaStream_t out) { energy_.fetch(out); });
+    }
+    double recorded() const {
+        way_.wait();
+        return total(energy_.fetched());
     }
 
     const char* name() const { return name_; }
@@ -50,7 +64,11 @@ class ForcesDevice {
     AnyPulls pulls_of(const Kim2016& method);
     AnyPulls pulls_of(const BoundaryParticles2013& method);
     AnyPulls seen(const StrandMemory<T>& memory, const Bdf2<T>* scheme, int slot, cudaStream_t stream) const;
-    double energy(const StrandMemory<T>& memory, double time, cudaStream_t stream) const;
+    void launch_energies_at(const StrandMemory<T>& memory, double time, cudaStream_t stream) const;
+    void upload_poses(int slot, int slots, cudaStream_t stream) const;
+    static double total(const std::vector<double>& parts) {
+        return std::accumulate(parts.begin(), parts.end(), 0.0);
+    }
 
     const Scene& scene_;
     const int particles_, slots_;
@@ -72,7 +90,8 @@ class ForcesDevice {
     DeviceBuffer<SampledSurface> surfaces_;
     std::optional<PinnedBuffer<Pose>> host_pose_;  // (slot and one for `potential`, surface)
     DeviceBuffer<Pose> pose_;
-    DeviceBuffer<double> energy_;  // parts of it [J]
+    OnBoth<double> energy_;  // parts of it [J]
+    WayOut way_;
     AnyPulls pulls_;
 };
 

@@ -7,23 +7,24 @@
 
 namespace wetcurl {
 
-// All is queued on the hair's stream, before its substeps.
 class SurfacesOnDevice : public DeformingSolidsOf<MovingLevelSetDevice> {
   public:
     template <class Hair>
-    SurfacesOnDevice(const Scene& scene, const Hair& hair)
-        : DeformingSolidsOf(scene, hair.stream()), stream_(hair.stream()) {}
+    SurfacesOnDevice(const Scene& scene, const Hair& hair) : DeformingSolidsOf(scene, hair.stream()) {}
 
-    void advance(double from, double to, int substeps) {
-        begin_.record(stream_);
-        DeformingSolidsOf::advance(from, to, substeps);
-        end_.record(stream_);
+    // The host finds the trees; the rest is queued for the hair's frame.
+    template <class Hair>
+    void advance(Hair& hair, double begin, double span, int substeps) {
+        DeformingSolidsOf::advance(hair, begin, span, substeps);
+        hair.queue([this](cudaStream_t stream) {
+            begin_.record(stream);
+            for (const auto& level_set : level_sets()) level_set.launch_advance(stream);
+            end_.record(stream);
+        });
     }
-    // With what the stream waits for the host's trees.
-    void finish() { seconds = end_.since(begin_); }
+    void finish() { seconds += end_.since(begin_); }
 
   private:
-    const cudaStream_t stream_;
     Event begin_, end_;
 };
 

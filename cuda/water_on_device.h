@@ -9,8 +9,7 @@
 
 namespace wetcurl {
 
-// Hair as of a schedule, in the same device's memory. All is queued on the hair's stream, before its
-// substeps.
+// Hair as of a schedule, in the same device's memory. A frame's step is queued for its frame.
 template <class Hair>
 class WaterOnDevice {
   public:
@@ -27,12 +26,12 @@ class WaterOnDevice {
         moved_ = hair.all_there();
         if (!moved_) return;
         flow_.aim(time);
-        begin_.record(stream_);
-        graph_.replay(stream_, [&] {
-            flow_.launch_step(hair.seen(), stream_);
+        hair.queue([this, &hair](cudaStream_t stream) {
+            begin_.record(stream);
+            flow_.launch_step(hair.seen(), stream);
             launch_soaking(hair);
+            end_.record(stream);
         });
-        end_.record(stream_);
         hair.take_water();
     }
     void finish() { seconds = moved_ ? end_.since(begin_) : 0; }
@@ -46,6 +45,9 @@ class WaterOnDevice {
     std::vector<double> exact() const { return flow_.exact(stream_); }
     std::vector<float> saturation() const { return flow_.shown(stream_); }
     WaterBalance balance() const { return flow_.water(stream_); }
+    // This waits for its frame alone, on any thread.
+    void begin_record(RunFrame&) { flow_.begin_record(stream_); }
+    void finish_record(RunFrame& frame) const { flow_.finish_record(frame); }
 
     void list(BufferList& buffers) const {
         buffers.push_back({"flow of water", flow_.bytes()});
@@ -61,7 +63,6 @@ class WaterOnDevice {
     FlowDevice flow_;
     SoakingDevice soaking_;
     const cudaStream_t stream_;
-    Graph graph_;
     Event begin_, end_;
     bool moved_ = false;
 };

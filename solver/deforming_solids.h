@@ -41,11 +41,12 @@ class DeformingSolidsOf {
             level_sets_[k].hold(solids_[k]->deformation->at(time).vertices);
         lay_views(1);
     }
-    // Rebuilds them for a span of time [s] of so many substeps.
-    void advance(double from, double to, int substeps) {
+    // Rebuilds them for a span [s] of so many substeps, from `begin` [s] on; `hair` as of a schedule.
+    template <class Hair>
+    void advance(const Hair&, double begin, double span, int substeps) {
         const StageTimer timer(seconds);
         for (size_t k = 0; k < solids_.size(); ++k)
-            level_sets_[k].advance(solids_[k]->deformation->at(to).vertices, to - from);
+            level_sets_[k].advance(solids_[k]->deformation->at(begin + span).vertices, span);
         lay_views(substeps);
     }
     void finish() {}  // once the frame is shown

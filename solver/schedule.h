@@ -59,7 +59,6 @@ class SimulationOf final : public Simulation {
     std::vector<double> energy() const override;
 
   private:
-    double potential() const;  // [J] of `forces_` where the strands are
     AdhesionNetwork<S>& network() { return network_ ? *network_ : network_.emplace(); }
     // Where all is at a time [s] when `done` substeps of a frame are.
     Placement<T> placement(double time, int done, bool moving = true, Placement<T> room = {}) const {
@@ -100,7 +99,6 @@ class SimulationOf final : public Simulation {
     std::optional<AdhesionNetwork<S>> network_;  // once it is asked for
     std::vector<Placement<T>> path_;             // of the substeps at hand
     double frame_seconds_ = 0;
-    double potential_ = 0;  // [J] of `forces_` in the snapshot at hand
 };
 
 template <class Hair>
@@ -138,7 +136,7 @@ void SimulationOf<Hair>::advance(bool shown) {
     if (water_) water_->advance(hair_, time_), follow_water();
     if (air_) air_->advance(hair_, time_);
     const int substeps = scene_.integrator.substeps;
-    if (surfaces_) surfaces_->advance(time_, time_ + substeps * dt_, substeps);
+    if (surfaces_) surfaces_->advance(hair_, time_, substeps * dt_, substeps);
     for (int done = 0; done < substeps;) {
         ask_network(done);
         path_.resize(alone() ? size_t(substeps) : 1);
@@ -202,14 +200,9 @@ void SimulationOf<Hair>::follow_water() {
 }
 
 template <class Hair>
-double SimulationOf<Hair>::potential() const {
-    return forces_ ? forces_->potential(hair_, time_) : 0;
-}
-
-template <class Hair>
 std::vector<double> SimulationOf<Hair>::energy() const {
     auto sum = hair_.energy();
-    if (forces_) sum.push_back(potential());
+    if (forces_) sum.push_back(forces_->potential(hair_, time_));
     return sum;
 }
 
@@ -266,21 +259,21 @@ void SimulationOf<Hair>::restore(const SimulationState& from) {
 template <class Hair>
 void SimulationOf<Hair>::begin_snapshot(RunFrame& frame) {
     frame.head = hair_.head;
+    frame.saturation.clear(), frame.water.clear();
     hair_.begin_record(frame);
-    potential_ = potential();
+    if (water_) water_->begin_record(frame);
+    if (forces_) forces_->begin_record(hair_, time_);
     frame.seconds = frame_seconds_;
     frame.stage_seconds.clear();
     for_each_stage(*this,
                    [&](const char*, double seconds) { frame.stage_seconds.push_back(float(seconds)); });
-    frame.saturation = water_ ? water_->saturation() : std::vector<float>{};
-    frame.water.clear();
-    if (const auto w = water()) frame.water = {w->held, w->taken, w->dripped, w->dried};
 }
 
 template <class Hair>
 void SimulationOf<Hair>::finish_snapshot(RunFrame& frame) const {
     hair_.finish_record(frame);
-    if (forces_) frame.energy.push_back(float(potential_));
+    if (water_) water_->finish_record(frame);
+    if (forces_) frame.energy.push_back(float(forces_->recorded()));
 }
 
 template <class Hair>

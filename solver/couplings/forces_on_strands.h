@@ -66,6 +66,12 @@ class ForcesOnStrands {
         hair.state.template unpack<double>(hair.state.x, x);
         return is_finite(x) ? method_->potential(x, time) : NAN;
     }
+    // The same for a run to keep, in two halves as a snapshot.
+    template <class Hair>
+    void begin_record(const Hair& hair, double time) {
+        recorded_ = potential(hair, time);
+    }
+    double recorded() const { return recorded_; }
     const Vec3<S>* force() const { return given_.data(); }  // (block, particle) [N]
     // (block, particle) [N/m]; null: explicit forces.
     const S* stiffness() const { return stiffness_.empty() ? nullptr : stiffness_.data(); }
@@ -83,6 +89,7 @@ class ForcesOnStrands {
 
   private:
     std::unique_ptr<ParticleForces> method_;
+    double recorded_ = 0;
     std::vector<Vec3<S>> given_, expected_;
     std::vector<S> stiffness_;
     std::vector<Vec3d> x_, force_;  // (strand, particle): what the method sees and gives

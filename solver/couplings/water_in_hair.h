@@ -49,6 +49,11 @@ class WaterInHair {
         return flow_.saturation();
     }  // the same, as others read it
     WaterBalance balance() const { return flow_.water(); }
+    // What a run keeps of a frame, in two halves as a snapshot.
+    void begin_record(RunFrame& frame) const {
+        frame.saturation = saturation(), frame.water = balance().columns();
+    }
+    void finish_record(RunFrame&) const {}
 
     void list(BufferList& buffers) const {
         size_t bytes = 0;

@@ -16,6 +16,7 @@ struct FlowLedger {
 struct WaterBalance {
     double start = 0, held = 0, taken = 0, dripped = 0, dried = 0;
     double balance() const { return held + dripped + dried - taken - start; }
+    std::vector<double> columns() const { return {held, taken, dripped, dried}; }  // of RunFrame::water
 };
 
 // Of what strands' ledgers say, `start` and `held` masses as in them; `absorbed`: m_absorbed.

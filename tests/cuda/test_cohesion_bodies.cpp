@@ -50,13 +50,16 @@ Result by_bodies(const Tuft& hair, const Cohesion& term) {
     const int n = hair.p.particles;
     std::vector<HairPoint> point(count + 1);
     std::vector<float> wet_volume(count), sorted_wet_volume(count + 1);
+    const bool some_dry = std::ranges::count(hair.saturation, 0.f) > 0;
     std::vector<ListGroup> group((count + 31) / 32);
     std::vector<Displaced> displaced(count);
     std::vector<float> beta(size_t(hair.p.count)), own(size_t(hair.p.count));
     const HostSearch search(simulated, n, term.h_c, {1, 2, 0});
-    CohesionBodies b{term,
-                     {search.view, point.data(), sorted_wet_volume.data(), group.data(), nullptr,
-                      displaced.data(), beta.data(), own.data()}};
+    std::vector<uint8_t> wet_cell(search.view.grid.cells());
+    CohesionBodies b{
+        term,
+        {search.view, point.data(), sorted_wet_volume.data(), some_dry ? wet_cell.data() : nullptr,
+         group.data(), nullptr, displaced.data(), beta.data(), own.data()}};
     for (int s = 0; s < hair.p.count; ++s) b.measure(s, arc_length(hair.p.strand(s), n));
     for (uint32_t k = 0; k < count; ++k) wet_volume[k] = hair.volume[k] * hair.saturation[k];
     for (uint32_t k = 0; k < count; ++k) b.take(k, hair.volume.data(), wet_volume.data());
@@ -67,7 +70,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term) {
     for (uint32_t g = 0; g < group.size(); ++g) {
         std::vector<std::vector<uint32_t>> of(32);
         for (uint32_t lane = 0; lane < 32 && 32 * g + lane < count; ++lane)
-            b.neighbours(32 * g + lane, [&](uint32_t j) { of[lane].push_back(j); });
+            if (!b.neighbours(32 * g + lane, [&](uint32_t j) { of[lane].push_back(j); })) of[lane].clear();
         group[g] = {uint32_t(list.size() / 32), 0};
         for (const auto& ranks : of) {
             pairs += double(ranks.size());
@@ -125,6 +128,22 @@ TEST(CohesionBodies, do_what_the_reference_pass_does) {
             // Positions near 2 m have an ulp of 2.4e-7 m; three passes amplify it.
             EXPECT_LT(farthest(got.displayed, wanted.displayed), 3e-6) << particles << ' ' << coherence;
         }
+}
+
+TEST(CohesionBodies, search_nothing_for_hair_that_meets_no_wet_one) {
+    const Cohesion term{0.004, 0.85, 0.0, unbounded, 0};
+    Tuft hair(40, 60, 3);
+    const Result all_wet = by_bodies(hair, term);
+    // Tips alone are wet, of every other strand: 0.118 m long, drawn to each other within 4 mm.
+    for (int s = 0; s < 40; ++s)
+        for (int i = 0; i < 60; ++i)
+            if (s % 2 || i < 45) hair.saturation[size_t(60 * s + i)] = 0;
+    const Result wanted = by_reference(hair, term), got = by_bodies(hair, term);
+    EXPECT_GT(got.neighbours_mean, 0.2 * all_wet.neighbours_mean);
+    EXPECT_LT(got.neighbours_mean, 0.4 * all_wet.neighbours_mean);
+    EXPECT_NEAR(got.neighbours_mean, wanted.neighbours_mean, 1e-9);
+    ASSERT_GT(farthest(wanted.displayed, hair.p), 2e-5);
+    EXPECT_LT(farthest(got.displayed, wanted.displayed), 3e-6);
 }
 
 TEST(CohesionBodies, find_no_neighbour_for_what_is_not_finite) {
