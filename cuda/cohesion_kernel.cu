@@ -32,6 +32,7 @@ __global__ void __launch_bounds__(most_strands* warp)
 
 constexpr int list_threads = 128, staged = 64;
 
+// Before the lists where some hair is dry: then they ask who is wet.
 __global__ void __launch_bounds__(list_threads)
     take(const CohesionBodies b, const float* volume, const float* wet_volume) {
     const uint32_t k = blockIdx.x * list_threads + threadIdx.x;
@@ -41,7 +42,8 @@ __global__ void __launch_bounds__(list_threads)
 // A thread a particle in the order of cells. Lists lie where a warp finds room, which differs from run to
 // run; what is in them does not.
 __global__ void __launch_bounds__(list_threads)
-    build_lists(const CohesionBodies b, size_t room, FrameReport* report) {
+    build_lists(const CohesionBodies b, const float* volume, const float* wet_volume, size_t room,
+                FrameReport* report) {
     // What is found stays near until it is known how much it is: memory is written to a warp at a time.
     __shared__ uint32_t stage[staged * list_threads];
     const uint32_t lane = threadIdx.x % warp, k = blockIdx.x * list_threads + threadIdx.x;
@@ -49,6 +51,7 @@ __global__ void __launch_bounds__(list_threads)
     if (k - lane >= count) return;
     uint32_t *near = stage + staged * (threadIdx.x - lane) + lane, found = 0;
     if (k < count) {
+        if (!b.m.wet_cell) b.take(k, volume, wet_volume);
         const bool wet = b.neighbours(k, [&](uint32_t j) {
             if (found < staged) near[warp * found] = j;
             ++found;
@@ -197,11 +200,13 @@ void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, c
     search_.launch(positions, stream);
     measure<<<blocks_for(size_t(strands_), most_strands), most_strands * warp, 0, stream>>>(b, strands_,
                                                                                             positions);
-    if (wet_cell_.size())
-        check_cuda(cudaMemsetAsync(wet_cell_.data(), 0, wet_cell_.bytes(), stream), "cells without water");
     const unsigned blocks = blocks_for(volume_.size(), list_threads);
-    take<<<blocks, list_threads, 0, stream>>>(b, volume_.data(), wet_volume_.data());
-    build_lists<<<blocks, list_threads, 0, stream>>>(b, list_.size() / warp, report);
+    if (wet_cell_.size()) {
+        check_cuda(cudaMemsetAsync(wet_cell_.data(), 0, wet_cell_.bytes(), stream), "cells without water");
+        take<<<blocks, list_threads, 0, stream>>>(b, volume_.data(), wet_volume_.data());
+    }
+    build_lists<<<blocks, list_threads, 0, stream>>>(b, volume_.data(), wet_volume_.data(),
+                                                     list_.size() / warp, report);
     check_cuda(cudaGetLastError(), "launch of the neighbour lists");
 }
 

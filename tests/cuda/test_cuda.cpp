@@ -268,6 +268,7 @@ TEST_F(Cuda, level_sets_of_meshes_that_deform_are_the_cpus) {
                 cpu.hold(at(0.05)), gpu.hold(at(0.05));
             } else if (f > 0) {
                 cpu.advance(at(f / 24.0), 1 / 24.0), gpu.advance(at(f / 24.0), 1 / 24.0);
+                gpu.launch_advance(stream.handle);
             }
             check_cuda(cudaStreamSynchronize(stream.handle), "rebuilding");
             const size_t n = cpu.nodes();
