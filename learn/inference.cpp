@@ -14,9 +14,24 @@
 namespace wetcurl {
 namespace {
 
+// Whether the processor has products in bfloat16: where it has not, they would take longer than in single
+// precision.
+bool multiplies_bfloat16() {
+#ifdef __x86_64__
+    return __builtin_cpu_supports("avx512bf16");
+#else
+    return false;
+#endif
+}
+
 class OnHost final : public Network {
   public:
-    OnHost(const ModelCard& card, std::shared_ptr<Model> model) : card_(card), model_(std::move(model)) {}
+    OnHost(const ModelCard& card, std::shared_ptr<Model> model, bool half)
+        : card_(card), model_(std::move(model)) {
+        if (!half) return;
+        model_->body = torch::kBFloat16;
+        model_->freeze();
+    }
 
     const ModelCard& card() const override { return card_; }
     std::optional<DenseLayers> layers() const override { return model_->dense_layers(); }
@@ -49,20 +64,22 @@ void require_shape(const ModelCard& card, std::array<long, 4> shape) {
 }
 
 std::unique_ptr<Network> network_of(const ModelCard& card, std::shared_ptr<Model> model,
-                                    const std::string& device, int threads) {
+                                    const std::string& device, int threads, Body body) {
     set_threads(threads);
     const torch::Device on = device_named(device);
-    if (on.is_cpu()) return std::make_unique<OnHost>(card, std::move(model));
+    const bool half = body == Body::fastest && card.codec != "adhesion";
+    if (on.is_cpu()) return std::make_unique<OnHost>(card, std::move(model), half && multiplies_bfloat16());
 #ifdef WETCURL_NETWORKS_ON_DEVICE
-    return device_network(card, std::move(model), on, /*half=*/card.codec != "adhesion");
+    return device_network(card, std::move(model), on, half);
 #else
     throw Error("device " + device + ": this build has no CUDA kernels (cmake --preset cuda)");
 #endif
 }
 
-std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads) {
+std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads,
+                                      Body body) {
     auto [card, model] = load_model(path);
-    return network_of(card, std::move(model), device, threads);
+    return network_of(card, std::move(model), device, threads, body);
 }
 
 }  // namespace wetcurl

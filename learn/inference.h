@@ -10,11 +10,16 @@
 
 namespace wetcurl {
 
-// `threads` 0: all of the machine's. On a CUDA device the body computes in bfloat16, codec adhesion apart.
-// Throws Error for a bad file or an absent device, Misuse for another device name.
-std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads);
+// What a network's body computes in. `fastest`: bfloat16 on a CUDA device and on processors that multiply in
+// it, codec adhesion apart.
+enum class Body { fastest, single_precision };
+
+// `threads` 0: all of the machine's. Throws Error for a bad file or an absent device, Misuse for another
+// device name.
+std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads,
+                                      Body body = Body::fastest);
 std::unique_ptr<Network> network_of(const ModelCard& card, std::shared_ptr<Model> model,
-                                    const std::string& device, int threads);
+                                    const std::string& device, int threads, Body body = Body::fastest);
 
 // Throws Error where the network takes no input of this shape.
 void require_shape(const ModelCard& card, std::array<long, 4> shape);

@@ -54,7 +54,7 @@ Tensor StrandMlp::mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor&
 #endif
     const Tensor around = torch::conv2d(from_rows(mask.defined() ? x * mask : x, like), weight, {},
                                         /*stride=*/1, kernel / 2, /*dilation=*/1, x.size(1));
-    return x + to_rows(around);
+    return to_rows(around).add_(x);
 }
 
 Tensor StrandMlp::forward(const Tensor& input) {
@@ -63,7 +63,7 @@ Tensor StrandMlp::forward(const Tensor& input) {
     Tensor x = run_layer(first_, normalised(rows, mean_, deviation_, body));  // (P, channels)
     for (size_t i = 0; i < blocks_.size(); i += 2) {
         const Tensor seen = mixers_.empty() ? x : mixed(x, mixers_[i / 2], mask, input);
-        x = x + run_layer(blocks_[i + 1], run_layer(blocks_[i], seen).relu_());
+        x = run_layer(blocks_[i + 1], run_layer(blocks_[i], seen).relu_()).add_(x);
     }
     return from_rows(run_layer(last_, torch::relu(x).to(torch::kFloat)) * scale_, input);
 }

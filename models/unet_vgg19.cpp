@@ -65,7 +65,9 @@ Tensor UnetVgg19::run(Level& level, Tensor x) {
 Tensor UnetVgg19::residual(const Tensor& input) {
     const long h = input.size(2), w = input.size(3);
     const long below = (multiple - h % multiple) % multiple, right = (multiple - w % multiple) % multiple;
-    Tensor x = below || right ? torch::replication_pad2d(input, {0, right, 0, below}) : input;
+    // On the CPU LibTorch repeats edges in single precision alone.
+    Tensor x = input.is_cpu() ? input.to(torch::kFloat) : input;
+    if (below || right) x = torch::replication_pad2d(x, {0, right, 0, below});
     x = x.to(body, /*non_blocking=*/false, /*copy=*/false, torch::MemoryFormat::ChannelsLast);
     std::vector<Tensor> skips;
     for (auto& level : down_) {

@@ -116,6 +116,34 @@ TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
         {"strand_mlp", "163", std::to_string(inputs)});
 }
 
+// Of what the network adds, and as it rounds, a walk over the layers.
+TEST(LearnedStrands, InBfloat16DifferByWhatItRounds) {
+    Scratch scratch;
+    for (const auto& [architecture, most] :
+         {std::pair{"strand_mlp", 0.01}, {"strand_depthwise", 0.01}, {"strand_unet_vgg19", 0.03}}) {
+        const std::string model = made_model(scratch.path("m.h5"), architecture, inputs);
+        Swaying single, fastest;
+        auto in_single =
+            learned_strands(load_network(model, "cpu", 1, Body::single_precision), single.codec());
+        auto as_fast = learned_strands(load_network(model, "cpu", 1), fastest.codec());
+        in_single->bind(single.in.points.data(), single.out.points.data());
+        as_fast->bind(fastest.in.points.data(), fastest.out.points.data());
+        for (int f = 0; f < 3; ++f) {
+            const HeadWindow heads = single.take(f);
+            fastest.take(f);
+            in_single->run(heads), as_fast->run(heads);
+            const Strands base = in_single->base(heads.now);
+            double moved = 0, apart = 0;
+            for (size_t k = 0; k < base.points.size(); ++k) {
+                moved += norm(single.out.points[k] - base.points[k]);
+                apart += norm(fastest.out.points[k] - single.out.points[k]);
+            }
+            EXPECT_GT(moved / double(base.points.size()), 1e-3) << architecture;
+            EXPECT_LT(apart, most * moved) << architecture << " " << f;
+        }
+    }
+}
+
 // As the host gives it within what bfloat16 rounds; in either memory, several patches at once, other sizes in
 // turn.
 TEST(RootNetwork, OnTheDeviceIsThatOfTheHost) {
@@ -131,7 +159,8 @@ TEST(RootNetwork, OnTheDeviceIsThatOfTheHost) {
         const auto from = model->parameters(), to = other->parameters();
         for (size_t k = 0; k < from.size(); ++k)
             from[k].add_(0.01 * torch::randn_like(from[k])), to[k].copy_(from[k]);
-        const auto host = network_of(card, model, "cpu", 1), device = network_of(card, other, "cuda", 1);
+        const auto host = network_of(card, model, "cpu", 1, Body::single_precision),
+                   device = network_of(card, other, "cuda", 1);
         for (const std::array<long, 4> shape :
              {std::array<long, 4>{1, 3, 64, 64}, {1, 3, 64, 64}, {1, 3, 64, 64}, {4, 3, 40, 32}}) {
             const Tensor in = torch::rand({shape[0], 3, shape[2], shape[3]}), base = up(in),
@@ -159,7 +188,7 @@ TEST(LearnedStrands, OnTheDeviceAreThoseOfTheHost) {
     for (const char* architecture : {"strand_mlp", "strand_depthwise", "strand_linear"}) {
         const std::string model = made_model(scratch.path("m.h5"), architecture, inputs);
         Swaying host, device, half;
-        auto on_host = learned_strands(load_network(model, "cpu", 1), host.codec());
+        auto on_host = learned_strands(load_network(model, "cpu", 1, Body::single_precision), host.codec());
         auto on_device = device_strands(model, "cuda", device.codec(), device.low, false);
         auto in_half = device_strands(model, "cuda", half.codec(), half.low, true);
         on_host->bind(host.in.points.data(), host.out.points.data());
