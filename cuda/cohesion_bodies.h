@@ -8,6 +8,7 @@
 #include "base/geometry/filter.h"
 #include "cuda/cell_search.h"
 #include "solver/passes/contact.h"
+#include "solver/passes/thinning.h"
 #include "solver/terms/cohesion.h"
 
 namespace wetcurl {
@@ -34,7 +35,8 @@ struct ListGroup {
 };
 
 // Particles are taken in the order of cells, those who share their neighbours side by side, so that these
-// come from the caches.
+// come from the caches. Where not all particles of a strand are asked, those who are count from its root as
+// all of them would.
 struct CohesionMemory {
     CellSearch search;  // within Eq 10's h
     // In the order of cells, and one more who is nobody, without volume.
@@ -45,17 +47,20 @@ struct CohesionMemory {
     uint32_t* list;            // ranks; filled up with nobody's, which is the particles' count
     Displaced* displaced;      // (strand, particle)
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
+    const float* own_volume;   // (strand, particle) of itself, null: V is
 };
 
 struct CohesionBodies {
     Cohesion term;
+    Thinning thinning;
     CohesionMemory m;
 
-    // `length` [m] of the strand.
-    WETCURL_HD void measure(int strand, double length) const {
-        const float segment = float(length / (m.search.particles - 1));
+    // `length` [m] of the strand, `asked` of the line through those who are asked.
+    WETCURL_HD void measure(int strand, double length, double asked) const {
+        const float segment = float(length / (thinning.particles - 1)),
+                    between = float(asked / (m.search.particles - 1));
         m.own_weight[strand] = float(term.own_weight(segment));
-        m.beta[strand] = float(filter_beta(segment, term.coherence));
+        m.beta[strand] = float(filter_beta(between, term.coherence));
     }
     // Particle k of the order comes with its V and sigma V, of (strand, particle), and stands still as yet.
     WETCURL_HD void take(uint32_t k, const float* volume, const float* wet_volume) const {
@@ -71,9 +76,12 @@ struct CohesionBodies {
     template <class Visit>
     WETCURL_HD bool neighbours(uint32_t k, Visit visit) const {
         const SortedPoint p = m.search.sorted[k];
-        bool wet = !m.wet_cell;
-        if (!wet && !m.search.any_cell(p.position(), [&](uint32_t cell) { return m.wet_cell[cell]; }))
-            return false;
+        if (!m.wet_cell) {
+            m.search.neighbours(p.id, p.position(), [&](uint32_t j, const SortedPoint&) { visit(j); });
+            return true;
+        }
+        if (!m.search.any_cell(p.position(), [&](uint32_t cell) { return m.wet_cell[cell]; })) return false;
+        bool wet = false;
         m.search.neighbours(p.id, p.position(), [&](uint32_t j, const SortedPoint&) {
             visit(j);
             wet = wet || m.wet_volume[j] > 0;
@@ -94,22 +102,31 @@ struct CohesionBodies {
             const HairPoint other = m.point[j];
             sums.add(other.position() - own.position(), m.search.radius, other.volume, m.wet_volume[j]);
         }
-        const Vec3f d = term.displacement(sums, own.volume * m.own_weight[id / n]);
+        const Vec3f d =
+            term.displacement(sums, (m.own_volume ? m.own_volume[id] : own.volume) * m.own_weight[id / n]);
         m.displaced[id] = {d.x, d.y, d.z, k};
     }
     WETCURL_HD void move(uint32_t id, const Vec3f& by) const {
         HairPoint& p = m.point[m.displaced[id].rank];
         p = {p.x + by.x, p.y + by.y, p.z + by.z, p.volume};
     }
-    // After the last pass; `simulated` (strand, particle).
-    WETCURL_HD ShownPoint shown(uint32_t id, const Vec3f* simulated) const {
-        const HairPoint p = m.point[m.displaced[id].rank];
-        const bool root = id % uint32_t(m.search.particles) == 0;
-        return {p.x, p.y, p.z, root ? 0 : norm(simulated[id] - simulated[id - 1])};
+    // After the last pass, particle i of a strand; `simulated` (strand, particle) of all.
+    WETCURL_HD ShownPoint shown(int strand, int i, const Vec3f* simulated) const {
+        const Vec3f* x = simulated + size_t(strand) * size_t(thinning.particles);
+        const Displaced* asked = m.displaced + size_t(strand) * size_t(m.search.particles);
+        Vec3f p;
+        if (thinning.every == 1) {
+            p = m.point[asked[i].rank].position();
+        } else {
+            auto moved = [&](int j) { return m.point[asked[j].rank].position() - x[thinning.at(strand, j)]; };
+            const Thinning::Place at = thinning.place(strand, i);
+            p = x[i] + ((1 - at.after) * moved(at.before) + at.after * moved(at.before + 1));
+        }
+        return {p.x, p.y, p.z, i == 0 ? 0 : norm(x[i] - x[i - 1])};
     }
     // A strand x (particle), root to tip: no edge is longer than the term allows.
     WETCURL_HD void within_lengths(ShownPoint* x) const {
-        for (int i = 1; i < m.search.particles; ++i) {
+        for (int i = 1; i < thinning.particles; ++i) {
             const Vec3f p = term.within_length(x[i - 1].position(), x[i].position(), x[i].length);
             x[i].x = p.x, x[i].y = p.y, x[i].z = p.z;
         }

@@ -19,15 +19,30 @@ constexpr int most_strands = 4;  // of a block whose warps take a strand each
 // The strand of this warp; at least `strands` where there is none.
 __device__ int strand_of_warp() { return int((blockIdx.x * blockDim.x + threadIdx.x) / warp); }
 
-__global__ void __launch_bounds__(most_strands* warp)
-    measure(const CohesionBodies b, int strands, const Vec3f* positions) {
-    const int strand = strand_of_warp(), lane = int(threadIdx.x) % warp, n = b.m.search.particles;
-    if (strand >= strands) return;
-    const Vec3f* p = positions + size_t(strand) * size_t(n);
+// By a warp.
+__device__ double length_of(const Vec3f* p, int n) {
     double length = 0;
-    for (int i = lane; i + 1 < n; i += warp) length += norm(cast<double>(p[i + 1] - p[i]));
+    for (int i = int(threadIdx.x) % warp; i + 1 < n; i += warp) length += norm(cast<double>(p[i + 1] - p[i]));
     for (int other = 1; other < warp; other *= 2) length += __shfl_xor_sync(0xffffffffu, length, other);
-    if (lane == 0) b.measure(strand, length);
+    return length;
+}
+
+// `asked`: where those are of whom Eq 10 is asked, null: all are.
+__global__ void __launch_bounds__(most_strands* warp)
+    measure(const CohesionBodies b, int strands, const Vec3f* positions, const Vec3f* asked) {
+    const int strand = strand_of_warp(), n = b.thinning.particles, count = b.m.search.particles;
+    if (strand >= strands) return;
+    const double length = length_of(positions + size_t(strand) * size_t(n), n),
+                 between = asked ? length_of(asked + size_t(strand) * size_t(count), count) : length;
+    if (threadIdx.x % warp == 0) b.measure(strand, length, between);
+}
+
+__global__ void thin(const Thinning thinning, uint32_t asked, const Vec3f* positions, Vec3f* out) {
+    const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x, count = uint32_t(thinning.count());
+    if (k >= asked) return;
+    const uint32_t strand = k / count;
+    out[k] =
+        positions[strand * uint32_t(thinning.particles) + uint32_t(thinning.at(int(strand), int(k % count)))];
 }
 
 constexpr int list_threads = 128, staged = 64;
@@ -120,11 +135,11 @@ __global__ void __launch_bounds__(most_strands* warp)
     show(const CohesionBodies b, int strands, const Vec3f* simulated, const float* rest_depth,
          const SubstepMotion<T>* motion, Vec3f* displayed) {
     extern __shared__ ShownPoint shown[];
-    const int strand = strand_of_warp(), lane = int(threadIdx.x) % warp, n = b.m.search.particles;
+    const int strand = strand_of_warp(), lane = int(threadIdx.x) % warp, n = b.thinning.particles;
     if (strand >= strands) return;
     const uint32_t root = uint32_t(strand) * uint32_t(n);
     ShownPoint* const x = shown + int(threadIdx.x) / warp * n;
-    for (int i = lane; i < n; i += warp) x[i] = b.shown(root + uint32_t(i), simulated);
+    for (int i = lane; i < n; i += warp) x[i] = b.shown(strand, i, simulated);
     __syncwarp();
     if (lane == 0) b.within_lengths(x);
     __syncwarp();
@@ -143,22 +158,32 @@ std::vector<float> wet_volumes_of(const std::vector<float>& volume, const std::v
 
 }  // namespace
 
-CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles, const Vec3f& origin,
-                               const std::vector<float>& volume, const std::vector<float>& saturation,
-                               bool flows, const std::vector<float>& rest_depth)
+CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning& thinning,
+                               const Vec3f& origin, const std::vector<float>& volume,
+                               const std::vector<float>& saturation, bool flows,
+                               const std::vector<float>& rest_depth)
     : term_(term),
+      thinning_(thinning),
       strands_(strands),
-      particles_(particles),
-      search_(size_t(strands) * size_t(particles), particles, term.h_c, origin),
-      volume_(volume),
-      wet_volume_(wet_volumes_of(volume, saturation)),
+      search_(size_t(strands) * size_t(thinning.count()), thinning.count(), term.h_c, origin),
       rest_depth_(rest_depth),
-      point_(volume_.size() + 1),
-      sorted_wet_volume_(volume_.size() + 1),
-      group_((volume_.size() + warp - 1) / warp),
-      displaced_(volume_.size()),
+      group_((search_.view().count + warp - 1) / warp),
+      displaced_(search_.view().count),
       beta_(size_t(strands)),
       own_weight_(size_t(strands)) {
+    const int particles = thinning.count();
+    if (thinning.every > 1) {
+        const ThinnedWater water(thinning, volume, saturation);
+        volume_ = DeviceBuffer<float>(water.volume);
+        wet_volume_ = DeviceBuffer<float>(wet_volumes_of(water.volume, water.saturation));
+        own_volume_ = DeviceBuffer<float>(water.own_volume);
+        thinned_ = DeviceBuffer<Vec3f>(volume_.size());
+    } else {
+        volume_ = DeviceBuffer<float>(volume);
+        wet_volume_ = DeviceBuffer<float>(wet_volumes_of(volume, saturation));
+    }
+    point_ = DeviceBuffer<HairPoint>(volume_.size() + 1);
+    sorted_wet_volume_ = DeviceBuffer<float>(volume_.size() + 1);
     if (flows || std::ranges::any_of(saturation, [](float sigma) { return sigma <= 0; }))
         wet_cell_ = DeviceBuffer<uint8_t>(search_.view().grid.cells());
     int device = 0, processors = 1, most_shared = 0;
@@ -172,9 +197,9 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
     const int items = strands_of_block_ * particles;
     threads_ = std::min(pass_threads, (items + warp - 1) / warp * warp);
     shared_bytes_ = sizeof(float) * (3 * size_t(items) + size_t(threads_));
-    const size_t strand_bytes = size_t(particles) * sizeof(ShownPoint);
+    const size_t strand_bytes = size_t(thinning.particles) * sizeof(ShownPoint);
     if (std::max(strand_bytes, shared_bytes_) > size_t(most_shared))
-        throw Error("cohesion on a CUDA device: found strands of " + std::to_string(particles) +
+        throw Error("cohesion on a CUDA device: found strands of " + std::to_string(thinning.particles) +
                     " particles, allowed at most " +
                     std::to_string(size_t(most_shared) / sizeof(ShownPoint)));
     shown_of_block_ = int(std::min<size_t>(most_strands, size_t(most_shared) / strand_bytes));
@@ -191,15 +216,19 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, int particles,
 
 CohesionBodies CohesionDevice::bodies() const {
     return {term_,
+            thinning_,
             {search_.view(), point_.data(), sorted_wet_volume_.data(), wet_cell_.data(), group_.data(),
-             list_.data(), displaced_.data(), beta_.data(), own_weight_.data()}};
+             list_.data(), displaced_.data(), beta_.data(), own_weight_.data(), own_volume_.data()}};
 }
 
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
     const CohesionBodies b = bodies();
-    search_.launch(positions, stream);
-    measure<<<blocks_for(size_t(strands_), most_strands), most_strands * warp, 0, stream>>>(b, strands_,
-                                                                                            positions);
+    if (thinned_.size())
+        thin<<<blocks_for(thinned_.size(), list_threads), list_threads, 0, stream>>>(
+            thinning_, uint32_t(thinned_.size()), positions, thinned_.data());
+    search_.launch(thinned_.size() ? thinned_.data() : positions, stream);
+    measure<<<blocks_for(size_t(strands_), most_strands), most_strands * warp, 0, stream>>>(
+        b, strands_, positions, thinned_.size() ? thinned_.data() : nullptr);
     const unsigned blocks = blocks_for(volume_.size(), list_threads);
     if (wet_cell_.size()) {
         check_cuda(cudaMemsetAsync(wet_cell_.data(), 0, wet_cell_.bytes(), stream), "cells without water");
@@ -219,7 +248,7 @@ void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T
         move_strands<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_);
     }
     show<<<blocks_for(size_t(strands_), shown_of_block_), unsigned(shown_of_block_ * warp),
-           size_t(shown_of_block_ * particles_) * sizeof(ShownPoint), stream>>>(
+           size_t(shown_of_block_ * thinning_.particles) * sizeof(ShownPoint), stream>>>(
         b, strands_, simulated, rest_depth_.size() ? rest_depth_.data() : nullptr, motion, displayed);
     check_cuda(cudaGetLastError(), "launch of the cohesion passes");
 }
@@ -244,8 +273,9 @@ bool CohesionDevice::grow(const FrameReport& report) {
 
 size_t CohesionDevice::bytes() const {
     size_t sum = search_.bytes() + point_.bytes() + group_.bytes() + list_.bytes() + displaced_.bytes() +
-                 wet_cell_.bytes();
-    for (const auto* b : {&volume_, &wet_volume_, &rest_depth_, &sorted_wet_volume_, &beta_, &own_weight_})
+                 wet_cell_.bytes() + thinned_.bytes();
+    for (const auto* b :
+         {&volume_, &wet_volume_, &own_volume_, &rest_depth_, &sorted_wet_volume_, &beta_, &own_weight_})
         sum += b->bytes();
     return sum;
 }

@@ -22,9 +22,10 @@ struct FrameReport {
 // `grow`, so that launches can be captured into a graph.
 class CohesionDevice {
   public:
-    // `origin`: where the head is when the run begins. V [m^3], sigma and `rest_depth` [m] (strand,
-    // particle), the last or empty. `flows`: others change the sigma.
-    CohesionDevice(const Cohesion& term, int strands, int particles, const Vec3f& origin,
+    // `thinning`: of whom Eq 10 is asked. `origin`: where the head is when the run begins. V [m^3], sigma and
+    // `rest_depth` [m] (strand, particle), the last or empty. `flows`: others change the sigma; all are
+    // asked.
+    CohesionDevice(const Cohesion& term, int strands, const Thinning& thinning, const Vec3f& origin,
                    const std::vector<float>& volume, const std::vector<float>& saturation, bool flows,
                    const std::vector<float>& rest_depth);
     // Where they lie, V and sigma V, for water that changes them.
@@ -45,11 +46,15 @@ class CohesionDevice {
   private:
     CohesionBodies bodies() const;
     Cohesion term_;
-    int strands_, particles_, strands_of_block_, shown_of_block_, threads_;
+    Thinning thinning_;
+    int strands_, strands_of_block_, shown_of_block_, threads_;
     unsigned blocks_;
     size_t shared_bytes_;
     CellSearchDevice search_;
-    DeviceBuffer<float> volume_, wet_volume_, rest_depth_;  // (strand, particle)
+    DeviceBuffer<float> volume_, wet_volume_,
+        own_volume_;                  // (strand, particle that is asked), the last or empty
+    DeviceBuffer<float> rest_depth_;  // (strand, particle)
+    DeviceBuffer<Vec3f> thinned_;     // (strand, particle that is asked), or empty
     // As CohesionMemory says.
     DeviceBuffer<HairPoint> point_;
     DeviceBuffer<float> sorted_wet_volume_;

@@ -14,8 +14,8 @@ Display::Display(const Scene& scene, const std::vector<float>& saturation, doubl
       lends_(reach > 0),
       volume_(volumes_of(scene)),
       rest_depth_(rest_depths_of(scene)),
-      cohesion_(*scene.cohesion, scene.groom.rest.count, scene.groom.rest.particles, volume_, saturation,
-                float(reach)) {}
+      cohesion_(*scene.cohesion, scene.groom.rest.count, Thinning(scene.groom.rest, scene.cohesion->spacing),
+                volume_, saturation, float(reach)) {}
 
 void Display::take_up_water(const std::vector<double>& dry_mass) {
     for (size_t k = 0; k < volume_.size(); ++k)

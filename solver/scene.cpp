@@ -157,6 +157,10 @@ void read_wet(Scene& scene, Table root) {
         if (!scene.integrator.is_implicit()) t.fail("strength", "needs [integrator] kind = \"implicit\"");
         if (scene.flow) t.fail("strength", "goes by the water at the start; [wetness.flow] moves it");
     }
+    if (scene.cohesion && scene.cohesion->spacing > 0 && scene.flow)
+        root.table("cohesion")
+            .fail("spacing",
+                  "found beside [wetness.flow], which goes by the neighbours of each particle; allowed is 0");
     for (const char* wet : {"curl", "cohesion", "adhesion"})
         if (root.has(wet) && !scene.wetness)
             root.fail(wet, std::string("[") + wet + "] acts on wet hair and needs a [wetness] table");

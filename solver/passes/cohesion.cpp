@@ -12,22 +12,27 @@ namespace wetcurl {
 
 using S = Pack<float>;
 
-CohesionPass::CohesionPass(const Cohesion& term, int strands, int particles, const std::vector<float>& volume,
-                           const std::vector<float>& saturation, float reach)
+CohesionPass::CohesionPass(const Cohesion& term, int strands, const Thinning& thinning,
+                           const std::vector<float>& volume, const std::vector<float>& saturation,
+                           float reach)
     : term_(term),
+      thinning_(thinning),
       strands_(strands),
-      particles_(particles),
+      particles_(thinning.count()),
       reach_(reach),
-      volume_(volume),
-      saturation_(saturation) {
-    const size_t count = size_t(strands) * size_t(particles), padded = count + NeighborList::padding;
+      water_(thinning.every > 1 ? std::optional<ThinnedWater>({thinning, volume, saturation}) : std::nullopt),
+      own_volume_(water_ ? water_->own_volume : volume),
+      volume_(water_ ? water_->volume : volume),
+      saturation_(water_ ? water_->saturation : saturation) {
+    const size_t count = size_t(strands) * size_t(particles_), padded = count + NeighborList::padding;
     sums_.resize(padded), sorted_wet_volume_.resize(padded), strand_.resize(padded);
     rank_.resize(count);
     if (reach > 0) any_.assign(padded, 1.f);
     segment_.resize(size_t(strands)), own_weight_.resize(size_t(strands));
+    if (water_) thinned_ = Strands(strands, particles_);
 }
 
-void CohesionPass::build_lists(const Strands& p) {
+void CohesionPass::build_lists(const Strands& p, const Strands& whole) {
     const double begin = omp_get_wtime();
     const float radius = std::max(float(term_.h_c), reach_);
     grid_.build(p.points.data(), p.points.size(), radius);
@@ -37,7 +42,9 @@ void CohesionPass::build_lists(const Strands& p) {
 #pragma omp for schedule(static) nowait
         for (int s = 0; s < strands_; ++s) {
             segment_[size_t(s)] = float(arc_length(p.strand(s), particles_) / (particles_ - 1));
-            own_weight_[size_t(s)] = float(term_.own_weight(segment_[size_t(s)]));
+            own_weight_[size_t(s)] = float(term_.own_weight(
+                !water_ ? segment_[size_t(s)]
+                        : arc_length(whole.strand(s), whole.particles) / (whole.particles - 1)));
         }
 #pragma omp for schedule(static)
         for (long k = 0; k < count; ++k) {
@@ -68,8 +75,12 @@ void CohesionPass::build_lists(const Strands& p) {
 }
 
 void CohesionPass::apply(Strands& p) {
-    build_lists(p);
-    const PointQuads& now = grid_.points();
+    if (water_) {
+#pragma omp parallel for schedule(static)
+        for (int s = 0; s < strands_; ++s)
+            for (int j = 0; j < particles_; ++j) thinned_.at(s, j) = p.at(s, thinning_.at(s, j));
+    }
+    build_lists(water_ ? thinned_ : p, p);
     const long clusters = long(list_.clusters());
     for (int pass = 0; pass < term_.passes; ++pass) {
 #pragma omp parallel for schedule(dynamic, 256)
@@ -77,15 +88,25 @@ void CohesionPass::apply(Strands& p) {
         move_strands();
     }
 #pragma omp parallel for schedule(static)
-    for (int s = 0; s < strands_; ++s) {
-        Vec3f* x = p.strand(s);
-        const uint32_t* rank = &rank_[size_t(s) * size_t(particles_)];
-        Vec3f before = x[0];
-        for (int i = 1; i < particles_; ++i) {
-            const float length = norm(x[i] - before);
-            before = x[i];
-            x[i] = term_.within_length(x[i - 1], now.at(rank[i]), length);
+    for (int s = 0; s < strands_; ++s) show(s, p.strand(s));
+}
+
+void CohesionPass::show(int strand, Vec3f* x) const {
+    const PointQuads& now = grid_.points();
+    const uint32_t* rank = &rank_[size_t(strand) * size_t(particles_)];
+    auto moved = [&](int j) { return now.at(rank[j]) - thinned_.at(strand, j); };
+    Vec3f before = x[0];
+    for (int i = 1; i < thinning_.particles; ++i) {
+        Vec3f end;
+        if (!water_) {
+            end = now.at(rank[i]);
+        } else {
+            const Thinning::Place at = thinning_.place(strand, i);
+            end = x[i] + ((1 - at.after) * moved(at.before) + at.after * moved(at.before + 1));
         }
+        const float length = norm(x[i] - before);
+        before = x[i];
+        x[i] = term_.within_length(x[i - 1], end, length);
     }
 }
 
@@ -121,7 +142,7 @@ void CohesionPass::move_strands() {
                     const Cohesion::Sums<float>& of = sums_[k];
                     u[i].by.x.set(lane, of.pull.x), u[i].by.y.set(lane, of.pull.y);
                     u[i].by.z.set(lane, of.pull.z), u[i].weight.set(lane, of.weight);
-                    u[i].own.set(lane, volume_[s * n + i]);
+                    u[i].own.set(lane, own_volume_[s * n + i]);
                 }
             }
             u[0].by = cast<S>(Vec3f{0, 0, 0});
@@ -145,9 +166,10 @@ void CohesionPass::move_strands() {
 size_t CohesionPass::bytes() const {
     const size_t floats =
         sorted_wet_volume_.capacity() + segment_.capacity() + own_weight_.capacity() + any_.capacity();
-    return floats * sizeof(float) + (strand_.capacity() + rank_.capacity()) * sizeof(uint32_t) +
-           sums_.capacity() * sizeof sums_[0] + moved_.size() * size_t(particles_) * sizeof(Moved) +
-           grid_.bytes() + list_.bytes();
+    const size_t thinned = water_ ? 3 * water_->volume.capacity() * sizeof(float) : 0;
+    return thinned + thinned_.points.capacity() * sizeof(Vec3f) + floats * sizeof(float) +
+           (strand_.capacity() + rank_.capacity()) * sizeof(uint32_t) + sums_.capacity() * sizeof sums_[0] +
+           moved_.size() * size_t(particles_) * sizeof(Moved) + grid_.bytes() + list_.bytes();
 }
 
 }  // namespace wetcurl

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/geometry/neighbor_list.h"
 #include "base/geometry/strands.h"
+#include "solver/passes/thinning.h"
 #include "solver/terms/cohesion.h"
 
 namespace wetcurl {
@@ -15,9 +17,10 @@ class CohesionPass {
   public:
     // `volume`, `saturation` (strand, particle): V_j = m_j / rho [m^3] and sigma_j.
     // `reach` [m]: others read the lists too, which hold all neighbours up to there, dry ones among them; 0:
-    // only those that Eq 10 asks for.
-    CohesionPass(const Cohesion& term, int strands, int particles, const std::vector<float>& volume,
-                 const std::vector<float>& saturation, float reach = 0);
+    // only those that Eq 10 asks for. `thinning`: for whom it is asked, all where others read the lists or
+    // the volumes change.
+    CohesionPass(const Cohesion& term, int strands, const Thinning& thinning,
+                 const std::vector<float>& volume, const std::vector<float>& saturation, float reach = 0);
 
     // Positions p become displayed positions p^w. Roots stay.
     void apply(Strands& p);
@@ -32,13 +35,18 @@ class CohesionPass {
     size_t bytes() const;
 
   private:
-    void build_lists(const Strands& p);
+    void build_lists(const Strands& p, const Strands& whole);
     void add_up(size_t c);
     void move_strands();
+    // After the last pass: a strand's x (particle) become p^w, with its edges held.
+    void show(int strand, Vec3f* x) const;
     Cohesion term_;
-    int strands_, particles_;
+    Thinning thinning_;
+    int strands_, particles_;  // for whom Eq 10 is asked
     const float reach_;
-    const std::vector<float>&volume_, &saturation_;
+    std::optional<ThinnedWater> water_;                            // where not all are asked
+    const std::vector<float>&own_volume_, &volume_, &saturation_;  // volume: of what a particle stands for
+    Strands thinned_;
     NeighborGrid grid_;  // its points are the positions of the pass at hand
     NeighborList list_;
     // In the grid's order, as long as lists ask for; V_j is the number beside each of the grid's points.

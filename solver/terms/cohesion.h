@@ -4,7 +4,7 @@
 // It holds the particle's own strand, taken as straight: the particle alone is too little where segments are
 // short beside h. The displacement is then smoothed along the strand over `coherence`, since a few passes of
 // Eq 10 alone draw curls into knots of particles: strands come together whole and keep their curl. 0 leaves
-// Eq 10 as it is.
+// Eq 10 as it is. Such a displacement may be asked for at some particles of a strand alone (`spacing`).
 #pragma once
 
 #include "base/geometry/kernels.h"
@@ -14,7 +14,7 @@ namespace wetcurl {
 
 struct Cohesion {
     static constexpr const char *name = "cohesion", *table = "cohesion";
-    double h_c, lambda, coherence, stretch, strength;
+    double h_c, lambda, coherence, stretch, strength, spacing = 0;
     int passes = 10;
     static constexpr Parameter<Cohesion> parameters[] = {
         {"radius", &Cohesion::h_c, "m", 0.012, 1e-6, 1, "Eq 10, h: support of W"},
@@ -25,6 +25,10 @@ struct Cohesion {
          "most that a displayed edge is longer than the simulated one (ours)"},
         {"strength", &Cohesion::strength, "1/s^2", 0, 0, 1e12,
          "Sec. VI.A.2, of forces in every substep beside what is displayed; 0: none (ours)"},
+        {"spacing", &Cohesion::spacing, "m", 0, 0, 1,
+         "about how far apart along a strand Eq 10 is asked for, with what is between interpolated; 0: at "
+         "each "
+         "particle (ours)"},
     };
 
     // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and sigma_j V_j. All weights

@@ -1,6 +1,7 @@
 // Eq 10 as a term and as a pass, against its symmetries and known gaps.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/geometry/kernels.h"
 #include "solver/passes/cohesion.h"
@@ -26,7 +27,7 @@ struct Hair {
     Hair(int count, int particles)
         : p(count, particles), volume(p.points.size(), 1e-10f), saturation(p.points.size(), 1.f) {}
     Strands displayed(const Cohesion& term) const {
-        CohesionPass pass(term, p.count, p.particles, volume, saturation);
+        CohesionPass pass(term, p.count, Thinning(p, term.spacing), volume, saturation);
         Strands out = p;
         pass.apply(out);
         return out;
@@ -216,6 +217,84 @@ TEST(Cohesion, no_displayed_edge_is_longer_than_allowed_and_directions_are_kept)
     const Vec3d x{1, 0, 0}, end{1, 3, 0};
     EXPECT_LT(norm(term.within_length(x, end, 2.0) - Vec3d{1, 2.1, 0}), 1e-15);
     EXPECT_EQ(norm(term.within_length(x, end, 3.0) - end), 0);
+}
+
+// Wavy strands of 2 mm edges that hang side by side.
+Hair wavy(int count, int particles) {
+    Random random(9);
+    Hair hair(count, particles);
+    for (int s = 0; s < count; ++s) {
+        const Vec3d root{random.number(-0.01, 0.01), 0, random.number(-0.01, 0.01)};
+        const double phase = random.number(0, 6.3);
+        for (int i = 0; i < particles; ++i)
+            hair.p.at(s, i) = cast<float>(root + Vec3d{0.002 * std::sin(0.2 * i + phase), -0.002 * i,
+                                                       0.002 * std::cos(0.2 * i + phase)});
+    }
+    return hair;
+}
+Cohesion asked_every(double spacing, int passes = 5) {
+    Cohesion c = smoothed(passes);
+    c.spacing = spacing;
+    return c;
+}
+
+TEST(Cohesion, asked_of_some_particles_it_nears_that_of_all) {
+    const Hair hair = wavy(60, 101);
+    const Strands all = hair.displayed(smoothed(5));
+    auto mean = [&](const Strands& a, const Strands& b) {
+        double sum = 0;
+        for (size_t k = 0; k < a.points.size(); ++k) sum += norm(cast<double>(a.points[k] - b.points[k]));
+        return sum / double(a.points.size());
+    };
+    const double full = mean(all, hair.p);
+    ASSERT_GT(full, 1e-3);
+    double before = full;
+    for (double spacing : {0.012, 0.008, 0.006, 0.004}) {  // the support is 12 mm
+        const double apart = mean(hair.displayed(asked_every(spacing)), all);
+        EXPECT_LT(apart, 0.8 * before) << spacing;
+        before = apart;
+    }
+    EXPECT_LT(before, 0.03 * full);
+    EXPECT_EQ(moved(hair.displayed(asked_every(0.0029)), all), 0);  // nearer to one edge than to two
+}
+
+TEST(Cohesion, asked_of_some_particles_dry_hair_lone_strands_and_roots_keep_every_bit) {
+    Hair dry = wavy(20, 50);
+    std::fill(dry.saturation.begin(), dry.saturation.end(), 0.f);
+    for (const Hair& hair : {dry, wavy(1, 50)})
+        EXPECT_EQ(moved(hair.displayed(asked_every(0.006)), hair.p), 0);
+    const Hair wet = wavy(20, 50);
+    const Strands out = wet.displayed(asked_every(0.006));
+    EXPECT_GT(moved(out, wet.p), 1e-3);
+    for (int s = 0; s < 20; ++s) EXPECT_TRUE(same_bits(out.at(s, 0), wet.p.at(s, 0)));
+}
+
+TEST(Thinning, takes_root_and_tip_and_gives_linear_functions_and_sums_back) {
+    for (int particles : {2, 3, 10, 64})
+        for (int every : {1, 2, 3, 9}) {
+            Thinning thinning(particles);
+            thinning.every = std::min(every, particles - 1);
+            for (int strand : {0, 1, 2, 11}) {
+                EXPECT_EQ(thinning.at(strand, 0), 0);
+                EXPECT_EQ(thinning.at(strand, thinning.count() - 1), particles - 1);
+                for (int j = 0; j + 1 < thinning.count(); ++j) {
+                    EXPECT_LT(thinning.at(strand, j), thinning.at(strand, j + 1));
+                    EXPECT_LE(thinning.at(strand, j + 1) - thinning.at(strand, j), 2 * thinning.every - 1);
+                }
+                for (int i = 0; i < particles; ++i) {
+                    const auto [before, after] = thinning.place(strand, i);
+                    EXPECT_NEAR((1 - after) * float(thinning.at(strand, before)) +
+                                    after * float(thinning.at(strand, before + 1)),
+                                i, 1e-4);
+                    EXPECT_GE(after, 0);
+                    EXPECT_LE(after, 1);
+                }
+            }
+            const std::vector<float> whole(size_t(4 * particles), 0.25f);
+            const auto sums = thinning.gathered(whole);
+            ASSERT_EQ(sums.size(), size_t(4 * thinning.count()));
+            EXPECT_NEAR(std::accumulate(sums.begin(), sums.end(), 0.0), particles, 1e-4);
+        }
 }
 
 TEST(Cohesion, coincident_particles_stay_finite) {

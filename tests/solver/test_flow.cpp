@@ -307,7 +307,7 @@ TEST(Flow, lists_of_the_cohesion_and_its_own_find_the_same_contacts) {
     std::vector<float> wet(sigma.begin(), sigma.end()), volume(sigma.size(), 1e-12f);
     Cohesion term = *scene.cohesion;
     term.passes = 0, term.h_c = 2 * flow.reach;
-    CohesionPass cohesion(term, p.count, p.particles, volume, wet, float(flow.reach));
+    CohesionPass cohesion(term, p.count, Thinning(p.particles), volume, wet, float(flow.reach));
     Strands same = p;
     cohesion.apply(same);
     own.step(p, 0, 1.0 / 24, earth, nullptr, nullptr);
