@@ -43,10 +43,11 @@ struct TrainOptions : CommonOptions {
 };
 struct InferOptions : CommonOptions {
     std::string input, model, interpolate, reconstruct, wetness, output;
-    int roots = 4;              // around a new strand: the grid's four, or the three nearest
-    bool wet_shape = false;     // of an interpolation: Eq 9 before it
-    bool cohesion = false;      // Eq 10 after it
-    std::optional<int> passes;  // of Eq 10, in place of the scene's
+    int roots = 4;                  // around a new strand: the grid's four, or the three nearest
+    bool wet_shape = false;         // of an interpolation: Eq 9 before it
+    bool cohesion = false;          // Eq 10 after it
+    std::optional<int> passes;      // of Eq 10, in place of the scene's
+    std::optional<double> spacing;  // the same [m]
 };
 struct CompareOptions : CommonOptions {
     std::string reference;

@@ -311,9 +311,11 @@ int infer_command(const InferOptions& given) {
     require_nested(scene.groom, low.groom);
     std::optional<Display> display;
     std::optional<DeformingSolids> surfaces;
-    if (o.passes && !(method->before_cohesion() && scene.cohesion))
-        throw Misuse("--passes: no Eq 10 follows here, whose passes these could be; --cohesion adds it");
+    if ((o.passes || o.spacing) && !(method->before_cohesion() && scene.cohesion))
+        throw Misuse(std::string(o.passes ? "--passes" : "--spacing") +
+                     ": no Eq 10 follows here, whose this could be; --cohesion adds it");
     if (o.passes) scene.cohesion->passes = *o.passes;
+    if (o.spacing) scene.cohesion->spacing = *o.spacing;
     if (method->before_cohesion() && scene.cohesion) {
         display.emplace(scene);
         if (scene.has_deforming_solid()) surfaces.emplace(scene);

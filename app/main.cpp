@@ -170,6 +170,11 @@ int main(int argc, char** argv) {
     c->add_flag("--cohesion", infer.cohesion,
                 "for --interpolate and models of displayed strands: then draw wet strands together (Eq 10)");
     c->add_option("--passes", infer.passes, "of Eq 10, in place of the scene's")->check(CLI::Range(1, 1000));
+    c->add_option(
+         "--spacing", infer.spacing,
+         "about how far apart along a strand Eq 10 is asked for [m], in place of the scene's; 0: at each "
+         "particle")
+        ->check(CLI::Range(0.0, 1.0));
     c->add_option("--wetness", infer.wetness, "scene whose wetness and cohesion to predict for");
     c->add_option("-o,--output", infer.output, "run cache (HDF5)")->required();
 

@@ -187,8 +187,15 @@ TEST_F(Commands, a_displayed_network_refuses_a_solid_that_is_not_the_heads_befor
     }
     EXPECT_GT(norm(tips[0] - alone), 1e-6);
     EXPECT_GT(norm(tips[1] - tips[0]), 1e-6);
+    more.output = scratch.path("some.h5"), more.spacing = 0.02;
+    infer_command(more);
+    const float apart = norm(RunReader(more.output).frame(3).seen().at(20, 24) - tips[1]);
+    EXPECT_GT(apart, 1e-7);
+    EXPECT_LT(apart, 0.5f * norm(tips[1] - alone));
     more.cohesion = false;
     expect_error<Misuse>([&] { infer_command(more); }, {"--passes", "--cohesion"});
+    more.passes.reset();
+    expect_error<Misuse>([&] { infer_command(more); }, {"--spacing", "--cohesion"});
     for (const Vec3f& p : run.frame(3).positions.points) EXPECT_LT(norm(p), 1);
 }
 
