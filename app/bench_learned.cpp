@@ -21,8 +21,10 @@ namespace {
 const Workload workloads[] = {{64, 32, 0.0042, 0}, {220, 180, 0.0012, 0}};
 
 // As the network learned it: dry, or wet before Eq 10.
-Scene low_scene_of(const Workload& w, bool wet) {
-    Scene low = scene_of(w, wet, {}, 2);
+Scene low_scene_of(const Workload& w, const ModelCard& card) {
+    std::vector<std::string> set;
+    if (card.low_substeps) set.push_back(fmt::format("integrator.substeps={}", card.low_substeps));
+    Scene low = scene_of(w, card.low == "wet", set, 2);
     leave_out_display(low);
     return low;
 }
@@ -32,7 +34,7 @@ class LearnedHair {
   public:
     LearnedHair(const Workload& w, const std::string& model, const std::string& device, int threads)
         : high_(scene_of(w, true)),
-          low_(low_scene_of(w, network_module().card(model).low == "wet")),
+          low_(low_scene_of(w, network_module().card(model))),
           device_(device),
           learned_(learned_strands_of(model, high_, high_.title, low_.groom, device, threads)) {}
 

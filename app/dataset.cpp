@@ -157,16 +157,17 @@ class MemberRun {
             throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", member_.name, frame,
                                     diverged->strand));
     }
-    std::string kind_of_low() const { return recipe_.low_is_wet ? "wet" : "dry"; }
     bool displayed() const { return recipe_.displayed && high_.cohesion; }
     Scene scene(int stride) const {
         SceneOptions options;
         options.set = member_.set, options.stride = stride;
+        if (stride > 1 && recipe_.low_substeps)
+            options.set.push_back(fmt::format("integrator.substeps={}", recipe_.low_substeps));
         return parse_scene(member_.text, member_.name, recipe_.folder, options);
     }
     void write_strands(const StrandEncoder& encoder) const {
         PairsWriter out = shard(Codec::strand);
-        out.attribute("low", kind_of_low());
+        out.low(recipe_.low_is_wet, low_.integrator.substeps);
         StrandPairs run = encoder.begin(int(strand_images_.size()), displayed());
         run.frame = frames_;
         out.begin(run);
@@ -179,7 +180,7 @@ class MemberRun {
     }
     void write_roots(const RootImage& low, const RootImage& high, float radius) const {
         PairsWriter out = shard(Codec::root);
-        out.attribute("low", kind_of_low());
+        out.low(recipe_.low_is_wet, low_.integrator.substeps);
         out.box(&recipe_.box.lower.x, &recipe_.box.upper.x);
         out.attribute("support_radius", radius);
         out.begin(RootPairs{int(root_images_.size()), low.height(), low.width(), low.mask(), high.mask()});
@@ -275,15 +276,15 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
             std::map<std::string, std::pair<double, long>> floors;  // sum, of how many scenes
             double radius = 0;
             long runs = 0;
+            int substeps = 0;  // of low-resolution runs, 0: not all the same
             for (const auto& m : recipe.members) {
                 if (m.split != split) continue;
                 const std::string shard = to.shard(m, codec);
                 const PairsReader reader(shard);
-                if (!out) {
+                if (!out)
                     out = std::make_unique<PairsWriter>(to.whole(split, codec), codec, reader.particles(),
                                                         true);
-                    out->attribute("low", reader.low());
-                }
+                substeps = runs == 0 || reader.low_substeps() == substeps ? reader.low_substeps() : 0;
                 for (const char* floor : {"floor_mm", "floor_displayed_mm"})
                     if (reader.has_attribute(floor))
                         floors[floor].first += reader.number(floor), ++floors[floor].second;
@@ -302,6 +303,7 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
                 ++runs;
             }
             if (!out) continue;
+            out->low(recipe.low_is_wet, substeps);
             for (const auto& [floor, sum] : floors) {
                 out->attribute(floor, sum.first / double(sum.second));
                 manifest[floor + "_" + split] = sum.first / double(sum.second);

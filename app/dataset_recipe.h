@@ -5,6 +5,7 @@
 //   seed = 1
 //   codecs = "strand"              strand | root | both
 //   low = "dry"                    what the low-resolution run is: dry | wet
+//   low_substeps = 4               its substeps a frame; 0: as many as the scene's
 //   displayed = true               codec strand: the strands after cohesion as targets too
 //   first = 8, every = 3           the frames that are kept as pairs, of each scene's `frames`
 //   together = 1                   how many in a row are kept each time; loss.steady learns from 2 or more
@@ -46,6 +47,7 @@ struct DatasetMember {
 struct DatasetRecipe {
     bool strand = true, root = false;  // codecs
     bool low_is_wet = false, displayed = true;
+    int low_substeps = 0;
     int first = 0, every = 1, together = 1;
     std::string runs;  // split whose runs are kept
     ColourBox box;     // of codec root, the same for all

@@ -9,6 +9,7 @@
 
 #include "app/commands.h"
 #include "app/results.h"
+#include "app/run_of_scene.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
@@ -25,6 +26,15 @@ void record_input(PairsWriter& out, size_t run, const std::string& role, const s
 }
 
 std::string low_of(const RunPair& pair) { return simulated_wet(pair.dry->header()) ? "wet" : "dry"; }
+
+// 0 where they are not all the same.
+int low_substeps_of(const std::vector<RunPair>& pairs) {
+    const int first = substeps_of(pairs[0].dry->header());
+    return std::all_of(pairs.begin(), pairs.end(),
+                       [&](const RunPair& p) { return substeps_of(p.dry->header()) == first; })
+               ? first
+               : 0;
+}
 
 std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
     if (inputs.empty() || inputs.size() % 2)
@@ -77,7 +87,7 @@ Json encode_pairs(const EncodeOptions& o, Codec codec) {
     refuse_scene_options(o, "encode of runs");
     const auto pairs = open_pairs(o.inputs);
     PairsWriter out(o.output, codec, pairs[0].wet->header().groom.rest.particles, o.overwrite);
-    out.attribute("low", low_of(pairs[0]));
+    out.low(low_of(pairs[0]) == "wet", low_substeps_of(pairs));
     if (low_of(pairs[0]) == "wet")
         log_warning(pairs[0].dry->path() +
                     ": was simulated wet; a model of these pairs is for wet runs only");

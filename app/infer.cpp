@@ -9,6 +9,7 @@
 #include "app/device.h"
 #include "app/learned_hair.h"
 #include "app/results.h"
+#include "app/run_of_scene.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
@@ -186,6 +187,12 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     if (const bool wet = simulated_wet(low); wet != (card.low == "wet"))
         log_warning(fmt::format("{}: was simulated {}; {} learned from {} runs", o.input, wet ? "wet" : "dry",
                                 o.model, card.low));
+    const int found = substeps_of(low);
+    if (card.low_substeps && found != card.low_substeps)
+        log_warning(
+            fmt::format("{}: was simulated with {} substeps a frame; {} learned from runs of {}, and "
+                        "errs more on others (simulate --set integrator.substeps={})",
+                        o.input, found, o.model, card.low_substeps, card.low_substeps));
     if (card.codec == "strand") {
         if (!o.reconstruct.empty())
             throw Misuse("--reconstruct is for models of the root codec; this one predicts whole strands");
@@ -242,10 +249,12 @@ SimulateOptions simulation_of(const InferOptions& o) {
     return s;
 }
 
-// The low-resolution run of the scene, which then is the input.
-void simulate_low(InferOptions& o, const Scene& low, bool wet) {
+// The low-resolution run of the scene, which then is the input; substeps 0: its own.
+void simulate_low(InferOptions& o, const Scene& low, bool wet, int substeps) {
     SimulateOptions run = simulation_of(o);
     run.json.clear();
+    // What --set says goes before.
+    if (substeps) run.set.insert(run.set.begin(), fmt::format("integrator.substeps={}", substeps));
     // A program built without the solver's CUDA backend may still have a network there.
     if (run.device != "cpu" && names_of_cuda_devices().empty()) run.device = "cpu";
     run.output = o.output + (wet ? ".wet.h5" : ".dry.h5");
@@ -287,13 +296,14 @@ int infer_command(const InferOptions& given) {
         if (o.wetness.empty()) require_named(o, low);
         take_learned(o, low);
         bool wet = false;
+        int substeps = 0;
         if (!o.model.empty()) {
             const ModelCard card = network_module().card(o.model);
             if (card.codec == "adhesion") return simulate_with(o, low);
             require_solids_for(card, low, o.input);
-            wet = card.low == "wet";
+            wet = card.low == "wet", substeps = card.low_substeps;
         }
-        simulate_low(o, low, wet);
+        simulate_low(o, low, wet, substeps);
     } else if (o.wetness.empty()) {
         refuse_scene_options(o, "infer from a run without --wetness");
     }

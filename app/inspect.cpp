@@ -184,6 +184,7 @@ Json model_json(const InspectOptions& o) {
             {"upscale", card.upscale},
             {"particles_per_strand", card.particles},
             {"low", card.low},
+            {"low_substeps", card.low_substeps ? Json(card.low_substeps) : Json()},
             {"numbers", card.numbers},
             {"trained_on", card.inputs},
             {"recipe", card.recipe}};

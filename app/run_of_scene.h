@@ -13,4 +13,7 @@ RunHeader header_of(const Scene& scene, const Simulation& simulation, const std:
 // load_scene and RunReader do.
 Scene scene_of_file(const std::string& path, const SceneOptions& options);
 
+// Of a frame of the run's scene.
+int substeps_of(const RunHeader& run);
+
 }  // namespace wetcurl

@@ -82,6 +82,11 @@ void PairsWriter::add(const std::vector<AdhesionSample>& samples) {
     file_.write(group_ + "/contact", contact);
 }
 
+void PairsWriter::low(bool wet, int substeps) {
+    file_.attribute("low", std::string(wet ? "wet" : "dry"));
+    if (substeps > 0) file_.attribute("low_substeps", double(substeps));
+}
+
 void PairsWriter::box(const double lower[3], const double upper[3]) {
     file_.write("b_min", lower, {3});
     file_.write("b_max", upper, {3});
@@ -99,6 +104,10 @@ std::string PairsReader::low() const {
     const std::string low = file_.has_attribute("low") ? file_.text("low") : "dry";
     if (low != "dry" && low != "wet") throw Error(path() + ": low: found '" + low + "', allowed dry, wet");
     return low;
+}
+
+int PairsReader::low_substeps() const {
+    return file_.has_attribute("low_substeps") ? file_.integer("low_substeps", 1, 1'000'000) : 0;
 }
 
 void PairsReader::require(Codec wanted) const {

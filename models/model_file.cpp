@@ -49,6 +49,7 @@ ModelCard card_of(const H5Reader& file) {
     if (file.has_attribute("low")) card.low = file.text("low");
     if (card.low != "dry" && card.low != "wet")
         throw Error(file.path() + ": low: found '" + card.low + "', allowed dry, wet");
+    if (file.has_attribute("low_substeps")) card.low_substeps = count_in(file, "low_substeps", 1, 1'000'000);
     card.recipe = file.text("recipe");
     card.inputs = file.text("inputs");
     for (const auto& name : file.list("numbers"))
@@ -104,6 +105,7 @@ void save_model(const std::string& path, const ModelCard& card, const Model& mod
     file.attribute("parameters", double(parameter_count(model)));
     if (!card.target.empty()) file.attribute("target", card.target);
     if (card.codec != "adhesion") file.attribute("low", card.low);
+    if (card.low_substeps) file.attribute("low_substeps", double(card.low_substeps));
     file.attribute("recipe", card.recipe);
     file.attribute("inputs", card.inputs);
     for (const auto& [name, value] : card.numbers) file.write("numbers/" + name, &value, {1});

@@ -135,7 +135,10 @@ class Trainer {
         card_.width = recipe_.width;
         card_.output_channels = architecture_.output_channels;
         card_.upscale = architecture_.upscale;
-        if (codec_ != Codec::adhesion) card_.low = readers_.front()->low();
+        if (codec_ != Codec::adhesion) {
+            card_.low = readers_.front()->low();
+            card_.low_substeps = low_substeps();
+        }
         data_->describe(card_);
         torch::manual_seed(uint64_t(recipe_.seed));
         model_ = request_.from.empty() ? make_model(card_) : begun_with(request_.from);
@@ -148,6 +151,15 @@ class Trainer {
         say(card_.architecture + ", " + std::to_string(card_.parameters) + " parameters, " +
             std::to_string(epochs_) + " epochs of " + std::to_string(data_->steps()) + " steps on " +
             recipe_.device + (ranks_.alone() ? "" : ", " + std::to_string(ranks_.of) + " processes"));
+    }
+
+    // 0 where they are not all the same.
+    int low_substeps() const {
+        const int first = readers_.front()->low_substeps();
+        return std::all_of(readers_.begin(), readers_.end(),
+                           [&](const auto& r) { return r->low_substeps() == first; })
+                   ? first
+                   : 0;
     }
 
     // The network of a model file, whose inputs and outputs stay scaled as they are there.

@@ -8,8 +8,11 @@
 
 #include "app/commands.h"
 #include "app/results.h"
+#include "app/run_of_scene.h"
 #include "base/interrupt.h"
 #include "base/run_cache.h"
+#include "learn/network_module.h"
+#include "learn/pairs.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl {
@@ -157,6 +160,60 @@ TEST_F(Commands, a_run_is_simulated_again_to_the_bit) {
     EXPECT_GT(norm(RunReader(again.output).frame(2).positions.at(3, 9) - a.frame(2).positions.at(3, 9)), 0);
     again.output = again.scene, again.overwrite = true;
     expect_error<Misuse>([&] { simulate_command(again); }, {"first.h5", "destroy"});
+}
+
+TEST_F(Commands, a_network_asks_for_the_substeps_of_the_runs_that_it_learned_from) {
+    auto run = [&](const std::string& output, int strands, bool dry, int substeps) {
+        SimulateOptions o = simulation(output, strands);
+        o.scene = scratch.file("wet.toml", wet_scene);
+        o.dry = dry;
+        o.set = {"integrator.substeps=" + std::to_string(substeps)};
+        simulate_command(o);
+        return o.output;
+    };
+    const std::string wet = run("wet.h5", 64, false, 4), low = run("low.h5", 16, true, 4),
+                      coarse = run("coarse.h5", 16, true, 2);
+    auto encode = [&](const std::string& output, const std::vector<std::string>& inputs) {
+        EncodeOptions o;
+        o.inputs = inputs;
+        o.output = scratch.path(output);
+        encode_command(o);
+        return o.output;
+    };
+    const std::string pairs = encode("pairs.h5", {coarse, wet});
+    EXPECT_EQ(PairsReader(pairs).low_substeps(), 2);
+    EXPECT_EQ(PairsReader(encode("both.h5", {coarse, wet, low, wet})).low_substeps(), 0);
+
+    TrainRequest train;
+    train.kind = "sr";
+    train.pairs = {pairs};
+    train.output = scratch.path("model.h5");
+    train.set = {"epochs=1", "width=0.1"};
+    train.threads = 1;
+    network_module().train(train);
+    EXPECT_EQ(network_module().card(train.output).low_substeps, 2);
+
+    InferOptions o;
+    o.model = train.output;
+    o.threads = 1;
+    o.overwrite = true;
+    // What it says on the way.
+    auto infer = [&](const std::string& input, const std::vector<std::string>& set = {}) {
+        o.input = input, o.set = set, o.output = scratch.path("learned.h5");
+        ::testing::internal::CaptureStderr();
+        EXPECT_EQ(infer_command(o), 0);
+        return ::testing::internal::GetCapturedStderr();
+    };
+    const std::string warning = "learned from runs of 2";
+    EXPECT_EQ(infer(coarse).find(warning), std::string::npos);
+    const std::string said = infer(low);
+    for (const std::string part : {warning, std::string("low.h5"), std::string("4 substeps a frame")})
+        EXPECT_NE(said.find(part), std::string::npos) << part << " in " << said;
+    auto made = [&] { return substeps_of(RunReader(scratch.path("learned.h5.dry.h5")).header()); };
+    EXPECT_EQ(infer(scratch.path("wet.toml")).find(warning), std::string::npos);
+    EXPECT_EQ(made(), 2);
+    EXPECT_NE(infer(scratch.path("wet.toml"), {"integrator.substeps=3"}).find(warning), std::string::npos);
+    EXPECT_EQ(made(), 3);
 }
 
 // Networks of displayed strands run without what would keep hair out of a shoulder.

@@ -11,6 +11,7 @@
 #include "app/commands.h"
 #include "app/dataset_recipe.h"
 #include "app/results.h"
+#include "app/run_of_scene.h"
 #include "base/config.h"
 #include "base/run_cache.h"
 #include "learn/dct.h"
@@ -358,6 +359,39 @@ TEST_F(Dataset, a_shard_is_what_encode_makes_of_the_runs_that_simulate_writes) {
                         1e-6);
         }
     }
+}
+
+TEST_F(Dataset, low_resolution_runs_take_the_substeps_that_the_recipe_gives_them) {
+    const std::string text = "runs = \"train\"\n" + small_recipe + scenes(1, 0, 0);
+    make(options(text, "own"));
+    make(options("low_substeps = 1\n" + text, "fewer"));
+    auto run = [&](const std::string& name) { return RunReader(scratch.path(name)); };
+    const RunReader wet = run("fewer/runs/train-0000_wet.h5"), low = run("fewer/runs/train-0000_low.h5");
+    EXPECT_EQ(substeps_of(wet.header()), 2);
+    EXPECT_EQ(substeps_of(low.header()), 1);
+    EXPECT_EQ(substeps_of(run("own/runs/train-0000_low.h5").header()), 2);
+    const auto tip = [](const RunReader& r) { return r.frame(6).positions.at(2, 16); };
+    EXPECT_EQ(norm(tip(wet) - tip(run("own/runs/train-0000_wet.h5"))), 0);
+    EXPECT_GT(norm(tip(low) - tip(run("own/runs/train-0000_low.h5"))), 1e-5f);
+    for (const std::string file : {"shards/train-0000_strand.h5", "train_strand.h5"}) {
+        EXPECT_EQ(PairsReader(scratch.path("fewer/" + file)).low_substeps(), 1) << file;
+        EXPECT_EQ(PairsReader(scratch.path("own/" + file)).low_substeps(), 2) << file;
+    }
+    // Scenes that are stepped each in its own way have none in common.
+    const std::string steps = "[integrator]\nsubsteps = 2\n";
+    std::string base = small_base, mixed = small_recipe;
+    scratch.file("base.toml", base.erase(base.find(steps), steps.size()));
+    for (const char* n : {"2", "3"})
+        mixed += "[[pick.steps]]\nname = \"" + std::string(n) +
+                 "\"\ntext = '''\n[integrator]\nsubsteps = " + n + "\n'''\n";
+    make(options(mixed + scenes(4, 0, 0), "mixed"));
+    std::set<int> substeps;
+    for (int k = 0; k < 4; ++k)
+        substeps.insert(PairsReader(scratch.path("mixed/shards/train-000" + std::to_string(k) + "_strand.h5"))
+                            .low_substeps());
+    EXPECT_EQ(substeps, (std::set<int>{2, 3}));
+    EXPECT_EQ(PairsReader(scratch.path("mixed/train_strand.h5")).low_substeps(), 0);
+    expect_error([&] { read("low_substeps = -1\n" + text); }, {"low_substeps", "-1"});
 }
 
 TEST_F(Dataset, frames_are_those_that_the_recipe_keeps) {

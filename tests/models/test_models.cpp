@@ -446,6 +446,7 @@ TEST(ModelFile, GivesBackCardAndBits) {
         card.numbers["validation_mm"] = 1.25;
         card.recipe = "epochs = 3\n";
         card.inputs = "pairs.h5 0123";
+        card.low_substeps = a.codec == "adhesion" ? 0 : 4;
         auto model = stirred(card);
         const std::string path = scratch.path(a.name);
         save_model(path, card, *model, false);
@@ -455,6 +456,7 @@ TEST(ModelFile, GivesBackCardAndBits) {
         EXPECT_EQ(read.width, card.width);
         EXPECT_EQ(read.parameters, parameter_count(*model));
         EXPECT_EQ(read.particles, card.particles);
+        EXPECT_EQ(read.low_substeps, card.low_substeps);
         EXPECT_EQ(read.numbers, card.numbers);
         EXPECT_EQ(read.arrays, card.arrays);
         EXPECT_EQ(read.recipe, card.recipe);
