@@ -2,7 +2,6 @@
 #include "app/dataset_recipe.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <fstream>
@@ -90,8 +89,7 @@ class Members {
                 const auto [low, high] = ranges.each[k];
                 values.push_back(low + (high - low) * uniform(seed_, m.name, fmt::format("{}/{}", key, k)));
             }
-            m.set.push_back(ranges.vector ? fmt::format("{}=[{}]", key, fmt::join(values, ", "))
-                                          : fmt::format("{}={}", key, values[0]));
+            m.set.push_back(key + "=" + ranges.with(values));
         }
         return m;
     }

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #define TOML_ENABLE_FORMATTERS 1
 #include <fmt/format.h>
@@ -330,21 +332,48 @@ std::vector<double> Table::numbers(const std::string& key, const std::vector<dou
 Table::Ranges Table::ranges(const std::string& key) const {
     WETCURL_TAKE(key);
     Ranges out;
-    auto add = [&](const toml::array* a) {
-        const auto low = a && a->size() == 2 ? a->get(0)->value<double>() : std::nullopt,
-                   high = low ? a->get(1)->value<double>() : std::nullopt;
-        if (!high || !std::isfinite(*low) || !std::isfinite(*high) || *low > *high)
-            fail(key, fmt::format("found {}, [low, high] is needed, or one such pair a component",
-                                  n ? shown(*n) : "nothing"));
-        out.each.push_back({*low, *high});
+    std::string text;
+    auto refuse = [&] {
+        fail(key, fmt::format("found {}, [low, high] is needed, or such pairs in arrays and inline tables",
+                              n ? shown(*n) : "nothing"));
     };
-    const auto* a = n ? n->as_array() : nullptr;
-    out.vector = a && !a->empty() && a->get(0)->is_array();
-    if (!out.vector)
-        add(a);
-    else
-        for (const auto& pair : *a) add(pair.as_array());
+    std::function<void(const toml::node&, const std::string&)> walk = [&](const toml::node& node,
+                                                                          const std::string& path) {
+        body_->used.insert(path);
+        const auto* array = node.as_array();
+        const auto* table = node.as_table();
+        if (array && array->size() == 2 && array->get(0)->is_number()) {
+            const auto low = array->get(0)->value<double>(), high = array->get(1)->value<double>();
+            if (!high || !std::isfinite(*low) || !std::isfinite(*high) || *low > *high) refuse();
+            out.each.push_back({*low, *high});
+            out.around.push_back(std::exchange(text, ""));
+        } else if (array && !array->empty()) {
+            for (size_t k = 0; k < array->size(); ++k) {
+                text += k ? ", " : "[";
+                walk(*array->get(k), fmt::format("{}[{}]", path, k));
+            }
+            text += "]";
+        } else if (table && !table->empty()) {
+            const char* before = "{";
+            for (const auto& [name, one] : *table) {
+                text += fmt::format("{}{} = ", std::exchange(before, ", "), name.str());
+                walk(one, joined(path, std::string(name.str())));
+            }
+            text += "}";
+        } else {
+            refuse();
+        }
+    };
+    if (!n) refuse();
+    walk(*n, joined(path_, key));
+    out.around.push_back(text);
     return out;
+}
+
+std::string Table::Ranges::with(const std::vector<double>& numbers) const {
+    std::string text = around[0];
+    for (size_t k = 0; k < each.size(); ++k) text += fmt::format("{}{}", numbers[k], around[k + 1]);
+    return text;
 }
 
 std::string Table::path(const std::string& key) const {

@@ -60,10 +60,13 @@ class Table {
     // Exactly `fallback.size()` numbers.
     std::vector<double> numbers(const std::string& key, const std::vector<double>& fallback, double minimum,
                                 double maximum) const;
-    // [low, high] as one range, [[low, high], ...] as one for each component of a vector; low ≤ high.
+    // A value with [low, high] in a number's place, low ≤ high: one such pair, an array of them for a vector,
+    // or arrays and inline tables of them.
     struct Ranges {
-        bool vector = false;
         std::vector<std::array<double, 2>> each;
+        std::vector<std::string> around;  // TOML before each and after the last
+        // TOML with a number for each.
+        std::string with(const std::vector<double>& numbers) const;
     };
     Ranges ranges(const std::string& key) const;
     std::optional<double> optional_number(const std::string& key, double minimum, double maximum) const;

@@ -207,7 +207,7 @@ TEST_F(Commands, a_network_asks_for_the_substeps_of_the_runs_that_it_learned_fro
     const std::string warning = "learned from runs of 2";
     EXPECT_EQ(infer(coarse).find(warning), std::string::npos);
     const std::string said = infer(low);
-    for (const std::string part : {warning, std::string("low.h5"), std::string("4 substeps a frame")})
+    for (const char* part : {warning.c_str(), "low.h5", "4 substeps a frame"})
         EXPECT_NE(said.find(part), std::string::npos) << part << " in " << said;
     auto made = [&] { return substeps_of(RunReader(scratch.path("learned.h5.dry.h5")).header()); };
     EXPECT_EQ(infer(scratch.path("wet.toml")).find(warning), std::string::npos);

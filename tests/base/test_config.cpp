@@ -69,22 +69,27 @@ TEST(Config, paths_start_at_the_folder_of_the_file) {
     EXPECT_EQ(config.folder(), scratch.path());
 }
 
-TEST(Config, ranges_are_one_pair_or_one_for_each_component) {
+TEST(Config, ranges_stand_in_the_place_of_numbers) {
     Config config = scene(
         "length = [0.1, 0.25]\nturns = [3, 6]\nsame = [2, 2]\n"
-        "axis = [[-1, 1], [0.5, 0.5], [-2.5, 0]]\nwhole = [[-3, 4]]\n");
+        "axis = [[-1, 1], [0.5, 0.5], [-2.5, 0]]\nwhole = [[-3, 4]]\n"
+        "keys = [{ time = [0.1, 0.2] }, { time = [0.5, 0.9], at = [[0, 1], [2, 3]] }]\n");
     const Table root = config.root();
     using Each = std::vector<std::array<double, 2>>;
-    auto expect = [&](const std::string& key, bool vector, const Each& each) {
+    auto expect = [&](const std::string& key, const Each& each, const std::string& text) {
         const Table::Ranges found = root.ranges(key);
-        EXPECT_EQ(found.vector, vector) << key;
         EXPECT_EQ(found.each, each) << key;
+        std::vector<double> lower;
+        for (const auto& [low, high] : found.each) lower.push_back(low);
+        EXPECT_EQ(found.with(lower), text) << key;
     };
-    expect("length", false, {{0.1, 0.25}});
-    expect("turns", false, {{3, 6}});  // whole numbers are numbers
-    expect("same", false, {{2, 2}});
-    expect("axis", true, {{-1, 1}, {0.5, 0.5}, {-2.5, 0}});
-    expect("whole", true, {{-3, 4}});
+    expect("length", {{0.1, 0.25}}, "0.1");
+    expect("turns", {{3, 6}}, "3");  // whole numbers are numbers
+    expect("same", {{2, 2}}, "2");
+    expect("axis", {{-1, 1}, {0.5, 0.5}, {-2.5, 0}}, "[-1, 0.5, -2.5]");
+    expect("whole", {{-3, 4}}, "[-3]");
+    // Of an inline table in the order of names.
+    expect("keys", {{0.1, 0.2}, {0, 1}, {2, 3}, {0.5, 0.9}}, "[{time = 0.1}, {at = [0, 2], time = 0.5}]");
     EXPECT_NO_THROW(config.require_all_used());
 }
 
@@ -158,10 +163,10 @@ TEST(Config, bad_values_name_file_line_key_what_was_found_and_what_is_allowed) {
         {"x = [false, true]", ranges, {"scene.toml:1: x", "[ false, true ]", "[low, high]"}},
         {"x = [0, inf]", ranges, {"scene.toml:1: x", "inf", "[low, high]"}},
         {"x = [nan, 1]", ranges, {"scene.toml:1: x", "nan", "[low, high]"}},
-        {"\n\nx = [[0, 1], [3, 2]]", ranges, {"scene.toml:3: x", "[ 3, 2 ]", "one such pair a component"}},
-        {"x = [[0, 1], 2]", ranges, {"scene.toml:1: x", "2", "one such pair a component"}},
-        {"x = [[]]", ranges, {"scene.toml:1: x", "one such pair a component"}},
-        {"x = [[0, 1, 2]]", ranges, {"scene.toml:1: x", "one such pair a component"}},
+        {"\n\nx = [[0, 1], [3, 2]]", ranges, {"scene.toml:3: x", "[ 3, 2 ]", "such pairs in arrays"}},
+        {"x = [[0, 1], 2]", ranges, {"scene.toml:1: x", "2", "such pairs in arrays"}},
+        {"x = [[]]", ranges, {"scene.toml:1: x", "such pairs in arrays"}},
+        {"x = [[0, 1, 2]]", ranges, {"scene.toml:1: x", "such pairs in arrays"}},
         {"[x]\ny = 1", ranges, {"scene.toml:1: x", "a table", "[low, high]"}},
         {"y = 1", ranges, {"x", "found nothing", "[low, high]"}},
         {"[x]", [](Table t) { t.number("x", 0, 0, 1); }, {"a table", "number"}},
