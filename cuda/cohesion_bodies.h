@@ -28,23 +28,33 @@ struct alignas(16) ShownPoint {
     float x, y, z, length;
     WETCURL_HD Vec3f position() const { return {x, y, z}; }
 };
-// Neighbour lists of 32 particles that follow each other in the order of cells: entry e of lane l at
-// list[32 (row + e) + l] for e < rows.
+// So many that follow each other in the order of cells are a tile, and see as many at most as its block's own
+// memory has room for three times.
+constexpr int tile_particles = 256, most_seen = 3711;
+// What a tile sees: so many others, whose ranks begin at a row of the lists' memory; the lists' entries count
+// among them. `too_many`: entries are ranks.
+struct Tile {
+    uint32_t row, seen;  // no_list: of nobody
+};
+inline constexpr uint32_t too_many = 0xffffffffu, no_list = 0xffffffffu;
+// Neighbour lists of 32 of a tile: four entries a lane from the row on, of 2 bytes, then from the next, or of
+// 4 bytes where they are ranks, then from the one after that.
 struct ListGroup {
     uint32_t row, rows;
 };
+constexpr uint32_t list_row = 64;
 
-// Particles are taken in the order of cells, those who share their neighbours side by side, so that these
-// come from the caches. Where not all particles of a strand are asked, those who are count from its root as
-// all of them would.
+// Where not all particles of a strand are asked, those who are count from its root as all of them would.
 struct CohesionMemory {
     CellSearch search;  // within Eq 10's h
     // In the order of cells, and one more who is nobody, without volume.
     HairPoint* point;
-    float* wet_volume;         // sigma V
-    uint8_t* wet_cell;         // (cells) whether a wet particle lies there; null where all are wet
-    ListGroup* group;          // (groups of 32)
-    uint32_t* list;            // ranks; filled up with nobody's, which is the particles' count
+    float* wet_volume;  // sigma V
+    uint8_t* wet_cell;  // (cells) whether a wet particle lies there; null where all are wet
+    Tile* tile;         // (tiles)
+    ListGroup* group;   // (tiles, 8)
+    uint8_t* who;       // (tiles, 256) of its tile's particles a lane takes
+    uint32_t* list;  // rows of list_row; lists are filled up with nobody, who follows the last that is seen
     Displaced* displaced;      // (strand, particle)
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
     const float* own_volume;   // (strand, particle) of itself, null: V is
@@ -71,39 +81,25 @@ struct CohesionBodies {
         const uint32_t cell = m.search.sorted_key[k];
         if (m.wet_cell && m.wet_volume[k] > 0 && cell < m.search.grid.cells()) m.wet_cell[cell] = 1;
     }
-    // Calls visit(j), a rank, for each particle that Eq 10 sees from particle k of the order, once all are
+    // Calls visit(j) for each particle j of a part that Eq 10 sees from particle k of the order, once all are
     // taken. Returns whether one of them is wet: nobody is drawn to others.
-    template <class Visit>
-    WETCURL_HD bool neighbours(uint32_t k, Visit visit) const {
+    template <class Part, class Visit>
+    WETCURL_HD bool neighbours(uint32_t k, const Part& part, Visit visit) const {
         const SortedPoint p = m.search.sorted[k];
-        if (!m.wet_cell) {
-            m.search.neighbours(p.id, p.position(), [&](uint32_t j, const SortedPoint&) { visit(j); });
-            return true;
-        }
-        if (!m.search.any_cell(p.position(), [&](uint32_t cell) { return m.wet_cell[cell]; })) return false;
-        bool wet = false;
-        m.search.neighbours(p.id, p.position(), [&](uint32_t j, const SortedPoint&) {
+        bool wet = !m.wet_cell;
+        if (!wet && !m.search.any_cell(p.position(), [&](uint32_t cell) { return m.wet_cell[cell]; }))
+            return false;
+        m.search.neighbours(p.id, p.position(), part, [&](uint32_t j, const SortedPoint&) {
             visit(j);
-            wet = wet || m.wet_volume[j] > 0;
+            wet = wet || part.wet(j);
         });
         return wet;
     }
 
-    // p_i^w - p_i of particle k of the order. Roots stay, and who has no neighbour.
-    WETCURL_HD void displace(uint32_t k) const {
-        const ListGroup group = m.group[k / 32];
-        const uint32_t* list = m.list + 32 * size_t(group.row) + k % 32;
-        const uint32_t id = m.search.sorted_id[k], n = uint32_t(m.search.particles);
-        if (group.rows == 0 || list[0] == m.search.count || id % n == 0) return;
-        const HairPoint own = m.point[k];
-        Cohesion::Sums<float> sums{{0, 0, 0}, 0};
-        for (uint32_t e = 0; e < group.rows; ++e) {
-            const uint32_t j = list[32 * size_t(e)];
-            const HairPoint other = m.point[j];
-            sums.add(other.position() - own.position(), m.search.radius, other.volume, m.wet_volume[j]);
-        }
-        const Vec3f d =
-            term.displacement(sums, (m.own_volume ? m.own_volume[id] : own.volume) * m.own_weight[id / n]);
+    // p_i^w - p_i of particle k of the order, which is `id`.
+    WETCURL_HD void displace(uint32_t k, uint32_t id, const Cohesion::Sums<float>& sums) const {
+        const float volume = m.own_volume ? m.own_volume[id] : m.point[k].volume;
+        const Vec3f d = term.displacement(sums, volume * m.own_weight[id / uint32_t(m.search.particles)]);
         m.displaced[id] = {d.x, d.y, d.z, k};
     }
     WETCURL_HD void move(uint32_t id, const Vec3f& by) const {

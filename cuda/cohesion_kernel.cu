@@ -1,7 +1,8 @@
-// Kernels of the displayed positions: neighbours in the order of cells, smoothing strand by strand.
+// Kernels of the displayed positions: neighbours tile by tile, smoothing strand by strand.
 #include <algorithm>
 
 #include "cuda/cohesion_kernel.h"
+#include "cuda/cohesion_tile.h"
 #include "cuda/driver.h"
 
 namespace wetcurl {
@@ -45,59 +46,37 @@ __global__ void thin(const Thinning thinning, uint32_t asked, const Vec3f* posit
         positions[strand * uint32_t(thinning.particles) + uint32_t(thinning.at(int(strand), int(k % count)))];
 }
 
-constexpr int list_threads = 128, staged = 64;
+constexpr int threads_a_block = 128;
 
-// Before the lists where some hair is dry: then they ask who is wet.
-__global__ void __launch_bounds__(list_threads)
+__global__ void __launch_bounds__(threads_a_block)
     take(const CohesionBodies b, const float* volume, const float* wet_volume) {
-    const uint32_t k = blockIdx.x * list_threads + threadIdx.x;
+    const uint32_t k = blockIdx.x * threads_a_block + threadIdx.x;
     if (k < b.m.search.count) b.take(k, volume, wet_volume);
 }
 
-// A thread a particle in the order of cells. Lists lie where a warp finds room, which differs from run to
-// run; what is in them does not.
-__global__ void __launch_bounds__(list_threads)
-    build_lists(const CohesionBodies b, const float* volume, const float* wet_volume, size_t room,
-                FrameReport* report) {
-    // What is found stays near until it is known how much it is: memory is written to a warp at a time.
-    __shared__ uint32_t stage[staged * list_threads];
-    const uint32_t lane = threadIdx.x % warp, k = blockIdx.x * list_threads + threadIdx.x;
-    const uint32_t count = b.m.search.count;
-    if (k - lane >= count) return;
-    uint32_t *near = stage + staged * (threadIdx.x - lane) + lane, found = 0;
-    if (k < count) {
-        if (!b.m.wet_cell) b.take(k, volume, wet_volume);
-        const bool wet = b.neighbours(k, [&](uint32_t j) {
-            if (found < staged) near[warp * found] = j;
-            ++found;
+constexpr int pass_threads = tile_particles;
+
+__device__ Team<Block> block_of_tile() { return {Block{}, int(threadIdx.x), pass_threads}; }
+
+// A block a tile. Lists lie where it finds room, which differs from run to run; what is in them does not.
+__global__ void __launch_bounds__(pass_threads, 2)
+    build_lists(const CohesionBodies b, size_t room, FrameReport* report) {
+    extern __shared__ __align__(16) unsigned char own[];
+    const Team<Block> team = block_of_tile();
+    CohesionTile(b, team, blockIdx.x)
+        .list(*reinterpret_cast<TileSearch*>(own), [&](uint32_t rows, unsigned pairs) {
+            const unsigned long long row =
+                atomicAdd(&report->list_rows, static_cast<unsigned long long>(rows));
+            atomicAdd(&report->pairs, static_cast<unsigned long long>(pairs));
+            return row + rows <= room ? uint32_t(row) : no_list;  // else the frame is done again
         });
-        if (!wet) found = 0;
-    }
-    const unsigned rows = __reduce_max_sync(0xffffffffu, found),
-                   pairs = __reduce_add_sync(0xffffffffu, found);
-    unsigned long long row = 0;
-    if (lane == 0) {
-        row = atomicAdd(&report->list_rows, static_cast<unsigned long long>(rows));
-        atomicAdd(&report->pairs, static_cast<unsigned long long>(pairs));
-        const bool fits = row + rows <= room;
-        b.m.group[k / warp] = {fits ? uint32_t(row) : 0, fits ? rows : 0};
-    }
-    row = __shfl_sync(0xffffffffu, row, 0);
-    if (row + rows > room) return;  // the frame is done again
-    uint32_t *list = b.m.list + warp * row + lane, e = 0;
-    if (rows > staged) {
-        if (found > 0) b.neighbours(k, [&](uint32_t j) { list[warp * e++] = j; });
-        e = found;
-    }
-    for (; e < rows; ++e) list[warp * e] = e < found ? near[warp * e] : count;
 }
 
-constexpr int pass_threads = 256;
-
-// Half of a Jacobi pass, in the order of cells.
-__global__ void __launch_bounds__(pass_threads) displace(const CohesionBodies b) {
-    const uint32_t k = blockIdx.x * pass_threads + threadIdx.x;
-    if (k < b.m.search.count) b.displace(k);
+// Half of a Jacobi pass, a block a tile.
+__global__ void __launch_bounds__(pass_threads, 3) displace(const CohesionBodies b) {
+    extern __shared__ __align__(16) unsigned char own[];
+    const Team<Block> team = block_of_tile();
+    CohesionTile(b, team, blockIdx.x).displace(*reinterpret_cast<TileSums*>(own));
 }
 
 // The other, whole strands a block. Shared memory: displacements (3, count), and 32 numbers a warp.
@@ -167,7 +146,9 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
       strands_(strands),
       search_(size_t(strands) * size_t(thinning.count()), thinning.count(), term.h_c, origin),
       rest_depth_(rest_depth),
-      group_((search_.view().count + warp - 1) / warp),
+      tile_(blocks_for(search_.view().count, tile_particles)),
+      group_(tile_.size() * (tile_particles / warp)),
+      who_(tile_.size() * tile_particles),
       displaced_(search_.view().count),
       beta_(size_t(strands)),
       own_weight_(size_t(strands)) {
@@ -204,10 +185,7 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
                     std::to_string(size_t(most_shared) / sizeof(ShownPoint)));
     shown_of_block_ = int(std::min<size_t>(most_strands, size_t(most_shared) / strand_bytes));
     allow_shared_memory(move_strands), allow_shared_memory(show<float>), allow_shared_memory(show<double>);
-    // What a pass reads again shall be near: it shares nothing else.
-    check_cuda(cudaFuncSetAttribute(displace, cudaFuncAttributePreferredSharedMemoryCarveout,
-                                    cudaSharedmemCarveoutMaxL1),
-               "memory of a processor");
+    allow_shared_memory(build_lists), allow_shared_memory(displace);
     // Nobody is the last of them.
     check_cuda(cudaMemset(point_.data(), 0, point_.bytes()), "nobody");
     check_cuda(cudaMemset(sorted_wet_volume_.data(), 0, sorted_wet_volume_.bytes()), "nobody");
@@ -217,25 +195,25 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
 CohesionBodies CohesionDevice::bodies() const {
     return {term_,
             thinning_,
-            {search_.view(), point_.data(), sorted_wet_volume_.data(), wet_cell_.data(), group_.data(),
-             list_.data(), displaced_.data(), beta_.data(), own_weight_.data(), own_volume_.data()}};
+            {search_.view(), point_.data(), sorted_wet_volume_.data(), wet_cell_.data(), tile_.data(),
+             group_.data(), who_.data(), list_.data(), displaced_.data(), beta_.data(), own_weight_.data(),
+             own_volume_.data()}};
 }
 
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
     const CohesionBodies b = bodies();
     if (thinned_.size())
-        thin<<<blocks_for(thinned_.size(), list_threads), list_threads, 0, stream>>>(
+        thin<<<blocks_for(thinned_.size(), threads_a_block), threads_a_block, 0, stream>>>(
             thinning_, uint32_t(thinned_.size()), positions, thinned_.data());
     search_.launch(thinned_.size() ? thinned_.data() : positions, stream);
     measure<<<blocks_for(size_t(strands_), most_strands), most_strands * warp, 0, stream>>>(
         b, strands_, positions, thinned_.size() ? thinned_.data() : nullptr);
-    const unsigned blocks = blocks_for(volume_.size(), list_threads);
-    if (wet_cell_.size()) {
+    if (wet_cell_.size())
         check_cuda(cudaMemsetAsync(wet_cell_.data(), 0, wet_cell_.bytes(), stream), "cells without water");
-        take<<<blocks, list_threads, 0, stream>>>(b, volume_.data(), wet_volume_.data());
-    }
-    build_lists<<<blocks, list_threads, 0, stream>>>(b, volume_.data(), wet_volume_.data(),
-                                                     list_.size() / warp, report);
+    take<<<blocks_for(volume_.size(), threads_a_block), threads_a_block, 0, stream>>>(b, volume_.data(),
+                                                                                      wet_volume_.data());
+    build_lists<<<unsigned(tile_.size()), pass_threads, sizeof(TileSearch), stream>>>(
+        b, list_.size() / list_row, report);
     check_cuda(cudaGetLastError(), "launch of the neighbour lists");
 }
 
@@ -244,7 +222,7 @@ void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T
                                    cudaStream_t stream) {
     const CohesionBodies b = bodies();
     for (int pass = 0; pass < term_.passes; ++pass) {
-        displace<<<blocks_for(volume_.size(), pass_threads), pass_threads, 0, stream>>>(b);
+        displace<<<unsigned(tile_.size()), pass_threads, sizeof(TileSums), stream>>>(b);
         move_strands<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_);
     }
     show<<<blocks_for(size_t(strands_), shown_of_block_), unsigned(shown_of_block_ * warp),
@@ -256,8 +234,8 @@ template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<fl
 template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<double>*, Vec3f*, cudaStream_t);
 
 bool CohesionDevice::grow(const FrameReport& report) {
-    const size_t rows = report.list_rows, row = warp * sizeof(uint32_t);
-    if (rows <= list_.size() / warp) return false;
+    const size_t rows = report.list_rows, row = list_row * sizeof(uint32_t);
+    if (rows <= list_.size() / list_row) return false;
     list_ = {};
     size_t free = 0, all = 0;
     check_cuda(cudaMemGetInfo(&free, &all), "free memory");
@@ -267,13 +245,13 @@ bool CohesionDevice::grow(const FrameReport& report) {
                     " are free; a smaller [cohesion] radius may help");
     // Half as much again, where there is: hair that falls comes together more and more.
     const size_t ample = rows + rows / 2;
-    list_ = DeviceBuffer<uint32_t>(warp * (ample * row < free ? ample : rows));
+    list_ = DeviceBuffer<uint32_t>(list_row * (ample * row < free ? ample : rows));
     return true;
 }
 
 size_t CohesionDevice::bytes() const {
-    size_t sum = search_.bytes() + point_.bytes() + group_.bytes() + list_.bytes() + displaced_.bytes() +
-                 wet_cell_.bytes() + thinned_.bytes();
+    size_t sum = search_.bytes() + point_.bytes() + tile_.bytes() + group_.bytes() + who_.bytes() +
+                 list_.bytes() + displaced_.bytes() + wet_cell_.bytes() + thinned_.bytes();
     for (const auto* b :
          {&volume_, &wet_volume_, &own_volume_, &rest_depth_, &sorted_wet_volume_, &beta_, &own_weight_})
         sum += b->bytes();

@@ -43,8 +43,9 @@ TEST(CellSearch, finds_what_all_pairs_find_where_the_grid_wraps_round_too) {
             if (i / particles == j / particles || !(dot(d, d) < float(radius * radius))) continue;
             wanted.push_back(j);
             // Cells of the two lie at either end of the grid's x.
-            const uint32_t x = (1u << search.grid.bits_x) - 1;
-            across += (search.key[i] & x) == 0 && (search.key[j] & x) == x;
+            const int x = (1 << search.grid.bits_x) - 1;
+            auto end = [&](uint32_t k) { return search.grid.cell_of(p[k] - origin).x & x; };
+            across += end(i) == 0 && end(j) == x;
         }
         std::sort(got.begin(), got.end());
         EXPECT_EQ(got, wanted) << i;

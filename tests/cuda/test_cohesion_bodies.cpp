@@ -1,13 +1,15 @@
-// The device's cohesion run on the host, particle by particle, against the reference pass.
+// The device's cohesion run on the host, tile by tile, against the reference pass.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 
-#include "cuda/cohesion_bodies.h"
+#include "cuda/cohesion_tile.h"
 #include "solver/passes/cohesion.h"
 #include "tests/base/scratch.h"
 #include "tests/cuda/host_search.h"
+#include "tests/cuda/host_team.h"
 
 namespace wetcurl {
 namespace {
@@ -35,6 +37,7 @@ struct Tuft {
 struct Result {
     Strands displayed;
     double neighbours_mean;
+    int tiles_of_ranks = 0;  // that see too many
 };
 
 Result by_reference(const Tuft& hair, const Cohesion& term) {
@@ -44,7 +47,8 @@ Result by_reference(const Tuft& hair, const Cohesion& term) {
     return {out, pass.neighbours_mean()};
 }
 
-Result by_bodies(const Tuft& hair, const Cohesion& term) {
+template <class Who = OneAlone>
+Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
     const Thinning thinning(hair.p, term.spacing);
     const int n = thinning.count();
     const ThinnedWater water(thinning, hair.volume, hair.saturation);
@@ -56,42 +60,53 @@ Result by_bodies(const Tuft& hair, const Cohesion& term) {
     std::vector<HairPoint> point(count + 1);
     std::vector<float> wet_volume(count), sorted_wet_volume(count + 1);
     const bool some_dry = std::ranges::count(hair.saturation, 0.f) > 0;
-    std::vector<ListGroup> group((count + 31) / 32);
+    const uint32_t tiles = (count + tile_particles - 1) / tile_particles;
+    std::vector<Tile> tile(tiles);
+    std::vector<ListGroup> group(tiles * tile_particles / 32);
+    std::vector<uint8_t> lane_takes(tiles * tile_particles);
     std::vector<Displaced> displaced(count);
     std::vector<float> beta(size_t(hair.p.count)), own(size_t(hair.p.count));
     const HostSearch search(simulated, n, term.h_c, {1, 2, 0});
     std::vector<uint8_t> wet_cell(search.view.grid.cells());
-    CohesionBodies b{term,
-                     thinning,
-                     {search.view, point.data(), sorted_wet_volume.data(),
-                      some_dry ? wet_cell.data() : nullptr, group.data(), nullptr, displaced.data(),
-                      beta.data(), own.data(), thinning.every > 1 ? water.own_volume.data() : nullptr}};
+    CohesionBodies b{
+        term,
+        thinning,
+        {search.view, point.data(), sorted_wet_volume.data(), some_dry ? wet_cell.data() : nullptr,
+         tile.data(), group.data(), lane_takes.data(), nullptr, displaced.data(), beta.data(), own.data(),
+         thinning.every > 1 ? water.own_volume.data() : nullptr}};
     for (int s = 0; s < hair.p.count; ++s)
         b.measure(s, arc_length(hair.p.strand(s), hair.p.particles), arc_length(asked.strand(s), n));
     for (uint32_t k = 0; k < count; ++k) wet_volume[k] = water.volume[k] * water.saturation[k];
     for (uint32_t k = 0; k < count; ++k) b.take(k, water.volume.data(), wet_volume.data());
 
-    // Lists of 32 particles in step, group by group, as the device keeps them.
+    // f(team's tile, its room) for each, the last first: none reads what another writes.
+    auto for_each_tile = [&](auto f) {
+        for (uint32_t t = tiles; t-- > 0;)
+            as_a_team(
+                who, [&]<class Meeting>(const Team<Meeting>& team) { f(CohesionTile<Meeting>(b, team, t)); });
+    };
+    // Once to know how much room lists take, and again, as the device does.
     std::vector<uint32_t> list;
     double pairs = 0;
-    for (uint32_t g = 0; g < group.size(); ++g) {
-        std::vector<std::vector<uint32_t>> of(32);
-        for (uint32_t lane = 0; lane < 32 && 32 * g + lane < count; ++lane)
-            if (!b.neighbours(32 * g + lane, [&](uint32_t j) { of[lane].push_back(j); })) of[lane].clear();
-        group[g] = {uint32_t(list.size() / 32), 0};
-        for (const auto& ranks : of) {
-            pairs += double(ranks.size());
-            group[g].rows = std::max(group[g].rows, uint32_t(ranks.size()));
-        }
-        for (uint32_t e = 0; e < group[g].rows; ++e)
-            for (const auto& ranks : of) list.push_back(e < ranks.size() ? ranks[e] : count);
+    const auto search_room = std::make_unique<TileSearch>();
+    const auto sum_room = std::make_unique<TileSums>();
+    for (int time = 0; time < 2; ++time) {
+        const uint32_t room = uint32_t(list.size()) / list_row;
+        uint32_t rows = 0;
+        pairs = 0;
+        for_each_tile([&](const auto& tile_of_team) {
+            tile_of_team.list(*search_room, [&](uint32_t more, unsigned of_tile) {
+                const uint32_t row = rows;
+                rows += more, pairs += of_tile;
+                return rows <= room ? row : no_list;
+            });
+        });
+        list.resize(list_row * size_t(rows));
+        b.m.list = list.data();
     }
-    b.m.list = list.data();
-
     std::vector<float> ends(32), by[3], u(size_t(n), 0);
     for (int pass = 0; pass < term.passes; ++pass) {
-        // Backwards: a pass reads no position that it writes.
-        for (uint32_t k = count; k-- > 0;) b.displace(k);
+        for_each_tile([&](const auto& tile_of_team) { tile_of_team.displace(*sum_room); });
         for (uint32_t first = 0; first < count; first += uint32_t(n)) {
             for (int axis = 0; axis < 3; ++axis) {
                 for (int i = 0; i < n; ++i) {
@@ -108,6 +123,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term) {
         }
     }
     Result out{hair.p, pairs / double(count)};
+    for (const Tile& t : tile) out.tiles_of_ranks += t.seen == too_many;
     std::vector<ShownPoint> shown;
     for (int s = 0; s < hair.p.count; ++s)
         for (int i = 0; i < hair.p.particles; ++i) shown.push_back(b.shown(s, i, hair.p.points.data()));
@@ -149,6 +165,33 @@ TEST(CohesionBodies, do_so_where_some_particles_stand_for_others) {
         ASSERT_GT(farthest(wanted.displayed, hair.p), 2e-5);
         EXPECT_NEAR(got.neighbours_mean, wanted.neighbours_mean, 1e-9);
         EXPECT_LT(farthest(got.displayed, wanted.displayed), 3e-6) << particles;
+    }
+}
+
+TEST(CohesionBodies, do_the_same_as_many_threads) {
+    const Cohesion term{0.004, 0.85, 0.015, 0.05, 0};
+    for (const bool some_dry : {false, true}) {
+        Tuft hair(40, 33, 5);
+        for (size_t k = 0; some_dry && k < hair.saturation.size(); k += 3) hair.saturation[k] = 0;
+        const Result alone = by_bodies(hair, term), many = by_bodies(hair, term, ManyThreads());
+        ASSERT_GT(farthest(alone.displayed, hair.p), 2e-5);
+        EXPECT_EQ(alone.neighbours_mean, many.neighbours_mean);
+        EXPECT_EQ(farthest(alone.displayed, many.displayed), 0);
+    }
+}
+
+// More neighbours than are kept when they are found, and more than a block's memory holds.
+TEST(CohesionBodies, do_what_the_reference_pass_does_in_a_crowd) {
+    for (double radius : {0.012, 0.4}) {
+        Cohesion term{radius, 0.85, 0.0, unbounded, 0};
+        term.passes = 2;
+        const Tuft hair(50, 90, 2);
+        const Result wanted = by_reference(hair, term), got = by_bodies(hair, term);
+        ASSERT_GT(farthest(wanted.displayed, hair.p), 2e-5);
+        EXPECT_GT(got.neighbours_mean, 60);
+        EXPECT_EQ(got.tiles_of_ranks, radius > 0.1 ? 18 : 0);
+        EXPECT_NEAR(got.neighbours_mean, wanted.neighbours_mean, 1e-9);
+        EXPECT_LT(farthest(got.displayed, wanted.displayed), 3e-6) << radius;
     }
 }
 

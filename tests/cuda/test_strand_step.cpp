@@ -1,13 +1,10 @@
 // The device's steps run on the host by a team of one, against the reference passes.
-#include <atomic>
-#include <barrier>
-#include <deque>
-#include <thread>
 
 #include "cuda/adhesion_bodies.h"
 #include "cuda/chain_setup.h"
 #include "solver/chain_state.h"
 #include "tests/cuda/dense_adhesion.h"
+#include "tests/cuda/host_team.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
 
@@ -53,46 +50,6 @@ struct OnHost {
         return out;
     }
 };
-
-// Threads of this machine in the place of a block's.
-class Threads {
-  public:
-    static constexpr int of_a_part = 8, warp = 32;
-    struct Place {
-        std::barrier<> all;
-        std::deque<std::barrier<>> warps;
-        std::atomic<int> found{0};
-        explicit Place(int threads) : all(threads) {
-            for (int t = 0; t < threads; t += warp) warps.emplace_back(warp);
-        }
-    };
-    Threads(Place& place, int thread) : place_(&place), warp_(&place.warps[size_t(thread / warp)]) {}
-    void wait() const { place_->all.arrive_and_wait(); }
-    void part_waits() const { warp_->arrive_and_wait(); }
-    bool any(bool mine) const {
-        place_->found += mine;
-        wait();
-        const bool found = place_->found > 0;
-        wait();
-        place_->found -= mine;
-        return found;
-    }
-    static void raise(unsigned& shared, unsigned bits) { std::atomic_ref<unsigned>(shared) |= bits; }
-
-  private:
-    Place* place_;
-    std::barrier<>* warp_;
-};
-struct OneAlone {};
-struct ManyThreads {};
-void as_a_team(OneAlone, auto f) { f(Team<Alone>(Alone(), 0, 1)); }
-void as_a_team(ManyThreads, auto f) {
-    constexpr int count = 2 * Threads::warp;
-    Threads::Place place(count);
-    std::vector<std::jthread> threads;
-    for (int t = 0; t < count; ++t)
-        threads.emplace_back([&, t] { f(Team<Threads>(Threads(place, t), t, count)); });
-}
 
 // Substeps from `begin` to before `end`.
 template <class T, class Set, class Who = OneAlone>
