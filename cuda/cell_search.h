@@ -10,7 +10,7 @@
 namespace wetcurl {
 
 // No bounds to find, and the 27 cells about a point are always 27 cells. What comes from far away is turned
-// down by its distance. Sides are powers of two, at least 4.
+// down by its distance. Sides are powers of two, at least those of a brick.
 struct WrappedGrid {
     int bits_x, bits_y, bits_z;
     float inverse;  // of the cells' side [1/m]
@@ -27,12 +27,12 @@ struct WrappedGrid {
     WETCURL_HD bool holds(const Vec3f& x) const {
         return (std::abs(x.x) + std::abs(x.y) + std::abs(x.z)) * inverse < 1e9f;  // false for NaN
     }
-    // By bricks of 4 x 4 x 4 cells, so that what follows each other in the order lies together.
+    // By bricks of 8 x 4 x 4 cells, so that what follows each other in the order lies together.
     WETCURL_HD uint32_t key(int cx, int cy, int cz) const {
         const uint32_t x = uint32_t(cx) & ((1u << bits_x) - 1), y = uint32_t(cy) & ((1u << bits_y) - 1),
                        z = uint32_t(cz) & ((1u << bits_z) - 1);
-        const uint32_t brick = (((z >> 2 << (bits_y - 2)) | y >> 2) << (bits_x - 2)) | x >> 2;
-        return brick << 6 | (z & 3) << 4 | (y & 3) << 2 | (x & 3);
+        const uint32_t brick = (((z >> 2 << (bits_y - 2)) | y >> 2) << (bits_x - 3)) | x >> 3;
+        return brick << 7 | (z & 3) << 5 | (y & 3) << 3 | (x & 7);
     }
     // `cells()` where x has none.
     WETCURL_HD uint32_t key_of(const Vec3f& x) const {
@@ -44,9 +44,9 @@ struct WrappedGrid {
 // Of at least as many cells as particles, their side `radius` and a little: rounding must not hide a
 // neighbour.
 inline WrappedGrid wrapped_grid(size_t particles, double radius) {
-    WrappedGrid grid{2, 2, 2, float(1 / (1.001 * radius))};
+    WrappedGrid grid{3, 2, 2, float(1 / (1.001 * radius))};
     for (int k = 0; grid.cells() < particles; ++k)
-        ++(k % 3 == 0 ? grid.bits_x : k % 3 == 1 ? grid.bits_y : grid.bits_z);
+        ++(k % 3 == 0 ? grid.bits_y : k % 3 == 1 ? grid.bits_z : grid.bits_x);
     return grid;
 }
 
@@ -86,26 +86,17 @@ struct CellSearch {
         if (k + 1 == count || sorted_key[k + 1] != own) cell[own].end = k + 1;
     }
 
-    // Where cells and particles are looked up: here, in the order of cells, or in a part of it that is kept
-    // elsewhere.
-    WETCURL_HD CellRange range(uint32_t key) const { return cell[key]; }
-    WETCURL_HD SortedPoint point(uint32_t k) const { return sorted[k]; }
-
-    // Calls visit(k, point k) for each sorted particle k nearer to p than the radius on another strand than
+    // Calls visit(k, sorted[k]) for each sorted particle k nearer to p than the radius on another strand than
     // particle `of` (`count`: on any), always in the same order.
     template <class Visit>
     WETCURL_HD void neighbours(uint32_t of, const Vec3f& p, Visit visit) const {
-        neighbours(of, p, *this, visit);
-    }
-    template <class Part, class Visit>
-    WETCURL_HD void neighbours(uint32_t of, const Vec3f& p, const Part& part, Visit visit) const {
         const Vec3f from = p - origin;
         if (!grid.holds(from)) return;
         const auto c = grid.cell_of(from);
         const uint32_t own = of - of % uint32_t(particles);
         auto search = [&](uint32_t begin, uint32_t end) {
             for (uint32_t k = begin; k < end; ++k) {
-                const SortedPoint other = part.point(k);
+                const SortedPoint other = sorted[k];
                 const Vec3f d = other.position() - p;
                 if (dot(d, d) < radius * radius && other.id - own >= uint32_t(particles)) visit(k, other);
             }
@@ -115,7 +106,7 @@ struct CellSearch {
                 // Cells along x lie side by side in the order, within a brick.
                 uint32_t begin = 0, end = 0;
                 for (int x = c.x - 1; x <= c.x + 1; ++x) {
-                    const CellRange found = part.range(grid.key(x, y, z));
+                    const CellRange found = cell[grid.key(x, y, z)];
                     if (found.begin == no_particle) continue;
                     if (found.begin != end) search(begin, end), begin = found.begin;
                     end = found.end;

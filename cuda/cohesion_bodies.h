@@ -1,6 +1,5 @@
-// Eq 10 on a device, particle by particle: neighbour lists, displacements, and the smoothing along a strand
-// by the 32 lanes of a warp. The formulas are those of solver/terms/cohesion.h; the reference is
-// solver/passes/cohesion.h. Ours.
+// Eq 10 on a device, particle by particle: neighbours, displacements, and where a particle is shown. The
+// formulas are those of solver/terms/cohesion.h; the reference is solver/passes/cohesion.h. Ours.
 #pragma once
 
 #include <cstdint>
@@ -81,17 +80,17 @@ struct CohesionBodies {
         const uint32_t cell = m.search.sorted_key[k];
         if (m.wet_cell && m.wet_volume[k] > 0 && cell < m.search.grid.cells()) m.wet_cell[cell] = 1;
     }
-    // Calls visit(j) for each particle j of a part that Eq 10 sees from particle k of the order, once all are
+    // Calls visit(j), a rank, for each particle that Eq 10 sees from particle k of the order, once all are
     // taken. Returns whether one of them is wet: nobody is drawn to others.
-    template <class Part, class Visit>
-    WETCURL_HD bool neighbours(uint32_t k, const Part& part, Visit visit) const {
+    template <class Visit>
+    WETCURL_HD bool neighbours(uint32_t k, Visit visit) const {
         const SortedPoint p = m.search.sorted[k];
         bool wet = !m.wet_cell;
         if (!wet && !m.search.any_cell(p.position(), [&](uint32_t cell) { return m.wet_cell[cell]; }))
             return false;
-        m.search.neighbours(p.id, p.position(), part, [&](uint32_t j, const SortedPoint&) {
+        m.search.neighbours(p.id, p.position(), [&](uint32_t j, const SortedPoint&) {
             visit(j);
-            wet = wet || part.wet(j);
+            wet = wet || m.wet_volume[j] > 0;
         });
         return wet;
     }
@@ -128,36 +127,6 @@ struct CohesionBodies {
         }
     }
 };
-
-// u_i <- u_{i-1} + beta (u_i - u_{i-1}) over 1 .. n-1, back over n-2 .. 1, twice, as the reference does; u_0
-// stays. Each lane of a warp takes a chunk, as if nothing came before it; what did, decays by 1 - beta a step
-// and is added. `each_lane(f)` calls f(lane) for all 32 and ends in a barrier; `ends`: (32).
-template <class EachLane>
-WETCURL_HD void smooth_along(float* u, int n, float beta, float* ends, EachLane each_lane) {
-    const float a = 1 - beta;
-    const int chunk = ((n + 31) / 32) | 1;  // odd: no two lanes on one bank
-    float decay = 1;
-    for (int k = 0; k < chunk; ++k) decay *= a;
-    for (int sweep = 0; sweep < 4; ++sweep) {
-        const bool back = sweep % 2 == 1;
-        // Step s of the sweep stands at s + 1 from the root, or from the tip.
-        const int steps = back ? n - 2 : n - 1, start = back ? n - 1 : 0, sign = back ? -1 : 1;
-        each_lane([&](int lane) {
-            float last = 0;
-            for (int s = lane * chunk; s < (lane + 1) * chunk && s < steps; ++s) {
-                float& value = u[start + sign * (s + 1)];
-                value = last = a * last + beta * value;
-            }
-            ends[lane] = last;
-        });
-        each_lane([&](int lane) {
-            float carry = u[start];
-            for (int l = 0; l < lane; ++l) carry = ends[l] + decay * carry;
-            for (int s = lane * chunk; s < (lane + 1) * chunk && s < steps; ++s)
-                u[start + sign * (s + 1)] += (carry *= a);
-        });
-    }
-}
 
 // Pushed out of solids, as far as `allowed` for what is attached to the head.
 template <class Solids>

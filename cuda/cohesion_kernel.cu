@@ -59,7 +59,7 @@ constexpr int pass_threads = tile_particles;
 __device__ Team<Block> block_of_tile() { return {Block{}, int(threadIdx.x), pass_threads}; }
 
 // A block a tile. Lists lie where it finds room, which differs from run to run; what is in them does not.
-__global__ void __launch_bounds__(pass_threads, 2)
+__global__ void __launch_bounds__(pass_threads, 3)
     build_lists(const CohesionBodies b, size_t room, FrameReport* report) {
     extern __shared__ __align__(16) unsigned char own[];
     const Team<Block> team = block_of_tile();
@@ -79,33 +79,31 @@ __global__ void __launch_bounds__(pass_threads, 3) displace(const CohesionBodies
     CohesionTile(b, team, blockIdx.x).displace(*reinterpret_cast<TileSums*>(own));
 }
 
-// The other, whole strands a block. Shared memory: displacements (3, count), and 32 numbers a warp.
+// The other, whole strands a block; a thread smooths a coordinate along one. Shared memory: displacements
+// (3, strand, particle), of so many numbers a strand that those of particle i lie in different banks.
+__host__ __device__ int numbers_a_strand(int particles) { return particles | 1; }
 __global__ void __launch_bounds__(pass_threads) move_strands(const CohesionBodies b, int strands_of_block) {
     extern __shared__ float u[];
-    const int n = b.m.search.particles, lane = int(threadIdx.x) % warp;
-    const uint32_t first = blockIdx.x * unsigned(strands_of_block * n);
-    const int count = int(min(b.m.search.count - first, unsigned(strands_of_block * n)));
-    for (int k = int(threadIdx.x); k < count; k += int(blockDim.x)) {
-        const Displaced d = b.m.displaced[first + uint32_t(k)];
-        u[k] = d.x, u[count + k] = d.y, u[2 * count + k] = d.z;
-    }
+    const int n = b.m.search.particles, row = numbers_a_strand(n), axis_at = strands_of_block * row,
+              lane = int(threadIdx.x) % warp, first_warp = int(threadIdx.x) / warp,
+              warps = int(blockDim.x) / warp, first = int(blockIdx.x) * strands_of_block,
+              strands = min(strands_of_block, int(b.m.search.count) / n - first);
+    auto each = [&](auto f) {
+        for (int s = first_warp; s < strands; s += warps)
+            for (int i = lane; i < n; i += warp) f(uint32_t((first + s) * n + i), u + s * row + i);
+    };
+    each([&](uint32_t id, float* by) {
+        const Displaced d = b.m.displaced[id];
+        by[0] = d.x, by[axis_at] = d.y, by[2 * axis_at] = d.z;
+    });
     if (b.term.coherence > 0) {
         __syncthreads();
-        float* ends = u + 3 * count + int(threadIdx.x) - lane;
-        const int warps = int(blockDim.x) / warp, strands = count / n;
-        // A line is one coordinate of one strand.
-        for (int line = int(threadIdx.x) / warp; line < 3 * strands; line += warps) {
-            const int axis = line / strands, strand = line % strands;
-            smooth_along(u + axis * count + strand * n, n, b.m.beta[first / uint32_t(n) + uint32_t(strand)],
-                         ends, [&](auto body) {
-                             body(lane);
-                             __syncwarp();
-                         });
-        }
+        float* line = u + first_warp * axis_at + lane * row;
+        if (first_warp < 3 && lane < strands)
+            smooth_along(n, b.m.beta[first + lane], [&](int i) -> float& { return line[i]; });
         __syncthreads();
     }
-    for (int k = int(threadIdx.x); k < count; k += int(blockDim.x))
-        b.move(first + uint32_t(k), {u[k], u[count + k], u[2 * count + k]});
+    each([&](uint32_t id, const float* by) { b.move(id, {by[0], by[axis_at], by[2 * axis_at]}); });
 }
 
 // Shared memory: (strand, particle).
@@ -172,12 +170,13 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
     check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "attribute");
     check_cuda(cudaDeviceGetAttribute(&most_shared, cudaDevAttrMaxSharedMemoryPerBlockOptin, device),
                "attribute");
-    // Whole strands, a thread a particle where they fit, but at least two blocks a processor.
-    strands_of_block_ = std::max(1, std::min(pass_threads / particles, strands / (2 * processors)));
+    // As many strands as a warp smooths, but at least two blocks a processor, and some in its memory.
+    const size_t of_a_strand = 3 * sizeof(float) * size_t(numbers_a_strand(particles));
+    strands_of_block_ =
+        std::clamp(std::min(strands / (2 * processors), int(size_t(most_shared) / 4 / of_a_strand)), 1, warp);
     blocks_ = unsigned((strands + strands_of_block_ - 1) / strands_of_block_);
-    const int items = strands_of_block_ * particles;
-    threads_ = std::min(pass_threads, (items + warp - 1) / warp * warp);
-    shared_bytes_ = sizeof(float) * (3 * size_t(items) + size_t(threads_));
+    threads_ = warp * std::clamp(strands_of_block_, 3, pass_threads / warp);
+    shared_bytes_ = size_t(strands_of_block_) * of_a_strand;
     const size_t strand_bytes = size_t(thinning.particles) * sizeof(ShownPoint);
     if (std::max(strand_bytes, shared_bytes_) > size_t(most_shared))
         throw Error("cohesion on a CUDA device: found strands of " + std::to_string(thinning.particles) +

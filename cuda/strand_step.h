@@ -29,7 +29,7 @@ class StrandStep {
   public:
     // Numbers of room for so many strands.
     WETCURL_HD static size_t room(int n, int count, bool limits) {
-        const size_t of_a_particle = 4 + 3 * 3 + 2 + (limits ? 3 : 0);
+        const size_t of_a_particle = 4 + 7 * 3 + 2 + (limits ? 3 : 0);
         return size_t(StrandSystem<T>::numbers_of(n, count)) + size_t(count) * size_t(n) * of_a_particle;
     }
 
@@ -44,10 +44,6 @@ class StrandStep {
           count_(count),
           first_(size_t(first)),
           flags_(flags),
-          x_(m.x + place(0)),
-          x_before_(m.x_before + place(0)),
-          v_(m.v + place(0)),
-          v_before_(m.v_before + place(0)),
           chunks_(m.n - 1) {
         const size_t cells = size_t(count) * size_t(m.n);
         auto take = [&](size_t numbers) {
@@ -58,32 +54,33 @@ class StrandStep {
         system_ = {m.n, room};
         room += StrandSystem<T>::numbers_of(m.n, count);
         frame_ = reinterpret_cast<Frame*>(take(4));
-        for (V** vectors : {&at_, &rate_, &core_}) *vectors = reinterpret_cast<V*>(take(3));
+        for (V** vectors : {&x_, &x_before_, &v_, &v_before_, &at_, &rate_, &core_})
+            *vectors = reinterpret_cast<V*>(take(3));
         pushed_ = take(1), gap_ = take(1);
         if (limits) limit_edge_ = reinterpret_cast<V*>(take(3));
     }
 
-    // From the memory, and back. Positions and velocities stay there: a substep asks for them where it begins and
-    // where it ends.
+    // From the memory, and back.
     template <class Set>
     WETCURL_HD void load(const Set& set) {
         for_each_particle(0, m_.n, [&](int g, int i) {
             const int k = cell(g, i);
-            if (has<Bend>(set)) frame_[k] = Frame{of(m_.frame, k)};
-            if (set.has(present::contact)) pushed_[k] = of(m_.pushed, k);
+            const size_t from = first_ * size_t(m_.n) + size_t(k);
+            x_[k] = m_.x[from], x_before_[k] = m_.x_before[from];
+            v_[k] = m_.v[from], v_before_[k] = m_.v_before[from];
+            if (has<Bend>(set)) frame_[k] = Frame{m_.frame[from]};
+            if (set.has(present::contact)) pushed_[k] = m_.pushed[from];
         });
     }
     template <class Set>
     WETCURL_HD void store(const Set& set) const {
         for_each_particle(0, m_.n, [&](int g, int i) {
             const int k = cell(g, i);
-            if (has<Bend>(set)) m_.frame[place(k)] = frame_[k];
-            if (set.has(present::contact)) m_.pushed[place(k)] = pushed_[k];
-            // After an odd number of substeps.
-            if (x_ == m_.x + place(0)) return;
-            const V x = x_[k], v = v_[k];
-            x_[k] = x_before_[k], v_[k] = v_before_[k];
-            x_before_[k] = x, v_before_[k] = v;
+            const size_t to = first_ * size_t(m_.n) + size_t(k);
+            m_.x[to] = x_[k], m_.x_before[to] = x_before_[k];
+            m_.v[to] = v_[k], m_.v_before[to] = v_before_[k];
+            if (has<Bend>(set)) m_.frame[to] = frame_[k];
+            if (set.has(present::contact)) m_.pushed[to] = pushed_[k];
         });
     }
 
@@ -487,7 +484,7 @@ class StrandStep {
     StrandFlags* flags_;
     StrandSystem<T> system_;
     Frame* frame_;
-    V *x_, *x_before_, *v_, *v_before_;  // in the memory
+    V *x_, *x_before_, *v_, *v_before_;
     V *at_, *rate_;            // positions and velocities at which forces are taken
     V* core_;                  // the core's force along each edge
     V* limit_edge_ = nullptr;  // edges at which the strain limit is taken

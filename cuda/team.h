@@ -14,6 +14,9 @@ struct Alone {
     WETCURL_HD void part_waits() const {}
     WETCURL_HD static void raise(unsigned& shared, unsigned bits) { shared |= bits; }
     WETCURL_HD static unsigned add(unsigned& shared, unsigned count) { return (shared += count) - count; }
+    WETCURL_HD static void at_least(unsigned& shared, unsigned bound) {
+        if (shared < bound) shared = bound;
+    }
     WETCURL_HD static unsigned claim(unsigned& shared, unsigned free, unsigned by) {
         const unsigned before = shared;
         if (before == free) shared = by;
@@ -29,6 +32,7 @@ struct Block {
     __device__ void part_waits() const { __syncwarp(); }
     __device__ static void raise(unsigned& shared, unsigned bits) { atomicOr(&shared, bits); }
     __device__ static unsigned add(unsigned& shared, unsigned count) { return atomicAdd(&shared, count); }
+    __device__ static void at_least(unsigned& shared, unsigned bound) { atomicMax(&shared, bound); }
     __device__ static unsigned claim(unsigned& shared, unsigned free, unsigned by) {
         return atomicCAS(&shared, free, by);
     }
@@ -37,7 +41,8 @@ struct Block {
 
 // One of `threads`, each of which goes through the same. Meeting: wait() for all; any(mine), which waits too,
 // tells whether it holds for any; part_waits() for those of the same part. Of a number that all share raise()
-// sets bits, add() tells what it was before, and so does claim(), which sets it where it was free.
+// sets bits, at_least() a lower bound, add() tells what it was before, and so does claim(), which sets it
+// where it was free.
 template <class Meeting>
 struct Team : Meeting {
     static constexpr int warp = 32;

@@ -148,10 +148,9 @@ void CohesionPass::move_strands() {
             u[0].by = cast<S>(Vec3f{0, 0, 0});
             for (size_t i = 1; i < n; ++i)
                 u[i].by = term_.displacement(Cohesion::Sums<S>{u[i].by, u[i].weight}, u[i].own * own_weight);
-            for (int round = 0; round < 2 && term_.coherence > 0; ++round) {
-                for (size_t i = 1; i < n; ++i) u[i].by = u[i - 1].by + beta * (u[i].by - u[i - 1].by);
-                for (size_t i = n - 2; i > 0; --i) u[i].by = u[i + 1].by + beta * (u[i].by - u[i + 1].by);
-            }
+            if (term_.coherence > 0)
+                smooth_along(
+                    particles_, beta, [&](int i) -> auto& { return u[size_t(i)].by; });
             for (int lane = 0; lane < lanes; ++lane) {
                 const uint32_t* rank = &rank_[size_t(block + lane) * n];
                 for (size_t i = 1; i < n; ++i) {

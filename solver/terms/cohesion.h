@@ -79,4 +79,15 @@ struct Cohesion {
     }
 };
 
+// u_i, `at(i)`, of a strand's particles smoothed exponentially from the root to the tip and back, twice. The
+// root's stays.
+template <class S, class At>
+WETCURL_HD void smooth_along(int n, const S& beta, At at) {
+    for (int round = 0; round < 2; ++round) {
+        auto last = at(0);
+        for (int i = 1; i < n; ++i) at(i) = last = last + beta * (at(i) - last);
+        for (int i = n - 2; i > 0; --i) at(i) = last = last + beta * (at(i) - last);
+    }
+}
+
 }  // namespace wetcurl

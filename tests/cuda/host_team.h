@@ -38,6 +38,11 @@ class Threads {
     static unsigned add(unsigned& shared, unsigned count) {
         return std::atomic_ref<unsigned>(shared).fetch_add(count);
     }
+    static void at_least(unsigned& shared, unsigned bound) {
+        std::atomic_ref<unsigned> now(shared);
+        for (unsigned seen = now; seen < bound && !now.compare_exchange_weak(seen, bound);) {
+        }
+    }
     static unsigned claim(unsigned& shared, unsigned free, unsigned by) {
         std::atomic_ref<unsigned>(shared).compare_exchange_strong(free, by);
         return free;  // what was there

@@ -104,7 +104,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
         list.resize(list_row * size_t(rows));
         b.m.list = list.data();
     }
-    std::vector<float> ends(32), by[3], u(size_t(n), 0);
+    std::vector<float> by[3], u(size_t(n), 0);
     for (int pass = 0; pass < term.passes; ++pass) {
         for_each_tile([&](const auto& tile_of_team) { tile_of_team.displace(*sum_room); });
         for (uint32_t first = 0; first < count; first += uint32_t(n)) {
@@ -114,9 +114,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
                     u[size_t(i)] = axis == 0 ? d.x : axis == 1 ? d.y : d.z;
                 }
                 if (term.coherence > 0)
-                    smooth_along(u.data(), n, beta[first / uint32_t(n)], ends.data(), [](auto body) {
-                        for (int lane = 0; lane < 32; ++lane) body(lane);
-                    });
+                    smooth_along(n, beta[first / uint32_t(n)], [&](int i) -> float& { return u[size_t(i)]; });
                 by[axis] = u;
             }
             for (uint32_t i = 0; i < uint32_t(n); ++i) b.move(first + i, {by[0][i], by[1][i], by[2][i]});
