@@ -27,20 +27,22 @@ struct alignas(16) ShownPoint {
     float x, y, z, length;
     WETCURL_HD Vec3f position() const { return {x, y, z}; }
 };
-// So many that follow each other in the order of cells are a tile, and see as many at most as its block's own
-// memory has room for three times.
+// So many that follow each other in the order of cells are a tile. What it sees, at most so many, takes a
+// third of a processor's own memory.
 constexpr int tile_particles = 256, most_seen = 3711;
-// What a tile sees: so many others, whose ranks begin at a row of the lists' memory; the lists' entries count
-// among them. `too_many`: entries are ranks.
+// The lists of a tile, in rows of the lists' memory: first the ranks of those that it sees, from `row` on,
+// then groups, whose entries count among these. Of one that would see too many there are groups alone, whose
+// entries are ranks. no_list: nobody of it has a neighbour.
 struct Tile {
-    uint32_t row, seen;  // no_list: of nobody
+    uint32_t row, seen;
 };
 inline constexpr uint32_t too_many = 0xffffffffu, no_list = 0xffffffffu;
-// Neighbour lists of 32 of a tile: four entries a lane from the row on, of 2 bytes, then from the next, or of
-// 4 bytes where they are ranks, then from the one after that.
+// Neighbour lists of 32 of a tile: four entries a lane from `row` on, of 2 bytes, then from the next row,
+// `rows` times; where they are ranks, of 4 bytes, they take two rows each time.
 struct ListGroup {
     uint32_t row, rows;
 };
+// Numbers of 4 bytes.
 constexpr uint32_t list_row = 64;
 
 // Where not all particles of a strand are asked, those who are count from its root as all of them would.

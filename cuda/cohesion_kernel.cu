@@ -58,7 +58,8 @@ constexpr int pass_threads = tile_particles;
 
 __device__ Team<Block> block_of_tile() { return {Block{}, int(threadIdx.x), pass_threads}; }
 
-// A block a tile. Lists lie where it finds room, which differs from run to run; what is in them does not.
+// A block a tile. Lists lie where it finds room, which differs from run to run; whom they name, and in which
+// order, does not.
 __global__ void __launch_bounds__(pass_threads, 3)
     build_lists(const CohesionBodies b, size_t room, FrameReport* report) {
     extern __shared__ __align__(16) unsigned char own[];
@@ -170,7 +171,7 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
     check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "attribute");
     check_cuda(cudaDeviceGetAttribute(&most_shared, cudaDevAttrMaxSharedMemoryPerBlockOptin, device),
                "attribute");
-    // As many strands as a warp smooths, but at least two blocks a processor, and some in its memory.
+    // As many strands as a warp smooths, but at least two blocks a processor, and four in its memory.
     const size_t of_a_strand = 3 * sizeof(float) * size_t(numbers_a_strand(particles));
     strands_of_block_ =
         std::clamp(std::min(strands / (2 * processors), int(size_t(most_shared) / 4 / of_a_strand)), 1, warp);
@@ -242,9 +243,9 @@ bool CohesionDevice::grow(const FrameReport& report) {
         throw Error("cohesion on a CUDA device: lists of neighbours take " +
                     std::to_string(rows * row >> 20) + " MiB, of which " + std::to_string(free >> 20) +
                     " are free; a smaller [cohesion] radius may help");
-    // Half as much again, where there is: hair that falls comes together more and more.
-    const size_t ample = rows + rows / 2;
-    list_ = DeviceBuffer<uint32_t>(list_row * (ample * row < free ? ample : rows));
+    // Half as much again, or what there is: hair that falls comes together more and more.
+    const size_t ample = std::min(rows + rows / 2, std::max(rows, free / row / 10 * 9));
+    list_ = DeviceBuffer<uint32_t>(list_row * ample);
     return true;
 }
 

@@ -31,6 +31,8 @@ class CohesionDevice {
     // Where they lie, V and sigma V, for water that changes them.
     float* volumes() const { return volume_.data(); }
     float* wet_volumes() const { return wet_volume_.data(); }
+    // How many are asked.
+    size_t asked() const { return volume_.size(); }
 
     // Positions (strand, particle) -> neighbour lists.
     void launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream);

@@ -21,15 +21,19 @@ struct TileSearch {
     uint32_t near[staged * tile_particles];  // ranks of the first that were found, by particle
     uint32_t found[tile_particles];
     uint8_t who[tile_particles];
-    unsigned of_length[lengths], place[lengths];  // how many lists are about as long, and who is next of them
-    unsigned rows[groups];
-    unsigned heads, cells, count, pairs, row;
+    // How many lists are about as long, and which lane the next of them gets.
+    unsigned of_length[lengths], place[lengths];
+    unsigned rows[groups], longest;
+    unsigned heads, cells, seen, pairs, row;
 };
 // And while it sums.
 struct TileSums {
     HairPoint point[most_seen + 1];
     float wet_volume[most_seen + 1];
 };
+// Three blocks at a time, of 228 KiB, of which each has one for itself.
+static_assert(3 * (sizeof(TileSearch) + 1024) <= 228 * 1024 && 3 * (sizeof(TileSums) + 1024) <= 228 * 1024);
+static_assert(most_seen < 0xffff && tile_particles <= 256);  // two bytes an entry, one a lane
 
 template <class Meeting>
 class CohesionTile {
@@ -80,7 +84,7 @@ class CohesionTile {
                 for (uint32_t e = 0; e < own.found[p]; ++e) put(own.near[int(e) * size + p]);
             };
             if (few)
-                fill<uint16_t>(lane, own.count,
+                fill<uint16_t>(lane, own.seen,
                                [&](auto put) { visit([&](uint32_t j) { put(among_seen(own, j)); }); });
             else
                 fill<uint32_t>(lane, m_.search.count, visit);
@@ -107,14 +111,14 @@ class CohesionTile {
   private:
     // --- what may be seen
 
-    // Of the cells of the tile's particles and those around them.
+    // In the cells of the tile's particles and those around them.
     WETCURL_HD void look_around(TileSearch& own) const {
         const CellSearch& search = m_.search;
         team_.each(slots, [&](int s) { own.cell[s].key = none; });
         team_.each(size, [&](int p) { own.found[p] = 0; });
         team_.each(lengths, [&](int l) { own.of_length[l] = 0; });
         team_.each(groups, [&](int g) { own.rows[g] = 0; });
-        if (team_.thread == 0) own.heads = own.cells = own.count = own.pairs = 0;
+        if (team_.thread == 0) own.heads = own.cells = own.seen = own.pairs = own.longest = 0;
         team_.wait();
         team_.each(count_, [&](int p) {
             const uint32_t k = first_ + uint32_t(p), key = search.sorted_key[k];
@@ -136,17 +140,20 @@ class CohesionTile {
             const unsigned before = Meeting::claim(own.cell[s].key, none, key);
             if (before == key) return;
             if (before != none) continue;
-            const uint32_t count = range.end - range.begin, at = Meeting::add(own.count, count);
+            const uint32_t count = range.end - range.begin, at = Meeting::add(own.seen, count);
             own.cell[s].begin = range.begin, own.cell[s].first = uint16_t(at);
             own.cell[s].count = uint16_t(count);
             own.occupied[Meeting::add(own.cells, 1)] = uint16_t(s);
             return;
         }
     }
-    WETCURL_HD static uint32_t slot_of(uint32_t key) { return key * 2654435761u >> 21; }
+    WETCURL_HD static uint32_t slot_of(uint32_t key) {
+        static_assert(slots == 1 << (32 - 21));
+        return key * 2654435761u >> 21;
+    }
     // Whether a block's memory holds them, and half of the slots are free, so that cells are found soon.
     WETCURL_HD static bool sees_few(const TileSearch& own) {
-        return own.count <= unsigned(most_seen) && own.cells <= unsigned(slots / 2);
+        return own.seen <= unsigned(most_seen) && own.cells <= unsigned(slots / 2);
     }
     // f(cell, i): the i-th of a cell.
     template <class F>
@@ -164,7 +171,7 @@ class CohesionTile {
     }
     // Copies them; the last is nobody.
     WETCURL_HD void see(const Tile& tile, TileSums& own) const {
-        constexpr int at_once = 5;  // what is on its way hides how long each takes
+        constexpr int at_once = 5;  // on their way together: most tiles see so many times its threads
         const uint32_t* ranks = m_.list + list_row * size_t(tile.row);
         const int seen = int(tile.seen), threads = team_.threads;
         for (int first = team_.thread; first <= seen; first += at_once * threads) {
@@ -188,9 +195,11 @@ class CohesionTile {
     // Lanes take the particles with the longest lists first, so that lists of the same group are about as
     // long.
     WETCURL_HD void order(TileSearch& own) const {
+        team_.each(size, [&](int p) { Meeting::at_least(own.longest, rows_of(own.found[p])); });
+        team_.wait();
         auto length_of = [&](int p) {
-            const uint32_t rows = rows_of(own.found[p]);
-            return lengths - 1 - int(rows < uint32_t(lengths) ? rows : uint32_t(lengths - 1));
+            const unsigned parts = lengths - 1;
+            return int(parts - (own.longest > 0 ? rows_of(own.found[p]) * parts / own.longest : 0));
         };
         team_.each(size, [&](int p) { Meeting::add(own.of_length[length_of(p)], 1); });
         team_.wait();
@@ -209,11 +218,11 @@ class CohesionTile {
     }
     template <class Reserve>
     WETCURL_HD void share_rows(TileSearch& own, bool few, Reserve reserve) const {
-        const uint32_t seen = few ? (own.count + list_row - 1) / list_row : 0, of_each = few ? 1 : 2;
+        const uint32_t seen = few ? (own.seen + list_row - 1) / list_row : 0, of_each = few ? 1 : 2;
         uint32_t all = 0;
         for (int g = 0; g < groups; ++g) all += of_each * own.rows[g];
         own.row = all == 0 ? no_list : reserve(seen + all, own.pairs);
-        m_.tile[tile_] = {own.row, few ? own.count : too_many};
+        m_.tile[tile_] = {own.row, few ? own.seen : too_many};
         for (uint32_t g = 0, row = own.row + seen; g < groups; ++g) {
             m_.group[tile_ * groups + g] = {row, own.row == no_list ? 0 : own.rows[g]};
             row += of_each * own.rows[g];
@@ -263,14 +272,14 @@ class CohesionTile {
         const Four<Entry>* list = entries<Entry>(group, lane);
         Four<Entry> next = list[0];
         if (next.of[0] == Entry(nobody)) return;
-        const Vec3f own = m_.point[k].position();
+        const Vec3f here = m_.point[k].position();
         Cohesion::Sums<float> sums{{0, 0, 0}, 0};
         for (uint32_t row = 1; row <= group.rows; ++row) {
             const Four<Entry> now = next;
             if (row < group.rows) next = list[lanes * size_t(row)];
             for (int l = 0; l < 4; ++l)
                 other(now.of[l], [&](const HairPoint& p, float wet_volume) {
-                    sums.add(p.position() - own, m_.search.radius, p.volume, wet_volume);
+                    sums.add(p.position() - here, m_.search.radius, p.volume, wet_volume);
                 });
         }
         b_.displace(k, id, sums);

@@ -357,7 +357,7 @@ void CudaHair<T>::read_report() {
         launch_display();
         check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
     }
-    neighbours_mean_ = double(host_report_[1].pairs) / double(positions_.size());
+    if (cohesion_) neighbours_mean_ = double(host_report_[1].pairs) / double(cohesion_->asked());
 }
 
 // Of substeps that are done: the time that was not the steps' own, and who was near.

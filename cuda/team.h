@@ -1,4 +1,4 @@
-// Who steps a few strands together, and how they wait for each other. Ours.
+// Who works on a few strands or on a tile together, and how they wait for each other. Ours.
 #pragma once
 
 #include "base/host_device.h"

@@ -246,7 +246,7 @@ WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
     look(b.root_turn);
     view.frame = b.frame;
     before_forces(view.x, b.v, 0);
-    const bool penta = s.upper2 != nullptr;
+    const bool penta = s.upper2 != nullptr, more = names_more(terms);
     const Vec3<S> gravity = cast<S>(b.gravity);
     ChainSystem<S>& system = s.system;
     system.h = h, system.ring = s.ring - 1;
@@ -285,14 +285,14 @@ WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
     // A few rows at a time, which stay in the nearest cache from their first element to their elimination.
     auto solve = [&] {
         for (int i = 0; i < 2; ++i) known[i] = (S(1) / h) * (b.root[i] - view.x[i]);
-        for_each_present(terms, [&](const auto& term) {
+        for_each_present(terms, more, [&](const auto& term) {
             if constexpr (requires { term.prepare(view); }) term.prepare(view);
         });
         Sym3<S> diagonal[3]{};  // of the last rows, which wait for their elimination
         int whole = 0;
         for (int begin = 0; begin < n; begin += s.at_once) {
             const int end = begin + s.at_once < n ? begin + s.at_once : n;
-            for_each_present(terms, [&](const auto& term) { term.assemble(view, system, begin, end); });
+            for_each_present(terms, more, [&](const auto& term) { term.assemble(view, system, begin, end); });
             for (const int elements_left_at = end < n ? end - 2 : n; whole < elements_left_at; ++whole) {
                 complete(whole, diagonal[2]);
                 eliminate(whole - 2, diagonal);

@@ -28,6 +28,25 @@ template <class Terms, class F>
 WETCURL_HD void for_each_present(Terms& terms, F f) {
     std::apply([&](auto&... term) { ((term ? f(*term) : void()), ...); }, terms);
 }
+// The first ones of the list are those of nearly every hair. A loop that asks for the others again and again
+// asks once whether there is any, `more`.
+inline constexpr size_t common_terms = 4;
+using CommonTerms = std::make_index_sequence<common_terms>;
+using OtherTerms = std::make_index_sequence<std::tuple_size_v<ChainTerms> - common_terms>;
+template <size_t first, class F, size_t... k>
+WETCURL_HD void for_each_present_from(const ChainTerms& terms, std::index_sequence<k...>, F f) {
+    ((std::get<first + k>(terms) ? f(*std::get<first + k>(terms)) : void()), ...);
+}
+WETCURL_HD inline bool names_more(const ChainTerms& terms) {
+    bool any = false;
+    for_each_present_from<common_terms>(terms, OtherTerms(), [&](const auto&) { any = true; });
+    return any;
+}
+template <class F>
+WETCURL_HD void for_each_present(const ChainTerms& terms, bool more, F f) {
+    for_each_present_from<0>(terms, CommonTerms(), f);
+    if (more) for_each_present_from<common_terms>(terms, OtherTerms(), f);
+}
 
 // The sum of the springs of each kind [N/m].
 inline double spring_sum(const ChainTerms& terms) {

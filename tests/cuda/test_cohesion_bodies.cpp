@@ -184,7 +184,7 @@ TEST(CohesionBodies, do_what_the_reference_pass_does_in_a_crowd) {
         Cohesion term{radius, 0.85, 0.0, unbounded, 0};
         term.passes = 2;
         const Tuft hair(50, 90, 2);
-        const Result wanted = by_reference(hair, term), got = by_bodies(hair, term);
+        const Result wanted = by_reference(hair, term), got = by_bodies(hair, term, ManyThreads());
         ASSERT_GT(farthest(wanted.displayed, hair.p), 2e-5);
         EXPECT_GT(got.neighbours_mean, 60);
         EXPECT_EQ(got.tiles_of_ranks, radius > 0.1 ? 18 : 0);

@@ -158,15 +158,18 @@ TEST_F(Cuda, energies_are_the_cpus) {
 
 TEST_F(Cuda, cohesion_of_a_dense_groom_is_the_cpus) {
     for (const char* coherence : {"cohesion.coherence=0", "cohesion.coherence=0.01"})
-        for (const char* particles : {"groom.particles=24", "groom.particles=100"}) {
-            const Scene scene = scene_of(wet_scene, {"groom.grid=[16, 16]", "cohesion.radius=0.012",
-                                                     "cohesion.passes=10", coherence, particles});
-            const RunFrame wanted = after(scene, 0), got = on_device(scene, 0);
-            ASSERT_GT(farthest(wanted.displayed, wanted.positions), 1e-3);
-            EXPECT_LT(farthest(got.positions, wanted.positions), 1e-7);
-            // Ten passes of sums in another order.
-            EXPECT_LT(farthest(got.displayed, wanted.displayed), 1e-5) << coherence << ' ' << particles;
-        }
+        for (const char* particles : {"groom.particles=24", "groom.particles=100"})
+            for (const char* spacing : {"cohesion.spacing=0", "cohesion.spacing=0.01"}) {
+                const Scene scene =
+                    scene_of(wet_scene, {"groom.grid=[16, 16]", "cohesion.radius=0.012", "cohesion.passes=10",
+                                         coherence, particles, spacing});
+                const RunFrame wanted = after(scene, 0), got = on_device(scene, 0);
+                ASSERT_GT(farthest(wanted.displayed, wanted.positions), 1e-3);
+                EXPECT_LT(farthest(got.positions, wanted.positions), 1e-7);
+                // Ten passes of sums in another order.
+                EXPECT_LT(farthest(got.displayed, wanted.displayed), 1e-5)
+                    << coherence << ' ' << particles << ' ' << spacing;
+            }
 }
 
 // What acts on all strands at once, or on other steps than the implicit one.
