@@ -106,10 +106,10 @@ struct CellSearch {
                 // Cells along x lie side by side in the order, within a brick.
                 uint32_t begin = 0, end = 0;
                 for (int x = c.x - 1; x <= c.x + 1; ++x) {
-                    const CellRange found = cell[grid.key(x, y, z)];
-                    if (found.begin == no_particle) continue;
-                    if (found.begin != end) search(begin, end), begin = found.begin;
-                    end = found.end;
+                    const CellRange range = cell[grid.key(x, y, z)];
+                    if (range.begin == no_particle) continue;
+                    if (range.begin != end) search(begin, end), begin = range.begin;
+                    end = range.end;
                 }
                 search(begin, end);
             }

@@ -148,9 +148,8 @@ void CohesionPass::move_strands() {
             u[0].by = cast<S>(Vec3f{0, 0, 0});
             for (size_t i = 1; i < n; ++i)
                 u[i].by = term_.displacement(Cohesion::Sums<S>{u[i].by, u[i].weight}, u[i].own * own_weight);
-            if (term_.coherence > 0)
-                smooth_along(
-                    particles_, beta, [&](int i) -> auto& { return u[size_t(i)].by; });
+            auto by = [&](int i) -> Vec3<S>& { return u[size_t(i)].by; };
+            if (term_.coherence > 0) smooth_along(particles_, beta, by);
             for (int lane = 0; lane < lanes; ++lane) {
                 const uint32_t* rank = &rank_[size_t(block + lane) * n];
                 for (size_t i = 1; i < n; ++i) {
