@@ -10,7 +10,7 @@
 namespace wetcurl {
 
 // No bounds to find, and the 27 cells about a point are always 27 cells. What comes from far away is turned
-// down by its distance. Sides are powers of two, at least those of a brick.
+// down by its distance. Sides are powers of two, at least 4.
 struct WrappedGrid {
     int bits_x, bits_y, bits_z;
     float inverse;  // of the cells' side [1/m]
@@ -27,12 +27,10 @@ struct WrappedGrid {
     WETCURL_HD bool holds(const Vec3f& x) const {
         return (std::abs(x.x) + std::abs(x.y) + std::abs(x.z)) * inverse < 1e9f;  // false for NaN
     }
-    // By bricks of 8 x 4 x 4 cells, so that what follows each other in the order lies together.
     WETCURL_HD uint32_t key(int cx, int cy, int cz) const {
         const uint32_t x = uint32_t(cx) & ((1u << bits_x) - 1), y = uint32_t(cy) & ((1u << bits_y) - 1),
                        z = uint32_t(cz) & ((1u << bits_z) - 1);
-        const uint32_t brick = (((z >> 2 << (bits_y - 2)) | y >> 2) << (bits_x - 3)) | x >> 3;
-        return brick << 7 | (z & 3) << 5 | (y & 3) << 3 | (x & 7);
+        return (((z << bits_y) | y) << bits_x) | x;
     }
     // `cells()` where x has none.
     WETCURL_HD uint32_t key_of(const Vec3f& x) const {
@@ -44,9 +42,9 @@ struct WrappedGrid {
 // Of at least as many cells as particles, their side `radius` and a little: rounding must not hide a
 // neighbour.
 inline WrappedGrid wrapped_grid(size_t particles, double radius) {
-    WrappedGrid grid{3, 2, 2, float(1 / (1.001 * radius))};
+    WrappedGrid grid{2, 2, 2, float(1 / (1.001 * radius))};
     for (int k = 0; grid.cells() < particles; ++k)
-        ++(k % 3 == 0 ? grid.bits_y : k % 3 == 1 ? grid.bits_z : grid.bits_x);
+        ++(k % 3 == 0 ? grid.bits_x : k % 3 == 1 ? grid.bits_y : grid.bits_z);
     return grid;
 }
 
@@ -62,12 +60,13 @@ inline constexpr uint32_t no_particle = 0xffffffffu;  // begin of an empty cell
 
 // A view of the search's arrays. Particle `id` is of strand id / particles.
 struct CellSearch {
+    static constexpr uint32_t at_once = 4;  // are read together
     uint32_t count;
     int particles;                     // a strand
     uint32_t *key, *id;                // (strand, particle)
     uint32_t *sorted_key, *sorted_id;  // in the order of cells; what has none comes last
-    SortedPoint* sorted;
-    CellRange* cell;  // (cells)
+    SortedPoint* sorted;               // (count + at_once - 1), the last any
+    CellRange* cell;                   // (cells)
     WrappedGrid grid;
     Vec3f origin;  // of the cells
     float radius;
@@ -86,24 +85,30 @@ struct CellSearch {
         if (k + 1 == count || sorted_key[k + 1] != own) cell[own].end = k + 1;
     }
 
-    // Calls visit(k, sorted[k]) for each sorted particle k nearer to p than the radius on another strand than
-    // particle `of` (`count`: on any), always in the same order.
-    template <class Visit>
-    WETCURL_HD void neighbours(uint32_t of, const Vec3f& p, Visit visit) const {
+    // Calls candidate(near, k, sorted[k]) for sorted particles k around p, always in the same order: `near`
+    // for each that is nearer to p than the radius on another strand than particle `of` (`count`: on any).
+    template <class Candidate>
+    WETCURL_HD void candidates(uint32_t of, const Vec3f& p, Candidate candidate) const {
         const Vec3f from = p - origin;
         if (!grid.holds(from)) return;
         const auto c = grid.cell_of(from);
         const uint32_t own = of - of % uint32_t(particles);
         auto search = [&](uint32_t begin, uint32_t end) {
-            for (uint32_t k = begin; k < end; ++k) {
-                const SortedPoint other = sorted[k];
-                const Vec3f d = other.position() - p;
-                if (dot(d, d) < radius * radius && other.id - own >= uint32_t(particles)) visit(k, other);
+            for (uint32_t k = begin; k < end; k += at_once) {
+                SortedPoint other[at_once];
+                for (uint32_t l = 0; l < at_once; ++l) other[l] = sorted[k + l];
+                for (uint32_t l = 0; l < at_once; ++l) {
+                    const Vec3f d = other[l].position() - p;
+                    // All three, whatever the first says: a branch takes longer.
+                    candidate(bool((k + l < end) & (dot(d, d) < radius * radius) &
+                                   (other[l].id - own >= uint32_t(particles))),
+                              k + l, other[l]);
+                }
             }
         };
         for (int z = c.z - 1; z <= c.z + 1; ++z)
             for (int y = c.y - 1; y <= c.y + 1; ++y) {
-                // Cells along x lie side by side in the order, within a brick.
+                // Cells along x lie side by side in the order, but where the grid wraps round.
                 uint32_t begin = 0, end = 0;
                 for (int x = c.x - 1; x <= c.x + 1; ++x) {
                     const CellRange range = cell[grid.key(x, y, z)];
@@ -113,6 +118,13 @@ struct CellSearch {
                 }
                 search(begin, end);
             }
+    }
+    // Calls visit(k, sorted[k]) for each who is near.
+    template <class Visit>
+    WETCURL_HD void neighbours(uint32_t of, const Vec3f& p, Visit visit) const {
+        candidates(of, p, [&](bool near, uint32_t k, const SortedPoint& other) {
+            if (near) visit(k, other);
+        });
     }
     // Whether test(cell) holds of a cell around p.
     template <class Test>

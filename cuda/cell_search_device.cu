@@ -40,11 +40,13 @@ CellSearchDevice::CellSearchDevice(size_t count, int particles, double radius, c
       id_(count),
       sorted_key_(count),
       sorted_id_(count),
-      sorted_(count),
+      sorted_(count + CellSearch::at_once - 1),
       cell_(grid_.cells()) {
     size_t bytes = 0;
     check_cuda(sort(view(), nullptr, bytes, nullptr), "size of the sort");
     sort_memory_ = DeviceBuffer<char>(bytes);
+    check_cuda(cudaMemset(sorted_.data(), 0, sorted_.bytes()), "beyond the last");
+    check_cuda(cudaStreamSynchronize(nullptr), "beyond the last");  // streams of launches do not wait for it
 }
 
 CellSearch CellSearchDevice::view() const {

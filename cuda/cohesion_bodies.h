@@ -16,6 +16,7 @@ namespace wetcurl {
 struct alignas(16) HairPoint {
     float x, y, z, volume;
     WETCURL_HD Vec3f position() const { return {x, y, z}; }
+    WETCURL_HD HairPoint moved(const Vec3f& by) const { return {x + by.x, y + by.y, z + by.z, volume}; }
 };
 // How far a pass moves a particle, before that is smoothed along its strand, and where it is in the order.
 struct alignas(16) Displaced {
@@ -27,38 +28,39 @@ struct alignas(16) ShownPoint {
     float x, y, z, length;
     WETCURL_HD Vec3f position() const { return {x, y, z}; }
 };
-// So many that follow each other in the order of cells are a tile. What it sees, at most so many, takes a
-// third of a processor's own memory.
-constexpr int tile_particles = 256, most_seen = 3711;
-// The lists of a tile, in rows of the lists' memory: first the ranks of those that it sees, from `row` on,
-// then groups, whose entries count among these. Of one that would see too many there are groups alone, whose
-// entries are ranks. no_list: nobody of it has a neighbour.
-struct Tile {
-    uint32_t row, seen;
-};
-inline constexpr uint32_t too_many = 0xffffffffu, no_list = 0xffffffffu;
-// Neighbour lists of 32 of a tile: four entries a lane from `row` on, of 2 bytes, then from the next row,
-// `rows` times; where they are ranks, of 4 bytes, they take two rows each time.
+// Lists are made for so many at a time that follow each other in the order of cells.
+constexpr int list_block = 128;
+// Neighbour lists of 32 of a block: four entries a lane from `row` on, `rows` times.
 struct ListGroup {
+    static constexpr int lanes = 32;
     uint32_t row, rows;
 };
-// Numbers of 4 bytes.
-constexpr uint32_t list_row = 64;
+inline constexpr uint32_t no_list = 0xffffffffu;  // in a row's place
+struct alignas(16) FourNeighbours {
+    uint32_t of[4];  // ranks
+    WETCURL_HD void append(uint32_t j) { of[0] = of[1], of[1] = of[2], of[2] = of[3], of[3] = j; }
+};
 
-// Where not all particles of a strand are asked, those who are count from its root as all of them would.
+// Particles are taken in the order of cells, those who share their neighbours side by side, so that these
+// come from the caches. Where not all particles of a strand are asked, those who are count from its root as
+// all of them would.
 struct CohesionMemory {
     CellSearch search;  // within Eq 10's h
     // In the order of cells, and one more who is nobody, without volume.
     HairPoint* point;
-    float* wet_volume;  // sigma V
-    uint8_t* wet_cell;  // (cells) whether a wet particle lies there; null where all are wet
-    Tile* tile;         // (tiles)
-    ListGroup* group;   // (tiles, 8)
-    uint8_t* who;       // (tiles, 256) of its tile's particles a lane takes
-    uint32_t* list;  // rows of list_row; lists are filled up with nobody, who follows the last that is seen
+    float* wet_volume;         // sigma V
+    uint8_t* wet_cell;         // (cells) whether a wet particle lies there; null where all are wet
+    ListGroup* group;          // (blocks, groups of 32)
+    uint8_t* who;              // (blocks, 128) of its block's particles a lane takes
+    FourNeighbours* list;      // (row, lane); lists are filled up with nobody, of rank search.count
     Displaced* displaced;      // (strand, particle)
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
     const float* own_volume;   // (strand, particle) of itself, null: V is
+
+    // Of the lane at `place` (blocks, 128).
+    WETCURL_HD FourNeighbours* entries(const ListGroup& g, uint32_t place) const {
+        return list + ListGroup::lanes * size_t(g.row) + place % ListGroup::lanes;
+    }
 };
 
 struct CohesionBodies {
@@ -82,30 +84,62 @@ struct CohesionBodies {
         const uint32_t cell = m.search.sorted_key[k];
         if (m.wet_cell && m.wet_volume[k] > 0 && cell < m.search.grid.cells()) m.wet_cell[cell] = 1;
     }
-    // Calls visit(j), a rank, for each particle that Eq 10 sees from particle k of the order, once all are
-    // taken. Returns whether one of them is wet: nobody is drawn to others.
-    template <class Visit>
-    WETCURL_HD bool neighbours(uint32_t k, Visit visit) const {
+    // Calls candidate(near, j), j a rank, for particles around particle k of the order, once all are taken:
+    // `near` for those that Eq 10 sees. Returns whether one of them is wet: nobody is drawn to others.
+    template <class Candidate>
+    WETCURL_HD bool neighbours(uint32_t k, Candidate candidate) const {
         const SortedPoint p = m.search.sorted[k];
-        bool wet = !m.wet_cell;
-        if (!wet && !m.search.any_cell(p.position(), [&](uint32_t cell) { return m.wet_cell[cell]; }))
-            return false;
-        m.search.neighbours(p.id, p.position(), [&](uint32_t j, const SortedPoint&) {
-            visit(j);
-            wet = wet || m.wet_volume[j] > 0;
-        });
+        auto candidates = [&](auto each) {
+            m.search.candidates(p.id, p.position(),
+                                [&](bool near, uint32_t j, const SortedPoint&) { each(near, j); });
+        };
+        if (!m.wet_cell) return candidates(candidate), true;
+        bool wet = false;
+        if (m.search.any_cell(p.position(), [&](uint32_t cell) { return m.wet_cell[cell]; }))
+            candidates([&](bool near, uint32_t j) {
+                candidate(near, j);
+                if (near) wet = wet || m.wet_volume[j] > 0;
+            });
         return wet;
     }
 
-    // p_i^w - p_i of particle k of the order, which is `id`.
-    WETCURL_HD void displace(uint32_t k, uint32_t id, const Cohesion::Sums<float>& sums) const {
-        const float volume = m.own_volume ? m.own_volume[id] : m.point[k].volume;
-        const Vec3f d = term.displacement(sums, volume * m.own_weight[id / uint32_t(m.search.particles)]);
-        m.displaced[id] = {d.x, d.y, d.z, k};
+    // p_i^w - p_i of whom the lane at `place` (blocks, 128) takes, by `shared` threads, this one its `part`,
+    // of which each sums up some entries of the list; together(x) adds x up over them. Roots stay, and who
+    // has no neighbour.
+    template <int shared = 1, class Together>
+    WETCURL_HD void displace(uint32_t place, int part, Together together) const {
+        constexpr int each = 4 / shared;
+        const uint32_t k = place - place % uint32_t(list_block) + m.who[place], nobody = m.search.count;
+        const ListGroup group = m.group[place / ListGroup::lanes];
+        if (k >= nobody || group.rows == 0) return;
+        const FourNeighbours* list = m.entries(group, place);
+        const uint32_t id = m.search.sorted_id[k], n = uint32_t(m.search.particles);
+        if (id % n == 0 || list[0].of[0] == nobody) return;
+        struct alignas(4 * each) Entries {
+            uint32_t of[each];
+        };
+        auto entries = [&](uint32_t row) {
+            return reinterpret_cast<const Entries*>(list + ListGroup::lanes * size_t(row))[part];
+        };
+        const HairPoint own = m.point[k];
+        Cohesion::Sums<float> sums{{0, 0, 0}, 0};
+        Entries next = entries(0);
+        for (uint32_t row = 1; row <= group.rows; ++row) {
+            const Entries now = next;
+            if (row < group.rows) next = entries(row);
+            for (const uint32_t j : now.of) {
+                const HairPoint other = m.point[j];
+                sums.add(other.position() - own.position(), m.search.radius, other.volume, m.wet_volume[j]);
+            }
+        }
+        sums = {{together(sums.pull.x), together(sums.pull.y), together(sums.pull.z)}, together(sums.weight)};
+        const Vec3f d =
+            term.displacement(sums, (m.own_volume ? m.own_volume[id] : own.volume) * m.own_weight[id / n]);
+        if (part == 0) m.displaced[id] = {d.x, d.y, d.z, k};
     }
     WETCURL_HD void move(uint32_t id, const Vec3f& by) const {
         HairPoint& p = m.point[m.displaced[id].rank];
-        p = {p.x + by.x, p.y + by.y, p.z + by.z, p.volume};
+        p = p.moved(by);
     }
     // After the last pass, particle i of a strand; `simulated` (strand, particle) of all.
     WETCURL_HD ShownPoint shown(int strand, int i, const Vec3f* simulated) const {

@@ -1,8 +1,8 @@
-// Kernels of the displayed positions: neighbours tile by tile, smoothing strand by strand.
+// Kernels of the displayed positions: neighbours in the order of cells, smoothing strand by strand.
 #include <algorithm>
 
 #include "cuda/cohesion_kernel.h"
-#include "cuda/cohesion_tile.h"
+#include "cuda/cohesion_lists.h"
 #include "cuda/driver.h"
 
 namespace wetcurl {
@@ -48,63 +48,77 @@ __global__ void thin(const Thinning thinning, uint32_t asked, const Vec3f* posit
 
 constexpr int threads_a_block = 128;
 
+// Before the lists where some hair is dry: then they ask who is wet.
 __global__ void __launch_bounds__(threads_a_block)
     take(const CohesionBodies b, const float* volume, const float* wet_volume) {
     const uint32_t k = blockIdx.x * threads_a_block + threadIdx.x;
     if (k < b.m.search.count) b.take(k, volume, wet_volume);
 }
 
-constexpr int pass_threads = tile_particles;
-
-__device__ Team<Block> block_of_tile() { return {Block{}, int(threadIdx.x), pass_threads}; }
-
-// A block a tile. Lists lie where it finds room, which differs from run to run; whom they name, and in which
-// order, does not.
-__global__ void __launch_bounds__(pass_threads, 3)
-    build_lists(const CohesionBodies b, size_t room, FrameReport* report) {
-    extern __shared__ __align__(16) unsigned char own[];
-    const Team<Block> team = block_of_tile();
-    CohesionTile(b, team, blockIdx.x)
-        .list(*reinterpret_cast<TileSearch*>(own), [&](uint32_t rows, unsigned pairs) {
-            const unsigned long long row =
-                atomicAdd(&report->list_rows, static_cast<unsigned long long>(rows));
-            atomicAdd(&report->pairs, static_cast<unsigned long long>(pairs));
-            return row + rows <= room ? uint32_t(row) : no_list;  // else the frame is done again
-        });
+// A block of lists each. They lie where it finds room, which differs from run to run; whom they name, and in
+// which order, does not.
+__global__ void __launch_bounds__(list_block)
+    build_lists(const CohesionBodies b, const float* volume, const float* wet_volume, size_t room,
+                FrameReport* report) {
+    __shared__ ListRoom own;
+    const uint32_t k = blockIdx.x * list_block + threadIdx.x;
+    if (!b.m.wet_cell && k < b.m.search.count) b.take(k, volume, wet_volume);
+    const Team<Block> team{Block{}, int(threadIdx.x), list_block};
+    CohesionLists(b, team, blockIdx.x).build(own, [&](uint32_t rows, unsigned pairs) {
+        const unsigned long long row = atomicAdd(&report->list_rows, static_cast<unsigned long long>(rows));
+        atomicAdd(&report->pairs, static_cast<unsigned long long>(pairs));
+        return row + rows <= room ? uint32_t(row) : no_list;  // else the frame is done again
+    });
 }
 
-// Half of a Jacobi pass, a block a tile.
-__global__ void __launch_bounds__(pass_threads, 3) displace(const CohesionBodies b) {
-    extern __shared__ __align__(16) unsigned char own[];
-    const Team<Block> team = block_of_tile();
-    CohesionTile(b, team, blockIdx.x).displace(*reinterpret_cast<TileSums*>(own));
+constexpr int pass_threads = 256;
+constexpr int threads_of_few = 4;  // that sum up a list where lists leave a device's threads without work
+
+// Half of a Jacobi pass, in the order of cells, so many threads a particle.
+template <int shared>
+__global__ void __launch_bounds__(pass_threads) displace(const CohesionBodies b, uint32_t places) {
+    const uint32_t thread = blockIdx.x * pass_threads + threadIdx.x, place = thread / shared;
+    const unsigned mates = ((1u << shared) - 1) << (threadIdx.x % warp / shared * shared);
+    if (place >= places) return;
+    b.displace<shared>(place, int(thread % shared), [&](float x) {
+        for (int other = 1; other < shared; other *= 2) x += __shfl_xor_sync(mates, x, other);
+        return x;
+    });
 }
 
 // The other, whole strands a block; a thread smooths a coordinate along one. Shared memory: displacements
 // (3, strand, particle), of so many numbers a strand that those of particle i lie in different banks.
 __host__ __device__ int numbers_a_strand(int particles) { return particles | 1; }
 __global__ void __launch_bounds__(pass_threads) move_strands(const CohesionBodies b, int strands_of_block) {
-    extern __shared__ float u[];
+    extern __shared__ __align__(16) unsigned char own[];
     const int n = b.m.search.particles, row = numbers_a_strand(n), axis_at = strands_of_block * row,
               lane = int(threadIdx.x) % warp, first_warp = int(threadIdx.x) / warp,
               warps = int(blockDim.x) / warp, first = int(blockIdx.x) * strands_of_block,
               strands = min(strands_of_block, int(b.m.search.count) / n - first);
+    HairPoint* const from = reinterpret_cast<HairPoint*>(own);
+    uint32_t* const rank = reinterpret_cast<uint32_t*>(from + strands_of_block * n);
+    float* const by = reinterpret_cast<float*>(rank + strands_of_block * n);
+    // f(k, place): the k-th particle of the block.
     auto each = [&](auto f) {
         for (int s = first_warp; s < strands; s += warps)
-            for (int i = lane; i < n; i += warp) f(uint32_t((first + s) * n + i), u + s * row + i);
+            for (int i = lane; i < n; i += warp) f(s * n + i, by + s * row + i);
     };
-    each([&](uint32_t id, float* by) {
-        const Displaced d = b.m.displaced[id];
-        by[0] = d.x, by[axis_at] = d.y, by[2 * axis_at] = d.z;
+    each([&](int k, float* place) {
+        const Displaced d = b.m.displaced[first * n + k];
+        place[0] = d.x, place[axis_at] = d.y, place[2 * axis_at] = d.z;
+        rank[k] = d.rank, from[k] = b.m.point[d.rank];
     });
     if (b.term.coherence > 0) {
         __syncthreads();
-        float* line = u + first_warp * axis_at + lane * row;
-        if (first_warp < 3 && lane < strands)
-            smooth_along(n, b.m.beta[first + lane], [&](int i) -> float& { return line[i]; });
+        const int strand = int(threadIdx.x) % strands_of_block, axis = int(threadIdx.x) / strands_of_block;
+        float* line = by + axis * axis_at + strand * row;
+        if (axis < 3 && strand < strands)
+            smooth_along<8>(n, b.m.beta[first + strand], [&](int i) -> float& { return line[i]; });
         __syncthreads();
     }
-    each([&](uint32_t id, const float* by) { b.move(id, {by[0], by[axis_at], by[2 * axis_at]}); });
+    each([&](int k, const float* place) {
+        b.m.point[rank[k]] = from[k].moved({place[0], place[axis_at], place[2 * axis_at]});
+    });
 }
 
 // Shared memory: (strand, particle).
@@ -145,9 +159,8 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
       strands_(strands),
       search_(size_t(strands) * size_t(thinning.count()), thinning.count(), term.h_c, origin),
       rest_depth_(rest_depth),
-      tile_(blocks_for(search_.view().count, tile_particles)),
-      group_(tile_.size() * (tile_particles / warp)),
-      who_(tile_.size() * tile_particles),
+      who_(blocks_for(search_.view().count, list_block) * size_t(list_block)),
+      group_(who_.size() / ListGroup::lanes),
       displaced_(search_.view().count),
       beta_(size_t(strands)),
       own_weight_(size_t(strands)) {
@@ -171,13 +184,13 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
     check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "attribute");
     check_cuda(cudaDeviceGetAttribute(&most_shared, cudaDevAttrMaxSharedMemoryPerBlockOptin, device),
                "attribute");
-    // As many strands as a warp smooths, but at least two blocks a processor, and four in its memory.
-    const size_t of_a_strand = 3 * sizeof(float) * size_t(numbers_a_strand(particles));
-    strands_of_block_ =
-        std::clamp(std::min(strands / (2 * processors), int(size_t(most_shared) / 4 / of_a_strand)), 1, warp);
+    threads_a_list_ = who_.size() * threads_of_few <= size_t(processors) * 4096 ? threads_of_few : 1;
+    // A warp smooths so many strands, but there shall be eight blocks a processor.
+    strands_of_block_ = std::clamp(strands / (8 * processors), 1, warp / 4);
     blocks_ = unsigned((strands + strands_of_block_ - 1) / strands_of_block_);
-    threads_ = warp * std::clamp(strands_of_block_, 3, pass_threads / warp);
-    shared_bytes_ = size_t(strands_of_block_) * of_a_strand;
+    threads_ = std::min((strands_of_block_ * particles + warp - 1) / warp * warp, pass_threads);
+    shared_bytes_ = size_t(strands_of_block_) * ((sizeof(HairPoint) + sizeof(uint32_t)) * size_t(particles) +
+                                                 3 * sizeof(float) * size_t(numbers_a_strand(particles)));
     const size_t strand_bytes = size_t(thinning.particles) * sizeof(ShownPoint);
     if (std::max(strand_bytes, shared_bytes_) > size_t(most_shared))
         throw Error("cohesion on a CUDA device: found strands of " + std::to_string(thinning.particles) +
@@ -185,7 +198,11 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
                     std::to_string(size_t(most_shared) / sizeof(ShownPoint)));
     shown_of_block_ = int(std::min<size_t>(most_strands, size_t(most_shared) / strand_bytes));
     allow_shared_memory(move_strands), allow_shared_memory(show<float>), allow_shared_memory(show<double>);
-    allow_shared_memory(build_lists), allow_shared_memory(displace);
+    // What a pass reads again shall be near: it shares nothing else.
+    for (auto pass : {displace<1>, displace<threads_of_few>})
+        check_cuda(cudaFuncSetAttribute(pass, cudaFuncAttributePreferredSharedMemoryCarveout,
+                                        cudaSharedmemCarveoutMaxL1),
+                   "memory of a processor");
     // Nobody is the last of them.
     check_cuda(cudaMemset(point_.data(), 0, point_.bytes()), "nobody");
     check_cuda(cudaMemset(sorted_wet_volume_.data(), 0, sorted_wet_volume_.bytes()), "nobody");
@@ -193,11 +210,11 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
 }
 
 CohesionBodies CohesionDevice::bodies() const {
-    return {term_,
-            thinning_,
-            {search_.view(), point_.data(), sorted_wet_volume_.data(), wet_cell_.data(), tile_.data(),
-             group_.data(), who_.data(), list_.data(), displaced_.data(), beta_.data(), own_weight_.data(),
-             own_volume_.data()}};
+    return {
+        term_,
+        thinning_,
+        {search_.view(), point_.data(), sorted_wet_volume_.data(), wet_cell_.data(), group_.data(),
+         who_.data(), list_.data(), displaced_.data(), beta_.data(), own_weight_.data(), own_volume_.data()}};
 }
 
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
@@ -208,12 +225,13 @@ void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, c
     search_.launch(thinned_.size() ? thinned_.data() : positions, stream);
     measure<<<blocks_for(size_t(strands_), most_strands), most_strands * warp, 0, stream>>>(
         b, strands_, positions, thinned_.size() ? thinned_.data() : nullptr);
-    if (wet_cell_.size())
+    if (wet_cell_.size()) {
         check_cuda(cudaMemsetAsync(wet_cell_.data(), 0, wet_cell_.bytes(), stream), "cells without water");
-    take<<<blocks_for(volume_.size(), threads_a_block), threads_a_block, 0, stream>>>(b, volume_.data(),
-                                                                                      wet_volume_.data());
-    build_lists<<<unsigned(tile_.size()), pass_threads, sizeof(TileSearch), stream>>>(
-        b, list_.size() / list_row, report);
+        take<<<blocks_for(volume_.size(), threads_a_block), threads_a_block, 0, stream>>>(b, volume_.data(),
+                                                                                          wet_volume_.data());
+    }
+    build_lists<<<unsigned(who_.size() / list_block), list_block, 0, stream>>>(
+        b, volume_.data(), wet_volume_.data(), list_.size() / ListGroup::lanes, report);
     check_cuda(cudaGetLastError(), "launch of the neighbour lists");
 }
 
@@ -221,8 +239,11 @@ template <class T>
 void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T>* motion, Vec3f* displayed,
                                    cudaStream_t stream) {
     const CohesionBodies b = bodies();
+    const uint32_t places = uint32_t(who_.size());
+    const auto displace_by = threads_a_list_ == 1 ? displace<1> : displace<threads_of_few>;
     for (int pass = 0; pass < term_.passes; ++pass) {
-        displace<<<unsigned(tile_.size()), pass_threads, sizeof(TileSums), stream>>>(b);
+        displace_by<<<blocks_for(places * size_t(threads_a_list_), pass_threads), pass_threads, 0, stream>>>(
+            b, places);
         move_strands<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_);
     }
     show<<<blocks_for(size_t(strands_), shown_of_block_), unsigned(shown_of_block_ * warp),
@@ -234,8 +255,8 @@ template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<fl
 template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<double>*, Vec3f*, cudaStream_t);
 
 bool CohesionDevice::grow(const FrameReport& report) {
-    const size_t rows = report.list_rows, row = list_row * sizeof(uint32_t);
-    if (rows <= list_.size() / list_row) return false;
+    const size_t rows = report.list_rows, row = ListGroup::lanes * sizeof(FourNeighbours);
+    if (rows <= list_.size() / ListGroup::lanes) return false;
     list_ = {};
     size_t free = 0, all = 0;
     check_cuda(cudaMemGetInfo(&free, &all), "free memory");
@@ -245,13 +266,13 @@ bool CohesionDevice::grow(const FrameReport& report) {
                     " are free; a smaller [cohesion] radius may help");
     // Half as much again, or what there is: hair that falls comes together more and more.
     const size_t ample = std::min(rows + rows / 2, std::max(rows, free / row / 10 * 9));
-    list_ = DeviceBuffer<uint32_t>(list_row * ample);
+    list_ = DeviceBuffer<FourNeighbours>(ListGroup::lanes * ample);
     return true;
 }
 
 size_t CohesionDevice::bytes() const {
-    size_t sum = search_.bytes() + point_.bytes() + tile_.bytes() + group_.bytes() + who_.bytes() +
-                 list_.bytes() + displaced_.bytes() + wet_cell_.bytes() + thinned_.bytes();
+    size_t sum = search_.bytes() + point_.bytes() + group_.bytes() + who_.bytes() + list_.bytes() +
+                 displaced_.bytes() + wet_cell_.bytes() + thinned_.bytes();
     for (const auto* b :
          {&volume_, &wet_volume_, &own_volume_, &rest_depth_, &sorted_wet_volume_, &beta_, &own_weight_})
         sum += b->bytes();

@@ -15,7 +15,7 @@ struct FrameReport {
     int diverged = 0x7fffffff;  // first strand that has, if any
     unsigned long long pairs = 0, limited = 0;
     unsigned long long pulled = 0, touching = 0;  // pairs of the last substep's forces and contacts
-    unsigned long long list_rows = 0;             // that neighbour lists ask for, of `list_row` numbers each
+    unsigned long long list_rows = 0;             // that neighbour lists ask for
 };
 
 // Buffers and launches for one scene. Nothing is allocated and nothing read by the host between two calls of
@@ -49,7 +49,7 @@ class CohesionDevice {
     CohesionBodies bodies() const;
     Cohesion term_;
     Thinning thinning_;
-    int strands_, strands_of_block_, shown_of_block_, threads_;
+    int strands_, strands_of_block_, shown_of_block_, threads_, threads_a_list_;
     unsigned blocks_;
     size_t shared_bytes_;
     CellSearchDevice search_;
@@ -61,10 +61,9 @@ class CohesionDevice {
     DeviceBuffer<HairPoint> point_;
     DeviceBuffer<float> sorted_wet_volume_;
     DeviceBuffer<uint8_t> wet_cell_;
-    DeviceBuffer<Tile> tile_;
-    DeviceBuffer<ListGroup> group_;
     DeviceBuffer<uint8_t> who_;
-    DeviceBuffer<uint32_t> list_;
+    DeviceBuffer<ListGroup> group_;
+    DeviceBuffer<FourNeighbours> list_;
     DeviceBuffer<Displaced> displaced_;
     DeviceBuffer<float> beta_, own_weight_;
 };

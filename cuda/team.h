@@ -1,4 +1,4 @@
-// Who works on a few strands or on a tile together, and how they wait for each other. Ours.
+// Who works on a few strands or on their lists together, and how they wait for each other. Ours.
 #pragma once
 
 #include "base/host_device.h"
@@ -17,11 +17,6 @@ struct Alone {
     WETCURL_HD static void at_least(unsigned& shared, unsigned bound) {
         if (shared < bound) shared = bound;
     }
-    WETCURL_HD static unsigned claim(unsigned& shared, unsigned free, unsigned by) {
-        const unsigned before = shared;
-        if (before == free) shared = by;
-        return before;
-    }
 };
 #ifdef __CUDACC__
 // The threads of a block. A part waits with its warp.
@@ -33,16 +28,12 @@ struct Block {
     __device__ static void raise(unsigned& shared, unsigned bits) { atomicOr(&shared, bits); }
     __device__ static unsigned add(unsigned& shared, unsigned count) { return atomicAdd(&shared, count); }
     __device__ static void at_least(unsigned& shared, unsigned bound) { atomicMax(&shared, bound); }
-    __device__ static unsigned claim(unsigned& shared, unsigned free, unsigned by) {
-        return atomicCAS(&shared, free, by);
-    }
 };
 #endif
 
 // One of `threads`, each of which goes through the same. Meeting: wait() for all; any(mine), which waits too,
 // tells whether it holds for any; part_waits() for those of the same part. Of a number that all share raise()
-// sets bits, at_least() a lower bound, add() tells what it was before, and so does claim(), which sets it
-// where it was free.
+// sets bits, at_least() a lower bound, and add() tells what it was before.
 template <class Meeting>
 struct Team : Meeting {
     static constexpr int warp = 32;

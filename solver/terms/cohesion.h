@@ -80,13 +80,25 @@ struct Cohesion {
 };
 
 // u_i, `at(i)`, of a strand's particles smoothed exponentially from the root to the tip and back, twice. The
-// root's stays.
-template <class S, class At>
+// root's stays. So many are read ahead.
+template <int ahead = 1, class S, class At>
 WETCURL_HD void smooth_along(int n, const S& beta, At at) {
+    auto last = at(0);
+    // u_i, u_{i + step}, ..., `count` of them.
+    auto sweep = [&](int i, int step, int count) {
+        auto take = [&](auto& u) { u = last = last + beta * (u - last); };
+        for (; count >= ahead; count -= ahead, i += ahead * step) {
+            std::decay_t<decltype(last)> u[ahead];
+            for (int k = 0; k < ahead; ++k) u[k] = at(i + k * step);
+            for (int k = 0; k < ahead; ++k) take(u[k]);
+            for (int k = 0; k < ahead; ++k) at(i + k * step) = u[k];
+        }
+        for (; count > 0; --count, i += step) take(at(i));
+    };
     for (int round = 0; round < 2; ++round) {
-        auto last = at(0);
-        for (int i = 1; i < n; ++i) at(i) = last = last + beta * (at(i) - last);
-        for (int i = n - 2; i > 0; --i) at(i) = last = last + beta * (at(i) - last);
+        last = at(0);
+        sweep(1, 1, n - 1);
+        sweep(n - 2, -1, n - 2);
     }
 }
 

@@ -20,7 +20,7 @@ struct HostSearch {
           id(p.size()),
           sorted_key(p.size()),
           sorted_id(p.size()),
-          sorted(p.size()),
+          sorted(p.size() + CellSearch::at_once - 1),
           view{uint32_t(p.size()),
                particles,
                key.data(),

@@ -43,10 +43,6 @@ class Threads {
         for (unsigned seen = now; seen < bound && !now.compare_exchange_weak(seen, bound);) {
         }
     }
-    static unsigned claim(unsigned& shared, unsigned free, unsigned by) {
-        std::atomic_ref<unsigned>(shared).compare_exchange_strong(free, by);
-        return free;  // what was there
-    }
 
   private:
     Place* place_;

@@ -1,11 +1,11 @@
-// The device's cohesion run on the host, tile by tile, against the reference pass.
+// The device's cohesion run on the host, block by block, against the reference pass.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
 #include <memory>
 
-#include "cuda/cohesion_tile.h"
+#include "cuda/cohesion_lists.h"
 #include "solver/passes/cohesion.h"
 #include "tests/base/scratch.h"
 #include "tests/cuda/host_search.h"
@@ -37,14 +37,14 @@ struct Tuft {
 struct Result {
     Strands displayed;
     double neighbours_mean;
-    int tiles_of_ranks = 0;  // that see too many
+    uint32_t longest;  // rows of the lists
 };
 
 Result by_reference(const Tuft& hair, const Cohesion& term) {
     CohesionPass pass(term, hair.p.count, Thinning(hair.p, term.spacing), hair.volume, hair.saturation);
     Strands out = hair.p;
     pass.apply(out);
-    return {out, pass.neighbours_mean()};
+    return {out, pass.neighbours_mean(), 0};
 }
 
 template <class Who = OneAlone>
@@ -60,10 +60,9 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
     std::vector<HairPoint> point(count + 1);
     std::vector<float> wet_volume(count), sorted_wet_volume(count + 1);
     const bool some_dry = std::ranges::count(hair.saturation, 0.f) > 0;
-    const uint32_t tiles = (count + tile_particles - 1) / tile_particles;
-    std::vector<Tile> tile(tiles);
-    std::vector<ListGroup> group(tiles * tile_particles / 32);
-    std::vector<uint8_t> lane_takes(tiles * tile_particles);
+    const uint32_t blocks = (count + list_block - 1) / list_block, places = blocks * list_block;
+    std::vector<ListGroup> group(places / ListGroup::lanes);
+    std::vector<uint8_t> lane_takes(places);
     std::vector<Displaced> displaced(count);
     std::vector<float> beta(size_t(hair.p.count)), own(size_t(hair.p.count));
     const HostSearch search(simulated, n, term.h_c, {1, 2, 0});
@@ -72,41 +71,36 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
         term,
         thinning,
         {search.view, point.data(), sorted_wet_volume.data(), some_dry ? wet_cell.data() : nullptr,
-         tile.data(), group.data(), lane_takes.data(), nullptr, displaced.data(), beta.data(), own.data(),
+         group.data(), lane_takes.data(), nullptr, displaced.data(), beta.data(), own.data(),
          thinning.every > 1 ? water.own_volume.data() : nullptr}};
     for (int s = 0; s < hair.p.count; ++s)
         b.measure(s, arc_length(hair.p.strand(s), hair.p.particles), arc_length(asked.strand(s), n));
     for (uint32_t k = 0; k < count; ++k) wet_volume[k] = water.volume[k] * water.saturation[k];
     for (uint32_t k = 0; k < count; ++k) b.take(k, water.volume.data(), wet_volume.data());
 
-    // f(team's tile, its room) for each, the last first: none reads what another writes.
-    auto for_each_tile = [&](auto f) {
-        for (uint32_t t = tiles; t-- > 0;)
-            as_a_team(
-                who, [&]<class Meeting>(const Team<Meeting>& team) { f(CohesionTile<Meeting>(b, team, t)); });
-    };
-    // Once to know how much room lists take, and again, as the device does.
-    std::vector<uint32_t> list;
+    // Until there is room for them, as the device does.
+    std::vector<FourNeighbours> list;
     double pairs = 0;
-    const auto search_room = std::make_unique<TileSearch>();
-    const auto sum_room = std::make_unique<TileSums>();
-    for (int time = 0; time < 2; ++time) {
-        const uint32_t room = uint32_t(list.size()) / list_row;
-        uint32_t rows = 0;
-        pairs = 0;
-        for_each_tile([&](const auto& tile_of_team) {
-            tile_of_team.list(*search_room, [&](uint32_t more, unsigned of_tile) {
-                const uint32_t row = rows;
-                rows += more, pairs += of_tile;
-                return rows <= room ? row : no_list;
-            });
-        });
-        list.resize(list_row * size_t(rows));
+    const auto list_room = std::make_unique<ListRoom>();
+    for (uint32_t rows = 1; ListGroup::lanes * size_t(rows) > list.size();) {
+        list.resize(ListGroup::lanes * size_t(rows));
         b.m.list = list.data();
+        const uint32_t room = rows;
+        rows = 0, pairs = 0;
+        auto reserve = [&](uint32_t more, unsigned of_block) {
+            const uint32_t row = rows;
+            rows += more, pairs += of_block;
+            return rows <= room ? row : no_list;
+        };
+        for (uint32_t k = 0; k < blocks; ++k)
+            as_a_team(who, [&]<class Meeting>(const Team<Meeting>& team) {
+                CohesionLists<Meeting>(b, team, k).build(*list_room, reserve);
+            });
     }
     std::vector<float> by[3], u(size_t(n), 0);
     for (int pass = 0; pass < term.passes; ++pass) {
-        for_each_tile([&](const auto& tile_of_team) { tile_of_team.displace(*sum_room); });
+        // Backwards: a pass reads no position that it writes.
+        for (uint32_t place = places; place-- > 0;) b.displace(place, 0, [](float x) { return x; });
         for (uint32_t first = 0; first < count; first += uint32_t(n)) {
             for (int axis = 0; axis < 3; ++axis) {
                 for (int i = 0; i < n; ++i) {
@@ -120,8 +114,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
             for (uint32_t i = 0; i < uint32_t(n); ++i) b.move(first + i, {by[0][i], by[1][i], by[2][i]});
         }
     }
-    Result out{hair.p, pairs / double(count)};
-    for (const Tile& t : tile) out.tiles_of_ranks += t.seen == too_many;
+    Result out{hair.p, pairs / double(count), std::ranges::max(group, {}, &ListGroup::rows).rows};
     std::vector<ShownPoint> shown;
     for (int s = 0; s < hair.p.count; ++s)
         for (int i = 0; i < hair.p.particles; ++i) shown.push_back(b.shown(s, i, hair.p.points.data()));
@@ -178,7 +171,7 @@ TEST(CohesionBodies, do_the_same_as_many_threads) {
     }
 }
 
-// More neighbours than are kept when they are found, and more than a block's memory holds.
+// More neighbours than are kept when they are found, and more than have lengths of their own.
 TEST(CohesionBodies, do_what_the_reference_pass_does_in_a_crowd) {
     for (double radius : {0.012, 0.4}) {
         Cohesion term{radius, 0.85, 0.0, unbounded, 0};
@@ -186,8 +179,7 @@ TEST(CohesionBodies, do_what_the_reference_pass_does_in_a_crowd) {
         const Tuft hair(50, 90, 2);
         const Result wanted = by_reference(hair, term), got = by_bodies(hair, term, ManyThreads());
         ASSERT_GT(farthest(wanted.displayed, hair.p), 2e-5);
-        EXPECT_GT(got.neighbours_mean, 60);
-        EXPECT_EQ(got.tiles_of_ranks, radius > 0.1 ? 18 : 0);
+        EXPECT_GT(got.longest, ListRoom::lengths);
         EXPECT_NEAR(got.neighbours_mean, wanted.neighbours_mean, 1e-9);
         EXPECT_LT(farthest(got.displayed, wanted.displayed), 3e-6) << radius;
     }
