@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <numeric>
 #include <random>
 #ifdef WETCURL_HAVE_NANOFLANN
 #include <nanoflann.hpp>
@@ -169,15 +168,14 @@ void by_brute_force(const Cloud& cloud, std::vector<uint32_t>& count) {
 struct ByGrid {
     NeighborGrid grid;
     NeighborList list;
-    std::vector<uint32_t> group;
     std::vector<float> source;
 
     void operator()(const Cloud& cloud, std::vector<uint32_t>& count) {
         const size_t n = cloud.points.size(), padded = n + NeighborList::padding;
         grid.build(cloud.points.data(), n, cloud.radius);
-        group.resize(padded), source.assign(padded, 1.f);
-        std::iota(group.begin(), group.end(), 0u);
-        list.build(grid, group, source, cloud.radius);
+        source.assign(padded, 1.f);
+        for (size_t k = 0; k < n; ++k) grid.points().set_group(k, uint32_t(k));
+        list.build(grid, source, cloud.radius);
 #pragma omp parallel for schedule(static)
         for (size_t c = 0; c < list.clusters(); ++c) {
             uint32_t found[NeighborList::cluster]{};

@@ -100,7 +100,7 @@ struct CellSearch {
                 for (uint32_t l = 0; l < at_once; ++l) {
                     const Vec3f d = other[l].position() - p;
                     // All three, whatever the first says: a branch takes longer.
-                    candidate(bool((k + l < end) & (dot(d, d) < radius * radius) &
+                    candidate(bool((l == 0 || k + l < end) & (dot(d, d) < radius * radius) &
                                    (other[l].id - own >= uint32_t(particles))),
                               k + l, other[l]);
                 }

@@ -12,6 +12,19 @@
 
 namespace wetcurl {
 
+// What is read once in a pass shall not drive what is read again from the caches.
+template <class T>
+WETCURL_HD T read_once(const T* from) {
+#ifdef __CUDA_ARCH__
+    using Whole = std::conditional_t<sizeof(T) == 16, uint4, unsigned>;
+    static_assert(sizeof(T) == sizeof(Whole));
+    const Whole whole = __ldcs(reinterpret_cast<const Whole*>(from));
+    return reinterpret_cast<const T&>(whole);
+#else
+    return *from;
+#endif
+}
+
 // Where a particle is, and V = m / rho: read at once.
 struct alignas(16) HairPoint {
     float x, y, z, volume;
@@ -119,7 +132,7 @@ struct CohesionBodies {
             uint32_t of[each];
         };
         auto entries = [&](uint32_t row) {
-            return reinterpret_cast<const Entries*>(list + ListGroup::lanes * size_t(row))[part];
+            return read_once(reinterpret_cast<const Entries*>(list + ListGroup::lanes * size_t(row)) + part);
         };
         const HairPoint own = m.point[k];
         Cohesion::Sums<float> sums{{0, 0, 0}, 0};

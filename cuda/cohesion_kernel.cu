@@ -86,9 +86,11 @@ __global__ void __launch_bounds__(pass_threads) displace(const CohesionBodies b,
     });
 }
 
-// The other, whole strands a block; a thread smooths a coordinate along one. Shared memory: displacements
-// (3, strand, particle), of so many numbers a strand that those of particle i lie in different banks.
+// The other, whole strands a block; a thread smooths a coordinate along one. Shared memory: where particles
+// are and their ranks, (strand, particle), then displacements (3, strand, particle), of so many numbers a
+// strand that those of particle i lie in different banks.
 __host__ __device__ int numbers_a_strand(int particles) { return particles | 1; }
+constexpr size_t bytes_a_particle = sizeof(HairPoint) + sizeof(uint32_t) + 3 * sizeof(float);
 __global__ void __launch_bounds__(pass_threads) move_strands(const CohesionBodies b, int strands_of_block) {
     extern __shared__ __align__(16) unsigned char own[];
     const int n = b.m.search.particles, row = numbers_a_strand(n), axis_at = strands_of_block * row,
@@ -187,15 +189,16 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
     threads_a_list_ = who_.size() * threads_of_few <= size_t(processors) * 4096 ? threads_of_few : 1;
     // A warp smooths so many strands, but there shall be eight blocks a processor.
     strands_of_block_ = std::clamp(strands / (8 * processors), 1, warp / 4);
-    blocks_ = unsigned((strands + strands_of_block_ - 1) / strands_of_block_);
-    threads_ = std::min((strands_of_block_ * particles + warp - 1) / warp * warp, pass_threads);
-    shared_bytes_ = size_t(strands_of_block_) * ((sizeof(HairPoint) + sizeof(uint32_t)) * size_t(particles) +
-                                                 3 * sizeof(float) * size_t(numbers_a_strand(particles)));
-    const size_t strand_bytes = size_t(thinning.particles) * sizeof(ShownPoint);
-    if (std::max(strand_bytes, shared_bytes_) > size_t(most_shared))
+    const size_t of_a_strand = bytes_a_particle * size_t(particles) + 3 * sizeof(float),
+                 strand_bytes = size_t(thinning.particles) * sizeof(ShownPoint);
+    if (std::max(strand_bytes, of_a_strand) > size_t(most_shared))
         throw Error("cohesion on a CUDA device: found strands of " + std::to_string(thinning.particles) +
                     " particles, allowed at most " +
-                    std::to_string(size_t(most_shared) / sizeof(ShownPoint)));
+                    std::to_string(size_t(most_shared) / bytes_a_particle - 1));
+    strands_of_block_ = std::min(strands_of_block_, int(size_t(most_shared) / of_a_strand));
+    blocks_ = unsigned((strands + strands_of_block_ - 1) / strands_of_block_);
+    threads_ = std::min((strands_of_block_ * particles + warp - 1) / warp * warp, pass_threads);
+    shared_bytes_ = size_t(strands_of_block_) * of_a_strand;
     shown_of_block_ = int(std::min<size_t>(most_strands, size_t(most_shared) / strand_bytes));
     allow_shared_memory(move_strands), allow_shared_memory(show<float>), allow_shared_memory(show<double>);
     // What a pass reads again shall be near: it shares nothing else.

@@ -10,8 +10,7 @@ namespace wetcurl {
 // A block's own memory meanwhile.
 struct ListRoom {
     static constexpr int size = list_block, staged = 48, lengths = 64, groups = size / ListGroup::lanes;
-    uint32_t
-        near[(staged + 1) * size];  // (entry, particle): the first that were found, and a place for others
+    uint32_t near[(staged + 1) * size];  // (entry, particle): the first that are found; the last is any
     uint32_t found[size];
     uint8_t who[size];
     // How many lists are about as long, and which lane the next of them gets.
@@ -47,9 +46,13 @@ class CohesionLists {
   private:
     WETCURL_HD void find(ListRoom& own, int p) const {
         const uint32_t k = first_ + uint32_t(p);
+        const int last = staged * size + p;
+        int at = p;
         uint32_t found = 0;
         const bool wet = k < b_.m.search.count && b_.neighbours(k, [&](bool near, uint32_t j) {
-            own.near[int(found < staged ? found : staged) * size + p] = j;
+            own.near[at] = j;
+            at += near ? size : 0;
+            at = at < last ? at : last;
             found += near;
         });
         own.found[p] = found = wet ? found : 0;

@@ -2,6 +2,7 @@
 // Ours. Cells along a row too would be many times the points: hair fills little of its box.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -24,12 +25,15 @@ class PointQuads {
     }
     float& number(size_t k) { return quads_[k / 4].number[k % 4]; }
     float number(size_t k) const { return quads_[k / 4].number[k % 4]; }
+    // In the number's place, while neighbours are searched for.
+    void set_group(size_t k, uint32_t group) { number(k) = std::bit_cast<float>(group); }
     // Points k .. k + 3 in each quad of lanes, and their numbers where a lane's bit is set, else 0; k: of a
     // four the first.
     Vec3<Pack<float>> in_each_quad(size_t k) const {
         const Quad& q = quads_[k / 4];
         return {wetcurl::in_each_quad(q.x), wetcurl::in_each_quad(q.y), wetcurl::in_each_quad(q.z)};
     }
+    Pack<float> numbers_in_each_quad(size_t k) const { return wetcurl::in_each_quad(quads_[k / 4].number); }
     Pack<float> numbers_in_each_quad(size_t k, uint32_t bits) const {
         return wetcurl::in_each_quad(quads_[k / 4].number, bits);
     }
@@ -37,6 +41,9 @@ class PointQuads {
     Vec3<Pack<float>> a_quad_each(size_t k) const {
         const float* x = reinterpret_cast<const float*>(&quads_[k / 4]) + k % 4;
         return {wetcurl::a_quad_each(x), wetcurl::a_quad_each(x + 4), wetcurl::a_quad_each(x + 8)};
+    }
+    Pack<float> numbers_a_quad_each(size_t k) const {
+        return wetcurl::a_quad_each(quads_[k / 4].number + k % 4);
     }
     size_t bytes() const { return quads_.capacity() * sizeof(Quad); }
 

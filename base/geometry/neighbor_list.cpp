@@ -29,12 +29,11 @@ uint32_t NeighborList::Search::operator()(NeighborGrid::Sweep& sweep, size_t c, 
     using S = Pack<float>;
     // Numbers that are compared alone.
     const auto ids = [](S from) { return std::bit_cast<S::Mask>(from.v); };
-    const auto* const groups = reinterpret_cast<const float*>(group.data());
     const PointQuads& points = grid.points();
     const size_t first = c * cluster, stop = std::min(first + cluster, grid.size());
     const Vec3<S> own = points.a_quad_each(first);
     const S reach(radius * radius);
-    const S::Mask own_group = ids(a_quad_each(groups + first));
+    const S::Mask own_group = ids(points.numbers_a_quad_each(first));
     const size_t before = found.count;
     uint32_t pairs = 0, with_source = 0;
     for (size_t k = first, end; k < stop; k = end) {
@@ -52,7 +51,8 @@ uint32_t NeighborList::Search::operator()(NeighborGrid::Sweep& sweep, size_t c, 
             for (uint32_t at = low & ~3u; at < high; at += 4) {
                 const Vec3<S> d = points.in_each_quad(at) - own;
                 uint32_t bits =
-                    bits_of((dot(d, d) < reach) & (ids(in_each_quad(groups + at)) != own_group)) & asked;
+                    bits_of((dot(d, d) < reach) & (ids(points.numbers_in_each_quad(at)) != own_group)) &
+                    asked;
                 if (at < low) bits &= (15u << (low - at) & 15) * first_lanes;
                 if (high - at < 4) bits &= ((1u << (high - at)) - 1) * first_lanes;
                 // Written in any case, kept where there is one: half of the branches would be mispredicted.
@@ -78,8 +78,7 @@ uint32_t NeighborList::Search::operator()(NeighborGrid::Sweep& sweep, size_t c, 
     return pairs;
 }
 
-void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& group,
-                         const std::vector<float>& source, float radius) {
+void NeighborList::build(const NeighborGrid& grid, const std::vector<float>& source, float radius) {
     const size_t count = grid.size();
     clusters_ = (count + cluster - 1) / cluster;
     const size_t chunks = (clusters_ + chunk - 1) / chunk;
@@ -90,7 +89,7 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
                    end = source.begin() + long(std::min(count, (block + 1) * sources));
         some_source_[block] = std::any_of(first, end, [](float s) { return s > 0; });
     }
-    const Search search{grid, group, source, some_source_, radius};
+    const Search search{grid, source, some_source_, radius};
     begin_.resize(clusters_ + chunks);
     // As much room for each thread as any has needed: which chunks it meets is chance.
     found_.resize(size_t(omp_get_max_threads()));
@@ -127,8 +126,8 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<uint32_t>& 
             found_[size_t(omp_get_thread_num())] = std::move(found);
         }
         if (used <= first_.size()) break;
-        // A tenth of slack, more for few: growing by doubling would double the largest buffer of all.
-        const size_t more = used + used / 10 + 1024;
+        // A twentieth of slack, more for few: growing by doubling would double the largest buffer of all.
+        const size_t more = used + used / 20 + 1024;
         if (more > UINT32_MAX) throw Error("neighbour lists: more than 2^32 runs; make the radius smaller");
         first_ = {}, bits_ = {};
         first_.resize(more), bits_.resize(more);

@@ -18,10 +18,9 @@ class NeighborList {
     static constexpr size_t padding = 4;
 
     // Neighbours of each sorted point k of `grid`: the points within `radius` [m] (at most the grid's) of
-    // another group than its own. Points without a neighbour of positive `source` get none at all.
-    // `group`, `source`: (points and a vector more), in the grid's order.
-    void build(const NeighborGrid& grid, const std::vector<uint32_t>& group, const std::vector<float>& source,
-               float radius);
+    // another group than its own, which its points were given. Points without a neighbour of positive
+    // `source` get none at all. `source`: (points and a vector more), in the grid's order.
+    void build(const NeighborGrid& grid, const std::vector<float>& source, float radius);
 
     size_t clusters() const { return clusters_; }
     // Runs of cluster c, of points c * cluster and on: visit(first, bits), where bit 4 i + j says that sorted
@@ -58,7 +57,6 @@ class NeighborList {
     // Of cluster c, the sweep's next.
     struct Search {
         const NeighborGrid& grid;
-        const std::vector<uint32_t>& group;
         const std::vector<float>& source;
         const std::vector<uint8_t>& some_source;
         float radius;

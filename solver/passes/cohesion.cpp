@@ -25,7 +25,7 @@ CohesionPass::CohesionPass(const Cohesion& term, int strands, const Thinning& th
       volume_(water_ ? water_->volume : volume),
       saturation_(water_ ? water_->saturation : saturation) {
     const size_t count = size_t(strands) * size_t(particles_), padded = count + NeighborList::padding;
-    sums_.resize(padded), sorted_wet_volume_.resize(padded), strand_.resize(padded);
+    sums_.resize(padded), sorted_wet_volume_.resize(padded);
     rank_.resize(count);
     if (reach > 0) any_.assign(padded, 1.f);
     segment_.resize(size_t(strands)), own_weight_.resize(size_t(strands));
@@ -49,13 +49,14 @@ void CohesionPass::build_lists(const Strands& p, const Strands& whole) {
 #pragma omp for schedule(static)
         for (long k = 0; k < count; ++k) {
             const size_t at = size_t(k), id = grid_.order()[at];
-            grid_.points().number(at) = volume_[id];
+            grid_.points().set_group(at, uint32_t(id) / uint32_t(particles_));
             sorted_wet_volume_[at] = saturation_[id] * volume_[id];
-            strand_[at] = uint32_t(id) / uint32_t(particles_);
             rank_[id] = uint32_t(k);
         }
     }
-    list_.build(grid_, strand_, any_.empty() ? sorted_wet_volume_ : any_, radius);
+    list_.build(grid_, any_.empty() ? sorted_wet_volume_ : any_, radius);
+#pragma omp parallel for schedule(static)
+    for (long k = 0; k < count; ++k) grid_.points().number(size_t(k)) = volume_[grid_.order()[size_t(k)]];
     list_seconds_ = omp_get_wtime() - begin;
 }
 
@@ -166,7 +167,7 @@ size_t CohesionPass::bytes() const {
         sorted_wet_volume_.capacity() + segment_.capacity() + own_weight_.capacity() + any_.capacity();
     const size_t thinned = water_ ? 3 * water_->volume.capacity() * sizeof(float) : 0;
     return thinned + thinned_.points.capacity() * sizeof(Vec3f) + floats * sizeof(float) +
-           (strand_.capacity() + rank_.capacity()) * sizeof(uint32_t) + sums_.capacity() * sizeof sums_[0] +
+           rank_.capacity() * sizeof(uint32_t) + sums_.capacity() * sizeof sums_[0] +
            moved_.size() * size_t(particles_) * sizeof(Moved) + grid_.bytes() + list_.bytes();
 }
 

@@ -53,7 +53,6 @@ class CohesionPass {
     std::vector<Cohesion::Sums<float>> sums_;  // of the pass at hand
     std::vector<float> sorted_wet_volume_;     // sigma_j V_j
     std::vector<float> any_;                   // ones; empty where the lists are Eq 10's alone
-    std::vector<uint32_t> strand_;
     std::vector<uint32_t> rank_;               // of each particle (strand, particle) in the grid's order
     std::vector<float> segment_, own_weight_;  // (strand) mean segment length [m], own_weight of it
     // (thread, particle) a lane a strand: how the pass at hand moves it, and what that comes of.

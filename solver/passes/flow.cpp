@@ -87,9 +87,9 @@ void FlowPass::run_along(const Strands& p, double dt, const Vec3d& gravity) {
 void FlowPass::search(const Strands& p) {
     const size_t count = p.points.size(), padded = count + NeighborList::padding;
     grid_.build(p.points.data(), count, float(flow_.reach));
-    strand_.resize(padded), any_source_.assign(padded, 1.f);
-    for (size_t k = 0; k < count; ++k) strand_[k] = grid_.order()[k] / uint32_t(n_);
-    list_.build(grid_, strand_, any_source_, float(flow_.reach));
+    any_source_.assign(padded, 1.f);
+    for (size_t k = 0; k < count; ++k) grid_.points().set_group(k, grid_.order()[k] / uint32_t(n_));
+    list_.build(grid_, any_source_, float(flow_.reach));
 }
 
 void FlowPass::exchange(double dt, const NeighborGrid& grid, const NeighborList& list) {
@@ -137,7 +137,7 @@ size_t FlowPass::bytes() const {
     const size_t doubles = sigma_.capacity() + next_.capacity() + hair_.mass.capacity() +
                            hair_.length.capacity() + limit_.capacity() + 3 * ledger_.capacity();
     return doubles * sizeof(double) + (shown_.capacity() + any_source_.capacity()) * sizeof(float) +
-           strand_.capacity() * sizeof(uint32_t) + grid_.bytes() + list_.bytes();
+           grid_.bytes() + list_.bytes();
 }
 
 }  // namespace wetcurl

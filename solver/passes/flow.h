@@ -54,7 +54,6 @@ class FlowPass {
     // Where nobody else searches.
     NeighborGrid grid_;
     NeighborList list_;
-    std::vector<uint32_t> strand_;
     std::vector<float> any_source_;
 };
 

@@ -16,7 +16,7 @@ std::vector<double> particle_masses(const Scene& scene) {
 StrandPairs::StrandPairs(const Scene& scene, double radius)
     : saturation_(scene.saturation), particles_(scene.groom.rest.particles), radius_(float(radius)) {
     const size_t count = scene.groom.rest.points.size(), padded = count + NeighborList::padding;
-    near_.resize(count), strand_.resize(padded), wet_.resize(padded);
+    near_.resize(count), wet_.resize(padded);
 }
 
 void StrandPairs::find(const std::vector<Vec3d>& x) {
@@ -25,15 +25,14 @@ void StrandPairs::find(const std::vector<Vec3d>& x) {
     grid_.build(near_.data(), near_.size(), radius_);
     for (size_t k = 0; k < grid_.size(); ++k) {
         const size_t id = grid_.order()[k];
-        strand_[k] = uint32_t(id) / uint32_t(particles_);
+        grid_.points().set_group(k, uint32_t(id) / uint32_t(particles_));
         wet_[k] = saturation_[id];
     }
-    list_.build(grid_, strand_, wet_, radius_);
+    list_.build(grid_, wet_, radius_);
 }
 
 size_t StrandPairs::bytes() const {
-    return near_.capacity() * sizeof(Vec3f) + strand_.capacity() * sizeof(uint32_t) +
-           wet_.capacity() * sizeof(float) + grid_.bytes() + list_.bytes();
+    return near_.capacity() * sizeof(Vec3f) + wet_.capacity() * sizeof(float) + grid_.bytes() + list_.bytes();
 }
 
 }  // namespace wetcurl

@@ -75,7 +75,6 @@ class StrandPairs {
     NeighborList list_;
     std::vector<Vec3f> near_;  // x in the precision of the search
     // In the grid's order, a vector longer than there are points.
-    std::vector<uint32_t> strand_;
     std::vector<float> wet_;
 };
 

@@ -17,7 +17,7 @@ StrandContactPass::StrandContactPass(const StrandContact& term, const Strands& r
     const size_t count = rest.points.size(), padded = count + NeighborList::padding;
     for (auto* points : {&searched_, &velocity_, &drawn_}) points->resize(count);
     for (auto* numbers : {&weight_, &contacts_}) numbers->assign(padded, 0.f);
-    any_.assign(padded, 1.f), strand_.resize(padded);
+    any_.assign(padded, 1.f);
 }
 
 void StrandContactPass::build_lists() {
@@ -28,9 +28,9 @@ void StrandContactPass::build_lists() {
     for (long k = 0; k < count; ++k) {
         const size_t at = size_t(k), id = grid_.order()[at];
         searched_.set(at, x.points[id]), drawn_.set(at, rest_.points[id]);
-        strand_[at] = uint32_t(id) / uint32_t(x.particles);
+        grid_.points().set_group(at, uint32_t(id) / uint32_t(x.particles));
     }
-    list_.build(grid_, strand_, any_, radius);
+    list_.build(grid_, any_, radius);
     ++lists_built_;
 }
 
@@ -112,8 +112,7 @@ size_t StrandContactPass::bytes() const {
     const size_t floats =
         inverse_mass.capacity() + weight_.capacity() + contacts_.capacity() + any_.capacity();
     return floats * sizeof(float) + (x.points.capacity() + v.points.capacity()) * sizeof(Vec3f) +
-           strand_.capacity() * sizeof(uint32_t) + searched_.bytes() + velocity_.bytes() + drawn_.bytes() +
-           grid_.bytes() + list_.bytes();
+           searched_.bytes() + velocity_.bytes() + drawn_.bytes() + grid_.bytes() + list_.bytes();
 }
 
 }  // namespace wetcurl

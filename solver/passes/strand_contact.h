@@ -52,7 +52,6 @@ class StrandContactPass {
     // In the grid's order, as long as lists ask for.
     PointQuads searched_, velocity_, drawn_;
     std::vector<float> weight_, contacts_, any_;  // 1/m; pairs in touch; ones
-    std::vector<uint32_t> strand_;
     long lists_built_ = 0;
 };
 

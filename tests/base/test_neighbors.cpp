@@ -72,12 +72,13 @@ struct Listed {
     NeighborList list;
     Listed(const std::vector<Vec3f>& p, float radius, float source_above) {
         grid.build(p.data(), p.size(), radius);
-        group.resize(p.size() + NeighborList::padding), source.resize(p.size() + NeighborList::padding);
+        group.resize(p.size()), source.resize(p.size() + NeighborList::padding);
         for (size_t k = 0; k < p.size(); ++k) {
             group[k] = grid.order()[k] % 3;
+            grid.points().set_group(k, group[k]);
             source[k] = grid.sorted(k).x > source_above ? 1.f : 0.f;
         }
-        list.build(grid, group, source, radius);
+        list.build(grid, source, radius);
     }
     std::vector<uint32_t> neighbours(size_t k) const {
         std::vector<uint32_t> found;
@@ -122,20 +123,19 @@ TEST(NeighborList, is_empty_where_no_neighbour_is_a_source) {
 TEST(NeighborList, can_be_built_again_for_a_denser_cloud_and_for_none) {
     NeighborGrid grid;
     NeighborList list;
-    const std::vector<uint32_t> group(3000, 0);
     const std::vector<float> source(3000, 1.f);
-    std::vector<uint32_t> own(3000);
-    for (uint32_t k = 0; k < own.size(); ++k) own[k] = k;
     for (double size : {0.2, 0.05}) {
         const auto p = cloud(2500, size, 7);
         grid.build(p.data(), p.size(), 0.02f);
-        list.build(grid, own, source, 0.02f);
+        for (uint32_t k = 0; k < p.size(); ++k) grid.points().set_group(k, k);
+        list.build(grid, source, 0.02f);
         EXPECT_GT(list.neighbours_mean(), size < 0.1 ? 50 : 0.5);
-        list.build(grid, group, source, 0.02f);
+        for (uint32_t k = 0; k < p.size(); ++k) grid.points().set_group(k, 0);
+        list.build(grid, source, 0.02f);
         EXPECT_EQ(list.neighbours_mean(), 0);
     }
     grid.build(nullptr, 0, 0.02f);
-    list.build(grid, own, source, 0.02f);
+    list.build(grid, source, 0.02f);
     EXPECT_EQ(list.neighbours_mean(), 0);
 }
 
