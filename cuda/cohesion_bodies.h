@@ -64,7 +64,7 @@ struct CohesionMemory {
     float* wet_volume;         // sigma V
     uint8_t* wet_cell;         // (cells) whether a wet particle lies there; null where all are wet
     ListGroup* group;          // (blocks, groups of 32)
-    uint8_t* who;              // (blocks, 128) of its block's particles a lane takes
+    uint8_t* who;              // (blocks, 128) of its block's particles a lane takes, where there are lists
     FourNeighbours* list;      // (row, lane); lists are filled up with nobody, of rank search.count
     Displaced* displaced;      // (strand, particle)
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
@@ -122,9 +122,10 @@ struct CohesionBodies {
     template <int shared = 1, class Together>
     WETCURL_HD void displace(uint32_t place, int part, Together together) const {
         constexpr int each = 4 / shared;
-        const uint32_t k = place - place % uint32_t(list_block) + m.who[place], nobody = m.search.count;
         const ListGroup group = m.group[place / ListGroup::lanes];
-        if (k >= nobody || group.rows == 0) return;
+        if (group.rows == 0) return;
+        const uint32_t k = place - place % uint32_t(list_block) + m.who[place], nobody = m.search.count;
+        if (k >= nobody) return;
         const FourNeighbours* list = m.entries(group, place);
         const uint32_t id = m.search.sorted_id[k], n = uint32_t(m.search.particles);
         if (id % n == 0 || list[0].of[0] == nobody) return;

@@ -14,7 +14,8 @@ namespace wetcurl {
 // Points by fours, each four with a number more of each in one line of a cache.
 class PointQuads {
   public:
-    void resize(size_t count) { quads_.resize((count + 3) / 4); }
+    // And one four that is read with the last's numbers.
+    void resize(size_t count) { quads_.resize((count + 3) / 4 + 1); }
     Vec3f at(size_t k) const {
         const Quad& q = quads_[k / 4];
         return {q.x[k % 4], q.y[k % 4], q.z[k % 4]};

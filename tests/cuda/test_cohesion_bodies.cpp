@@ -62,7 +62,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
     const bool some_dry = std::ranges::count(hair.saturation, 0.f) > 0;
     const uint32_t blocks = (count + list_block - 1) / list_block, places = blocks * list_block;
     std::vector<ListGroup> group(places / ListGroup::lanes);
-    std::vector<uint8_t> lane_takes(places);
+    const auto lane_takes = std::make_unique_for_overwrite<uint8_t[]>(places);
     std::vector<Displaced> displaced(count);
     std::vector<float> beta(size_t(hair.p.count)), own(size_t(hair.p.count));
     const HostSearch search(simulated, n, term.h_c, {1, 2, 0});
@@ -71,7 +71,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
         term,
         thinning,
         {search.view, point.data(), sorted_wet_volume.data(), some_dry ? wet_cell.data() : nullptr,
-         group.data(), lane_takes.data(), nullptr, displaced.data(), beta.data(), own.data(),
+         group.data(), lane_takes.get(), nullptr, displaced.data(), beta.data(), own.data(),
          thinning.every > 1 ? water.own_volume.data() : nullptr}};
     for (int s = 0; s < hair.p.count; ++s)
         b.measure(s, arc_length(hair.p.strand(s), hair.p.particles), arc_length(asked.strand(s), n));
