@@ -87,6 +87,7 @@ struct CellSearch {
 
     // Calls candidate(near, k, sorted[k]) for sorted particles k around p, always in the same order: `near`
     // for each that is nearer to p than the radius on another strand than particle `of` (`count`: on any).
+    // Where it is false, k may be count and more.
     template <class Candidate>
     WETCURL_HD void candidates(uint32_t of, const Vec3f& p, Candidate candidate) const {
         const Vec3f from = p - origin;

@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 
 #include "base/geometry/filter.h"
 #include "cuda/cell_search.h"
+#include "cuda/team.h"
 #include "solver/passes/contact.h"
 #include "solver/passes/thinning.h"
 #include "solver/terms/cohesion.h"
@@ -13,23 +16,28 @@
 namespace wetcurl {
 
 // What is read once in a pass shall not drive what is read again from the caches.
-template <class T>
-WETCURL_HD T read_once(const T* from) {
+template <int count>
+struct alignas(4 * count) Ranks {
+    uint32_t of[count];
+};
+template <int count>
+WETCURL_HD Ranks<count> read_once(const uint32_t* from) {
+    Ranks<count> ranks;
 #ifdef __CUDA_ARCH__
-    using Whole = std::conditional_t<sizeof(T) == 16, uint4, unsigned>;
-    static_assert(sizeof(T) == sizeof(Whole));
+    using Whole = std::conditional_t<count == 4, uint4, unsigned>;
+    static_assert(sizeof ranks == sizeof(Whole));
     const Whole whole = __ldcs(reinterpret_cast<const Whole*>(from));
-    return reinterpret_cast<const T&>(whole);
+    memcpy(&ranks, &whole, sizeof ranks);
 #else
-    return *from;
+    std::memcpy(&ranks, from, sizeof ranks);
 #endif
+    return ranks;
 }
 
 // Where a particle is, and V = m / rho: read at once.
 struct alignas(16) HairPoint {
     float x, y, z, volume;
     WETCURL_HD Vec3f position() const { return {x, y, z}; }
-    WETCURL_HD HairPoint moved(const Vec3f& by) const { return {x + by.x, y + by.y, z + by.z, volume}; }
 };
 // How far a pass moves a particle, before that is smoothed along its strand, and where it is in the order.
 struct alignas(16) Displaced {
@@ -61,12 +69,12 @@ struct CohesionMemory {
     CellSearch search;  // within Eq 10's h
     // In the order of cells, and one more who is nobody, without volume.
     HairPoint* point;
-    float* wet_volume;         // sigma V
-    uint8_t* wet_cell;         // (cells) whether a wet particle lies there; null where all are wet
-    ListGroup* group;          // (blocks, groups of 32)
-    uint8_t* who;              // (blocks, 128) of its block's particles a lane takes, where there are lists
-    FourNeighbours* list;      // (row, lane); lists are filled up with nobody, of rank search.count
-    Displaced* displaced;      // (strand, particle)
+    float* wet_volume;     // sigma V
+    uint8_t* wet_cell;     // (cells) whether a wet particle lies there; null where all are wet
+    ListGroup* group;      // (blocks, groups of 32)
+    uint8_t* who;          // (blocks, 128) of its block's particles a lane takes; any where there is no list
+    FourNeighbours* list;  // (row, lane); lists are filled up with nobody, of rank search.count
+    Displaced* displaced;  // (strand, particle)
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
     const float* own_volume;   // (strand, particle) of itself, null: V is
 
@@ -97,8 +105,9 @@ struct CohesionBodies {
         const uint32_t cell = m.search.sorted_key[k];
         if (m.wet_cell && m.wet_volume[k] > 0 && cell < m.search.grid.cells()) m.wet_cell[cell] = 1;
     }
-    // Calls candidate(near, j), j a rank, for particles around particle k of the order, once all are taken:
-    // `near` for those that Eq 10 sees. Returns whether one of them is wet: nobody is drawn to others.
+    // Calls candidate(near, j) for particles around particle k of the order, where some hair is dry once all
+    // are taken: `near` for those that Eq 10 sees, j their rank. Returns false where all of them are dry:
+    // nobody is drawn to those.
     template <class Candidate>
     WETCURL_HD bool neighbours(uint32_t k, Candidate candidate) const {
         const SortedPoint p = m.search.sorted[k];
@@ -122,24 +131,20 @@ struct CohesionBodies {
     template <int shared = 1, class Together>
     WETCURL_HD void displace(uint32_t place, int part, Together together) const {
         constexpr int each = 4 / shared;
-        const ListGroup group = m.group[place / ListGroup::lanes];
-        if (group.rows == 0) return;
         const uint32_t k = place - place % uint32_t(list_block) + m.who[place], nobody = m.search.count;
-        if (k >= nobody) return;
+        const ListGroup group = m.group[place / ListGroup::lanes];
+        if (k >= nobody || group.rows == 0) return;
         const FourNeighbours* list = m.entries(group, place);
         const uint32_t id = m.search.sorted_id[k], n = uint32_t(m.search.particles);
         if (id % n == 0 || list[0].of[0] == nobody) return;
-        struct alignas(4 * each) Entries {
-            uint32_t of[each];
-        };
         auto entries = [&](uint32_t row) {
-            return read_once(reinterpret_cast<const Entries*>(list + ListGroup::lanes * size_t(row)) + part);
+            return read_once<each>(list[ListGroup::lanes * size_t(row)].of + each * part);
         };
         const HairPoint own = m.point[k];
         Cohesion::Sums<float> sums{{0, 0, 0}, 0};
-        Entries next = entries(0);
+        Ranks<each> next = entries(0);
         for (uint32_t row = 1; row <= group.rows; ++row) {
-            const Entries now = next;
+            const Ranks<each> now = next;
             if (row < group.rows) next = entries(row);
             for (const uint32_t j : now.of) {
                 const HairPoint other = m.point[j];
@@ -151,9 +156,40 @@ struct CohesionBodies {
             term.displacement(sums, (m.own_volume ? m.own_volume[id] : own.volume) * m.own_weight[id / n]);
         if (part == 0) m.displaced[id] = {d.x, d.y, d.z, k};
     }
-    WETCURL_HD void move(uint32_t id, const Vec3f& by) const {
-        HairPoint& p = m.point[m.displaced[id].rank];
-        p = p.moved(by);
+    // A block's own memory while it moves strands: displacements (3, strand, particle), of so many numbers a
+    // strand that those of particle i lie in different banks; (strand, particle) where particles are and
+    // their ranks, which are read anew where these are null.
+    struct MoveRoom {
+        float* by;
+        HairPoint* from;
+        uint32_t* rank;
+        WETCURL_HD static int numbers_a_strand(int particles) { return particles | 1; }
+    };
+    // By the pass at hand, smoothed along each: `strands` from `first` on, a thread for a coordinate of one.
+    template <class Meeting>
+    WETCURL_HD void move_strands(const Team<Meeting>& team, int first, int strands,
+                                 const MoveRoom& own) const {
+        const int n = m.search.particles, row = MoveRoom::numbers_a_strand(n), axis_at = strands * row;
+        team.share(strands, n, [&](int s, int i) {
+            const int k = s * n + i;
+            const Displaced d = m.displaced[size_t(first) * size_t(n) + size_t(k)];
+            float* by = own.by + s * row + i;
+            by[0] = d.x, by[axis_at] = d.y, by[2 * axis_at] = d.z;
+            if (own.from) own.rank[k] = d.rank, own.from[k] = m.point[d.rank];
+        });
+        if (term.coherence > 0)
+            team.share(3, strands, [&](int axis, int s) {
+                float* line = own.by + axis * axis_at + s * row;
+                smooth_along<8>(n, m.beta[first + s], [&](int i) -> float& { return line[i]; });
+            });
+        team.share(strands, n, [&](int s, int i) {
+            const int k = s * n + i;
+            const float* by = own.by + s * row + i;
+            const uint32_t rank =
+                own.from ? own.rank[k] : m.displaced[size_t(first) * size_t(n) + size_t(k)].rank;
+            const HairPoint from = own.from ? own.from[k] : m.point[rank];
+            m.point[rank] = {from.x + by[0], from.y + by[axis_at], from.z + by[2 * axis_at], from.volume};
+        });
     }
     // After the last pass, particle i of a strand; `simulated` (strand, particle) of all.
     WETCURL_HD ShownPoint shown(int strand, int i, const Vec3f* simulated) const {

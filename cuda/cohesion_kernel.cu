@@ -1,5 +1,6 @@
 // Kernels of the displayed positions: neighbours in the order of cells, smoothing strand by strand.
 #include <algorithm>
+#include <string>
 
 #include "cuda/cohesion_kernel.h"
 #include "cuda/cohesion_lists.h"
@@ -86,41 +87,22 @@ __global__ void __launch_bounds__(pass_threads) displace(const CohesionBodies b,
     });
 }
 
-// The other, whole strands a block; a thread smooths a coordinate along one. Shared memory: where particles
-// are and their ranks, (strand, particle), then displacements (3, strand, particle), of so many numbers a
-// strand that those of particle i lie in different banks.
-__host__ __device__ int numbers_a_strand(int particles) { return particles | 1; }
-constexpr size_t bytes_a_particle = sizeof(HairPoint) + sizeof(uint32_t) + 3 * sizeof(float);
-__global__ void __launch_bounds__(pass_threads) move_strands(const CohesionBodies b, int strands_of_block) {
+// The other, whole strands a block. Shared memory: as MoveRoom says.
+using MoveRoom = CohesionBodies::MoveRoom;
+size_t bytes_to_move(int strands, int particles, bool keeps) {
+    return size_t(strands) * (3 * sizeof(float) * size_t(MoveRoom::numbers_a_strand(particles)) +
+                              (keeps ? (sizeof(HairPoint) + sizeof(uint32_t)) * size_t(particles) : 0));
+}
+__global__ void __launch_bounds__(pass_threads)
+    move_strands(const CohesionBodies b, int strands_of_block, bool keeps) {
     extern __shared__ __align__(16) unsigned char own[];
-    const int n = b.m.search.particles, row = numbers_a_strand(n), axis_at = strands_of_block * row,
-              lane = int(threadIdx.x) % warp, first_warp = int(threadIdx.x) / warp,
-              warps = int(blockDim.x) / warp, first = int(blockIdx.x) * strands_of_block,
-              strands = min(strands_of_block, int(b.m.search.count) / n - first);
+    const int n = b.m.search.particles, first = int(blockIdx.x) * strands_of_block,
+              strands = min(strands_of_block, int(b.m.search.count) / n - first),
+              kept = keeps ? strands * n : 0;
     HairPoint* const from = reinterpret_cast<HairPoint*>(own);
-    uint32_t* const rank = reinterpret_cast<uint32_t*>(from + strands_of_block * n);
-    float* const by = reinterpret_cast<float*>(rank + strands_of_block * n);
-    // f(k, place): the k-th particle of the block.
-    auto each = [&](auto f) {
-        for (int s = first_warp; s < strands; s += warps)
-            for (int i = lane; i < n; i += warp) f(s * n + i, by + s * row + i);
-    };
-    each([&](int k, float* place) {
-        const Displaced d = b.m.displaced[first * n + k];
-        place[0] = d.x, place[axis_at] = d.y, place[2 * axis_at] = d.z;
-        rank[k] = d.rank, from[k] = b.m.point[d.rank];
-    });
-    if (b.term.coherence > 0) {
-        __syncthreads();
-        const int strand = int(threadIdx.x) % strands_of_block, axis = int(threadIdx.x) / strands_of_block;
-        float* line = by + axis * axis_at + strand * row;
-        if (axis < 3 && strand < strands)
-            smooth_along<8>(n, b.m.beta[first + strand], [&](int i) -> float& { return line[i]; });
-        __syncthreads();
-    }
-    each([&](int k, const float* place) {
-        b.m.point[rank[k]] = from[k].moved({place[0], place[axis_at], place[2 * axis_at]});
-    });
+    uint32_t* const rank = reinterpret_cast<uint32_t*>(from + kept);
+    const MoveRoom room{reinterpret_cast<float*>(rank + kept), keeps ? from : nullptr, rank};
+    b.move_strands(Team<Block>{Block{}, int(threadIdx.x), int(blockDim.x)}, first, strands, room);
 }
 
 // Shared memory: (strand, particle).
@@ -186,19 +168,21 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
     check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "attribute");
     check_cuda(cudaDeviceGetAttribute(&most_shared, cudaDevAttrMaxSharedMemoryPerBlockOptin, device),
                "attribute");
-    threads_a_list_ = who_.size() * threads_of_few <= size_t(processors) * 4096 ? threads_of_few : 1;
-    // A warp smooths so many strands, but there shall be eight blocks a processor.
-    strands_of_block_ = std::clamp(strands / (8 * processors), 1, warp / 4);
-    const size_t of_a_strand = bytes_a_particle * size_t(particles) + 3 * sizeof(float),
-                 strand_bytes = size_t(thinning.particles) * sizeof(ShownPoint);
-    if (std::max(strand_bytes, of_a_strand) > size_t(most_shared))
+    // A processor holds 2048 threads; twice as many still leave none of it to wait for the longest lists.
+    threads_a_list_ = who_.size() * threads_of_few <= size_t(processors) * 2 * 2048 ? threads_of_few : 1;
+    const size_t strand_bytes = size_t(thinning.particles) * sizeof(ShownPoint);
+    if (strand_bytes > size_t(most_shared))
         throw Error("cohesion on a CUDA device: found strands of " + std::to_string(thinning.particles) +
                     " particles, allowed at most " +
-                    std::to_string(size_t(most_shared) / bytes_a_particle - 1));
-    strands_of_block_ = std::min(strands_of_block_, int(size_t(most_shared) / of_a_strand));
+                    std::to_string(size_t(most_shared) / sizeof(ShownPoint)));
+    // Eight blocks a processor, four in its memory where they fit; a warp smooths eight strands' coordinates.
+    keeps_ = bytes_to_move(1, particles, true) <= size_t(most_shared);
+    const size_t of_a_strand = bytes_to_move(1, particles, keeps_);
+    strands_of_block_ =
+        std::clamp(std::min(strands / (8 * processors), int(size_t(most_shared) / 4 / of_a_strand)), 1, 8);
     blocks_ = unsigned((strands + strands_of_block_ - 1) / strands_of_block_);
     threads_ = std::min((strands_of_block_ * particles + warp - 1) / warp * warp, pass_threads);
-    shared_bytes_ = size_t(strands_of_block_) * of_a_strand;
+    shared_bytes_ = bytes_to_move(strands_of_block_, particles, keeps_);
     shown_of_block_ = int(std::min<size_t>(most_strands, size_t(most_shared) / strand_bytes));
     allow_shared_memory(move_strands), allow_shared_memory(show<float>), allow_shared_memory(show<double>);
     // What a pass reads again shall be near: it shares nothing else.
@@ -209,6 +193,7 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
     // Nobody is the last of them.
     check_cuda(cudaMemset(point_.data(), 0, point_.bytes()), "nobody");
     check_cuda(cudaMemset(sorted_wet_volume_.data(), 0, sorted_wet_volume_.bytes()), "nobody");
+    check_cuda(cudaMemset(who_.data(), 0, who_.bytes()), "who");  // read where there is no list, too
     check_cuda(cudaStreamSynchronize(nullptr), "nobody");  // streams of launches do not wait for this one
 }
 
@@ -247,7 +232,7 @@ void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T
     for (int pass = 0; pass < term_.passes; ++pass) {
         displace_by<<<blocks_for(places * size_t(threads_a_list_), pass_threads), pass_threads, 0, stream>>>(
             b, places);
-        move_strands<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_);
+        move_strands<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_, keeps_);
     }
     show<<<blocks_for(size_t(strands_), shown_of_block_), unsigned(shown_of_block_ * warp),
            size_t(shown_of_block_ * thinning_.particles) * sizeof(ShownPoint), stream>>>(

@@ -15,7 +15,7 @@ struct FrameReport {
     int diverged = 0x7fffffff;  // first strand that has, if any
     unsigned long long pairs = 0, limited = 0;
     unsigned long long pulled = 0, touching = 0;  // pairs of the last substep's forces and contacts
-    unsigned long long list_rows = 0;             // that neighbour lists ask for
+    unsigned long long list_rows = 0;             // of 32 lanes by 4 ranks that neighbour lists ask for
 };
 
 // Buffers and launches for one scene. Nothing is allocated and nothing read by the host between two calls of
@@ -52,6 +52,7 @@ class CohesionDevice {
     int strands_, strands_of_block_, shown_of_block_, threads_, threads_a_list_;
     unsigned blocks_;
     size_t shared_bytes_;
+    bool keeps_;  // what strands that move read
     CellSearchDevice search_;
     DeviceBuffer<float> volume_, wet_volume_,
         own_volume_;                  // (strand, particle that is asked), the last or empty

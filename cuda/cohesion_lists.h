@@ -10,12 +10,13 @@ namespace wetcurl {
 // A block's own memory meanwhile.
 struct ListRoom {
     static constexpr int size = list_block, staged = 48, lengths = 64, groups = size / ListGroup::lanes;
-    uint32_t near[(staged + 1) * size];  // (entry, particle): the first that are found; the last is any
+    uint32_t
+        near[(staged + 1) * size];  // (entry, particle): the first that are found, then what finds no room
     uint32_t found[size];
     uint8_t who[size];
     // How many lists are about as long, and which lane the next of them gets.
     unsigned of_length[lengths], place[lengths];
-    unsigned rows[groups], pairs, row;
+    unsigned rows[groups], pairs, row;  // of each group; of all; the first
 };
 
 template <class Meeting>
@@ -27,8 +28,8 @@ class CohesionLists {
     WETCURL_HD CohesionLists(const CohesionBodies& b, const Team<Meeting>& team, uint32_t block)
         : b_(b), team_(team), block_(block), first_(block * uint32_t(size)) {}
 
-    // Once all particles are taken. `reserve(rows, pairs)`, asked by one thread, returns the row from which
-    // so many are this block's, no_list where there is no room.
+    // Where some hair is dry, once all particles are taken. `reserve(rows, pairs)`, asked by one thread,
+    // returns the row from which so many are this block's, no_list where there is no room.
     template <class Reserve>
     WETCURL_HD void build(ListRoom& own, Reserve reserve) const {
         team_.each(lengths, [&](int l) { own.of_length[l] = 0; });
@@ -102,7 +103,7 @@ class CohesionLists {
         };
         if (own.found[p] > staged)
             b_.neighbours(first_ + uint32_t(p), [&](bool near, uint32_t j) {
-                if (near) put(j);
+                if (near && e < own.found[p]) put(j);
             });
         else
             for (uint32_t n = 0; n < own.found[p]; ++n) put(own.near[int(n) * size + p]);

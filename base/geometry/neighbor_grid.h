@@ -14,7 +14,7 @@ namespace wetcurl {
 // Points by fours, each four with a number more of each in one line of a cache.
 class PointQuads {
   public:
-    // And one four that is read with the last's numbers.
+    // numbers_a_quad_each reads beyond its four: one more follows the last.
     void resize(size_t count) { quads_.resize((count + 3) / 4 + 1); }
     Vec3f at(size_t k) const {
         const Quad& q = quads_[k / 4];
@@ -60,7 +60,7 @@ class PointQuads {
 // keep their memory from one build to the next.
 class NeighborGrid {
   public:
-    // `positions` (count) [m]; a row is `radius` [m] wide at least.
+    // `positions` (count) [m]; a row is `radius` [m] wide at least. Numbers are left to the caller.
     void build(const Vec3f* positions, size_t count, float radius);
     size_t size() const { return order_.size(); }
     const std::vector<uint32_t>& order() const { return order_; }

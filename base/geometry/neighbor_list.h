@@ -18,8 +18,8 @@ class NeighborList {
     static constexpr size_t padding = 4;
 
     // Neighbours of each sorted point k of `grid`: the points within `radius` [m] (at most the grid's) of
-    // another group than its own, which its points were given. Points without a neighbour of positive
-    // `source` get none at all. `source`: (points and a vector more), in the grid's order.
+    // another group than its own (PointQuads::set_group). Points without a neighbour of positive `source` get
+    // none at all. `source`: (points and a vector more), in the grid's order.
     void build(const NeighborGrid& grid, const std::vector<float>& source, float radius);
 
     size_t clusters() const { return clusters_; }

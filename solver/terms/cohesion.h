@@ -7,6 +7,8 @@
 // Eq 10 as it is. Such a displacement may be asked for at some particles of a strand alone (`spacing`).
 #pragma once
 
+#include <type_traits>
+
 #include "base/geometry/kernels.h"
 #include "base/parameters.h"
 
@@ -80,15 +82,15 @@ struct Cohesion {
 };
 
 // u_i, `at(i)`, of a strand's particles smoothed exponentially from the root to the tip and back, twice. The
-// root's stays. So many are read ahead.
+// root's stays. `ahead` of them are read before the first is written.
 template <int ahead = 1, class S, class At>
 WETCURL_HD void smooth_along(int n, const S& beta, At at) {
-    auto last = at(0);
+    std::remove_reference_t<decltype(at(0))> last;
     // u_i, u_{i + step}, ..., `count` of them.
     auto sweep = [&](int i, int step, int count) {
         auto take = [&](auto& u) { u = last = last + beta * (u - last); };
         for (; count >= ahead; count -= ahead, i += ahead * step) {
-            std::decay_t<decltype(last)> u[ahead];
+            decltype(last) u[ahead];
             for (int k = 0; k < ahead; ++k) u[k] = at(i + k * step);
             for (int k = 0; k < ahead; ++k) take(u[k]);
             for (int k = 0; k < ahead; ++k) at(i + k * step) = u[k];

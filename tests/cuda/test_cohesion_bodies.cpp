@@ -62,7 +62,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
     const bool some_dry = std::ranges::count(hair.saturation, 0.f) > 0;
     const uint32_t blocks = (count + list_block - 1) / list_block, places = blocks * list_block;
     std::vector<ListGroup> group(places / ListGroup::lanes);
-    const auto lane_takes = std::make_unique_for_overwrite<uint8_t[]>(places);
+    std::vector<uint8_t> lane_takes(places);
     std::vector<Displaced> displaced(count);
     std::vector<float> beta(size_t(hair.p.count)), own(size_t(hair.p.count));
     const HostSearch search(simulated, n, term.h_c, {1, 2, 0});
@@ -71,7 +71,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
         term,
         thinning,
         {search.view, point.data(), sorted_wet_volume.data(), some_dry ? wet_cell.data() : nullptr,
-         group.data(), lane_takes.get(), nullptr, displaced.data(), beta.data(), own.data(),
+         group.data(), lane_takes.data(), nullptr, displaced.data(), beta.data(), own.data(),
          thinning.every > 1 ? water.own_volume.data() : nullptr}};
     for (int s = 0; s < hair.p.count; ++s)
         b.measure(s, arc_length(hair.p.strand(s), hair.p.particles), arc_length(asked.strand(s), n));
@@ -97,22 +97,19 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
                 CohesionLists<Meeting>(b, team, k).build(*list_room, reserve);
             });
     }
-    std::vector<float> by[3], u(size_t(n), 0);
+    // Some strands at a time, the last alone; the first keep what they read, the others read it anew.
+    const int of_block = 3, row = CohesionBodies::MoveRoom::numbers_a_strand(n);
+    std::vector<float> by(size_t(3 * of_block * row));
+    std::vector<HairPoint> from(size_t(of_block * n));
+    std::vector<uint32_t> rank(from.size());
     for (int pass = 0; pass < term.passes; ++pass) {
         // Backwards: a pass reads no position that it writes.
         for (uint32_t place = places; place-- > 0;) b.displace(place, 0, [](float x) { return x; });
-        for (uint32_t first = 0; first < count; first += uint32_t(n)) {
-            for (int axis = 0; axis < 3; ++axis) {
-                for (int i = 0; i < n; ++i) {
-                    const Displaced& d = displaced[first + uint32_t(i)];
-                    u[size_t(i)] = axis == 0 ? d.x : axis == 1 ? d.y : d.z;
-                }
-                if (term.coherence > 0)
-                    smooth_along(n, beta[first / uint32_t(n)], [&](int i) -> float& { return u[size_t(i)]; });
-                by[axis] = u;
-            }
-            for (uint32_t i = 0; i < uint32_t(n); ++i) b.move(first + i, {by[0][i], by[1][i], by[2][i]});
-        }
+        for (int first = 0; first < hair.p.count; first += of_block)
+            as_a_team(who, [&]<class Meeting>(const Team<Meeting>& team) {
+                b.move_strands(team, first, std::min(of_block, hair.p.count - first),
+                               {by.data(), first % 2 == 0 ? from.data() : nullptr, rank.data()});
+            });
     }
     Result out{hair.p, pairs / double(count), std::ranges::max(group, {}, &ListGroup::rows).rows};
     std::vector<ShownPoint> shown;

@@ -172,6 +172,15 @@ TEST_F(Cuda, cohesion_of_a_dense_groom_is_the_cpus) {
             }
 }
 
+// So many that a thread sums up a list and a block moves two strands, the last block one.
+TEST_F(Cuda, cohesion_of_many_strands_is_the_cpus) {
+    const Scene scene = scene_of(wet_scene, {"groom.grid=[61, 41]", "groom.particles=60",
+                                             "cohesion.radius=0.004", "cohesion.passes=10"});
+    const RunFrame wanted = after(scene, 0), got = on_device(scene, 0);
+    ASSERT_GT(farthest(wanted.displayed, wanted.positions), 1e-4);
+    EXPECT_LT(farthest(got.displayed, wanted.displayed), 1e-5);
+}
+
 // What acts on all strands at once, or on other steps than the implicit one.
 std::vector<Case> coupled(const Scratch& scratch) {
     const std::string grid = "groom.grid=[6, 6]";
