@@ -65,7 +65,7 @@ struct CellSearch {
     int particles;                     // a strand
     uint32_t *key, *id;                // (strand, particle)
     uint32_t *sorted_key, *sorted_id;  // in the order of cells; what has none comes last
-    SortedPoint* sorted;               // (count + at_once - 1), the last any
+    SortedPoint* sorted;               // (count + at_once - 1): what follows the last is read and never near
     CellRange* cell;                   // (cells)
     WrappedGrid grid;
     Vec3f origin;  // of the cells

@@ -15,11 +15,12 @@
 
 namespace wetcurl {
 
-// What is read once in a pass shall not drive what is read again from the caches.
+// Entries of a list, ranks in the order of cells.
 template <int count>
 struct alignas(4 * count) Ranks {
     uint32_t of[count];
 };
+// What is read once in a pass shall not drive what is read again from the caches.
 template <int count>
 WETCURL_HD Ranks<count> read_once(const uint32_t* from) {
     Ranks<count> ranks;
@@ -57,10 +58,6 @@ struct ListGroup {
     uint32_t row, rows;
 };
 inline constexpr uint32_t no_list = 0xffffffffu;  // in a row's place
-struct alignas(16) FourNeighbours {
-    uint32_t of[4];  // ranks
-    WETCURL_HD void append(uint32_t j) { of[0] = of[1], of[1] = of[2], of[2] = of[3], of[3] = j; }
-};
 
 // Particles are taken in the order of cells, those who share their neighbours side by side, so that these
 // come from the caches. Where not all particles of a strand are asked, those who are count from its root as
@@ -73,13 +70,13 @@ struct CohesionMemory {
     uint8_t* wet_cell;     // (cells) whether a wet particle lies there; null where all are wet
     ListGroup* group;      // (blocks, groups of 32)
     uint8_t* who;          // (blocks, 128) of its block's particles a lane takes; any where there is no list
-    FourNeighbours* list;  // (row, lane); lists are filled up with nobody, of rank search.count
+    Ranks<4>* list;        // (row, lane); lists are filled up with nobody, of rank search.count
     Displaced* displaced;  // (strand, particle)
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
     const float* own_volume;   // (strand, particle) of itself, null: V is
 
     // Of the lane at `place` (blocks, 128).
-    WETCURL_HD FourNeighbours* entries(const ListGroup& g, uint32_t place) const {
+    WETCURL_HD Ranks<4>* entries(const ListGroup& g, uint32_t place) const {
         return list + ListGroup::lanes * size_t(g.row) + place % ListGroup::lanes;
     }
 };
@@ -134,7 +131,7 @@ struct CohesionBodies {
         const uint32_t k = place - place % uint32_t(list_block) + m.who[place], nobody = m.search.count;
         const ListGroup group = m.group[place / ListGroup::lanes];
         if (k >= nobody || group.rows == 0) return;
-        const FourNeighbours* list = m.entries(group, place);
+        const Ranks<4>* list = m.entries(group, place);
         const uint32_t id = m.search.sorted_id[k], n = uint32_t(m.search.particles);
         if (id % n == 0 || list[0].of[0] == nobody) return;
         auto entries = [&](uint32_t row) {
@@ -170,9 +167,10 @@ struct CohesionBodies {
     WETCURL_HD void move_strands(const Team<Meeting>& team, int first, int strands,
                                  const MoveRoom& own) const {
         const int n = m.search.particles, row = MoveRoom::numbers_a_strand(n), axis_at = strands * row;
+        const Displaced* displaced = m.displaced + size_t(first) * size_t(n);
         team.share(strands, n, [&](int s, int i) {
             const int k = s * n + i;
-            const Displaced d = m.displaced[size_t(first) * size_t(n) + size_t(k)];
+            const Displaced d = displaced[k];
             float* by = own.by + s * row + i;
             by[0] = d.x, by[axis_at] = d.y, by[2 * axis_at] = d.z;
             if (own.from) own.rank[k] = d.rank, own.from[k] = m.point[d.rank];
@@ -185,8 +183,7 @@ struct CohesionBodies {
         team.share(strands, n, [&](int s, int i) {
             const int k = s * n + i;
             const float* by = own.by + s * row + i;
-            const uint32_t rank =
-                own.from ? own.rank[k] : m.displaced[size_t(first) * size_t(n) + size_t(k)].rank;
+            const uint32_t rank = own.from ? own.rank[k] : displaced[k].rank;
             const HairPoint from = own.from ? own.from[k] : m.point[rank];
             m.point[rank] = {from.x + by[0], from.y + by[axis_at], from.z + by[2 * axis_at], from.volume};
         });

@@ -243,7 +243,7 @@ template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<fl
 template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<double>*, Vec3f*, cudaStream_t);
 
 bool CohesionDevice::grow(const FrameReport& report) {
-    const size_t rows = report.list_rows, row = ListGroup::lanes * sizeof(FourNeighbours);
+    const size_t rows = report.list_rows, row = ListGroup::lanes * sizeof(Ranks<4>);
     if (rows <= list_.size() / ListGroup::lanes) return false;
     list_ = {};
     size_t free = 0, all = 0;
@@ -254,7 +254,7 @@ bool CohesionDevice::grow(const FrameReport& report) {
                     " are free; a smaller [cohesion] radius may help");
     // Half as much again, or what there is: hair that falls comes together more and more.
     const size_t ample = std::min(rows + rows / 2, std::max(rows, free / row / 10 * 9));
-    list_ = DeviceBuffer<FourNeighbours>(ListGroup::lanes * ample);
+    list_ = DeviceBuffer<Ranks<4>>(ListGroup::lanes * ample);
     return true;
 }
 

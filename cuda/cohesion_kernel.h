@@ -64,7 +64,7 @@ class CohesionDevice {
     DeviceBuffer<uint8_t> wet_cell_;
     DeviceBuffer<uint8_t> who_;
     DeviceBuffer<ListGroup> group_;
-    DeviceBuffer<FourNeighbours> list_;
+    DeviceBuffer<Ranks<4>> list_;
     DeviceBuffer<Displaced> displaced_;
     DeviceBuffer<float> beta_, own_weight_;
 };

@@ -94,12 +94,12 @@ class CohesionLists {
         const int p = own.who[lane];
         b_.m.who[place] = own.who[lane];
         const ListGroup group = b_.m.group[place / lanes];
-        FourNeighbours* list = b_.m.entries(group, place);
-        FourNeighbours last{};
+        Ranks<4>* list = b_.m.entries(group, place);
+        Ranks<4> four{};
         uint32_t e = 0;
         auto put = [&](uint32_t j) {
-            last.append(j);
-            if (++e % 4 == 0) list[lanes * size_t(e / 4 - 1)] = last;
+            four.of[0] = four.of[1], four.of[1] = four.of[2], four.of[2] = four.of[3], four.of[3] = j;
+            if (++e % 4 == 0) list[lanes * size_t(e / 4 - 1)] = four;
         };
         if (own.found[p] > staged)
             b_.neighbours(first_ + uint32_t(p), [&](bool near, uint32_t j) {

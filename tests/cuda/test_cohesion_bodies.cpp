@@ -79,7 +79,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
     for (uint32_t k = 0; k < count; ++k) b.take(k, water.volume.data(), wet_volume.data());
 
     // Until there is room for them, as the device does.
-    std::vector<FourNeighbours> list;
+    std::vector<Ranks<4>> list;
     double pairs = 0;
     const auto list_room = std::make_unique<ListRoom>();
     for (uint32_t rows = 1; ListGroup::lanes * size_t(rows) > list.size();) {
