@@ -235,9 +235,12 @@ int bench_command(const BenchOptions& o) {
     if (table) fmt::print("\n");
     for (const auto& series : by_series(results.lines)) {
         if (series.size() < 3) continue;
-        const double slope = exponent(series);
-        json["fits"].push_back({{"name", series[0]->series}, {"exponent", slope}});
-        if (table) fmt::print("{:40} time ~ size^{:.2f}\n", series[0]->series, slope);
+        const double slope = exponent(series), at_last = exponent({series.end() - 3, series.end()});
+        json["fits"].push_back(
+            {{"name", series[0]->series}, {"exponent", slope}, {"exponent_of_last_three", at_last}});
+        if (table)
+            fmt::print("{:40} time ~ size^{:.2f}, of the last three sizes ^{:.2f}\n", series[0]->series, slope,
+                       at_last);
     }
     json["machine"]["peak_bytes"] = peak_bytes();
     write_json(json, o.json);

@@ -76,6 +76,7 @@ struct Workload {
     double settle;        // [s] before the frames that are measured
     int frames = 24;      // 3 or more, frame 0 among them
     int particles = 100;  // a strand
+    double angle = 25;    // [degrees] by which the head turns to either side; 0: it rests
     int strands() const { return across * along; }
 };
 // Every `stride`-th root each way.
