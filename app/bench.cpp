@@ -239,8 +239,8 @@ int bench_command(const BenchOptions& o) {
         json["fits"].push_back(
             {{"name", series[0]->series}, {"exponent", slope}, {"exponent_of_last_three", at_last}});
         if (table)
-            fmt::print("{:40} time ~ size^{:.2f}, of the last three sizes ^{:.2f}\n", series[0]->series, slope,
-                       at_last);
+            fmt::print("{:40} time ~ size^{:.2f}, of the last three sizes ^{:.2f}\n", series[0]->series,
+                       slope, at_last);
     }
     json["machine"]["peak_bytes"] = peak_bytes();
     write_json(json, o.json);

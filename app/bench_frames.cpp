@@ -67,7 +67,7 @@ constexpr Addition additions[] = {
 
 // Radii measured: 30 to 40 neighbours in the frames that count. Larger ones settle for less long, since a
 // substep of all takes that long on a CPU.
-const Workload workloads[] = {{8, 8, 0.0185, 1.5},    {32, 16, 0.0070, 1.5},    {64, 32, 0.0042, 1.5},
+const Workload workloads[] = {{8, 8, 0.0185, 1.5},     {32, 16, 0.0070, 1.5},    {64, 32, 0.0042, 1.5},
                               {110, 90, 0.00238, 1.5}, {200, 150, 0.0017, 0.25}, {400, 250, 0.00114, 0.25}};
 const Workload& fixed = workloads[1];
 
@@ -273,7 +273,8 @@ Entry entry_of(const Addition& addition, const Workload& w, const std::string& d
 std::vector<Line> whole_frames(const Workload& w, bool wet, const std::string& device, bool with_error) {
     const Scene scene = scene_of(w, wet);
     std::vector<Strands> seen;
-    auto lines = frames_of(scene, name_of(w, wet), series_of(w, wet), w, device, with_error ? &seen : nullptr);
+    auto lines =
+        frames_of(scene, name_of(w, wet), series_of(w, wet), w, device, with_error ? &seen : nullptr);
     std::optional<double> operations = 0;  // of the frame, where those of all stages are counted
     for (size_t k = 1; k < lines.size(); ++k) {
         lines[k].operations = operations_of_stage(lines[k].name.substr(lines[0].name.size() + 2), w, scene,

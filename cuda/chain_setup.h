@@ -21,13 +21,13 @@ inline unsigned set_of(const Scene& scene, bool given = false) {
 }
 
 // The shapes of the placement's rigid and deforming solids lie in the device's memory; the motion's
-// solids are appended to `solids`, its pointer to them is the caller's to set.
+// solids go to `solids`, its pointer to them is the caller's to set.
 template <class T>
 SubstepMotion<T> substep_motion(const Placement<T>& p, const ShapeView* shapes,
-                                const ShapeView* deforming_shapes, std::vector<DeviceSolid<T>>& solids) {
+                                const ShapeView* deforming_shapes, DeviceSolid<T>* solids) {
     auto add = [&](const auto& solid, const ShapeView* shape) {
-        solids.push_back({shape, solid.rotation, solid.translation, solid.velocity, solid.spin,
-                          solid.friction, solid.attached});
+        *solids++ = {shape,      solid.rotation, solid.translation, solid.velocity,
+                     solid.spin, solid.friction, solid.attached};
     };
     for (const auto& solid : p.solids) add(solid, shapes++);
     for (const auto& solid : p.deforming) add(solid, deforming_shapes++);

@@ -210,11 +210,10 @@ void CudaHair<T>::put_motion(int slot, const Placement<T>& p) {
         view = {};
         view.kind = ShapeView::Kind::moving_grid, view.grid = *p.deforming[k].shape;
     }
-    std::vector<DeviceSolid<T>> solids;
-    SubstepMotion<T> motion = substep_motion(p, shapes_.data(), deforming_.data() + begin_deforming, solids);
+    SubstepMotion<T> motion =
+        substep_motion(p, shapes_.data(), deforming_.data() + begin_deforming, host_solids_.data() + begin);
     motion.solids = solids_.data() + begin;
     host_motion_[size_t(slot)] = motion;
-    std::copy(solids.begin(), solids.end(), host_solids_.data() + begin);
     if (forces_ && slot < slots_) forces_->put_motion(slot, p.begins);
 }
 

@@ -98,6 +98,7 @@ class SimulationOf final : public Simulation {
     std::optional<typename Hair::Touching> between_strands_;
     std::optional<AdhesionNetwork<S>> network_;  // once it is asked for
     std::vector<Placement<T>> path_;             // of the substeps at hand
+    Placement<T> now_;                           // where a network is asked
     double frame_seconds_ = 0;
 };
 
@@ -157,11 +158,12 @@ void SimulationOf<Hair>::advance(bool shown) {
 // From the state as it is; what a network answers holds for the substep that follows.
 template <class Hair>
 void SimulationOf<Hair>::ask_network(int done) {
-    if (hair_.asks_network()) return hair_.ask_from(placement(time_, done));
-    if (!host_asks()) return;
+    if (!hair_.asks_network() && !host_asks()) return;
+    now_ = placement(time_, done, true, std::move(now_));
+    if (hair_.asks_network()) return hair_.ask_from(now_);
     const StageTimer timer(hair_.seconds.chain);
     hair_.fetch();
-    hair_.find_nearest(placement(time_, done));
+    hair_.find_nearest(now_);
     network_->evaluate(*scene_.term<Adhesion>(), hair_.state, hair_.nearest());
 }
 

@@ -102,13 +102,13 @@ class BoundaryForces final : public ParticleForces {
 
     void evaluate(const std::vector<Vec3d>& x, double time, std::vector<Vec3d>& force) override {
         force.assign(x.size(), {0, 0, 0});
-        std::vector<size_t> pairs(x.size(), 0);
+        pairs_.assign(x.size(), 0);
         for_each(x, time,
                  [&](size_t i, double wet_mass, const Vec3d& d, const Quatd& rotation, double volume) {
                      force[i] += rotate(rotation, method_.pair_force(d, wet_mass, volume));
-                     ++pairs[i];
+                     ++pairs_[i];
                  });
-        mean_ = double(std::accumulate(pairs.begin(), pairs.end(), size_t(0))) / double(x.size());
+        mean_ = double(std::accumulate(pairs_.begin(), pairs_.end(), size_t(0))) / double(x.size());
     }
     double potential(const std::vector<Vec3d>& x, double time) override {
         std::vector<double> of(x.size(), 0);
@@ -122,7 +122,8 @@ class BoundaryForces final : public ParticleForces {
     }
     double neighbours_mean() const override { return mean_; }
     size_t bytes() const override {
-        size_t sum = mass_.capacity() * sizeof(double) + adhesion_.bytes();
+        size_t sum =
+            mass_.capacity() * sizeof(double) + adhesion_.bytes() + pairs_.capacity() * sizeof(uint32_t);
         for (const auto& s : solids_) sum += s.grid.bytes() + s.volume.capacity() * sizeof(double);
         return sum;
     }
@@ -153,6 +154,7 @@ class BoundaryForces final : public ParticleForces {
     const std::vector<double> mass_;
     std::vector<SampledSolid> solids_;
     const akinci2013::KernelSum adhesion_;
+    std::vector<uint32_t> pairs_;  // (particle) in the last evaluation
     double mean_ = 0;
 };
 

@@ -49,6 +49,10 @@ class AdhesionNetwork {
   private:
     std::vector<S> given_;
     std::vector<float> answers_;  // F.n / (sigma m a_max) of the step before (strand, particle)
+    // Of one evaluation, kept so that a frame asks for no memory.
+    std::vector<AdhesionRecord> found_;
+    std::vector<std::pair<int, int>> where_;  // strand, particle
+    std::vector<float> inputs_, outputs_;
 };
 
 template <class S>
@@ -69,8 +73,7 @@ void AdhesionNetwork<S>::evaluate(const Adhesion& term, const ChainState<S>& sta
     auto vector = [](const Vec3<S>& a, int lane) { return ChainState<S>::template lane_of<T>(a, lane); };
     if (answers_.empty()) answers_.assign(size_t(state.strands) * size_t(n), 0.f);
     if (model && given_.empty()) given_.assign(state.mass.size(), S(0));
-    std::vector<AdhesionRecord> found;
-    std::vector<std::pair<int, int>> where;  // strand, particle
+    found_.clear(), where_.clear();
     const AdhesionQuestion question(term);
     auto answer = [&](int s, int i) -> float& { return answers_[size_t(s) * size_t(n) + size_t(i)]; };
     for (int s = 0; s < state.strands; ++s)
@@ -92,25 +95,24 @@ void AdhesionNetwork<S>::evaluate(const Adhesion& term, const ChainState<S>& sta
             Adhesion::shape(float(phi / T(term.h_a)), value, slope);
             r.contact = question.in_contact(number(state.touching[k], lane));
             r.target = r.contact ? -value : 0;
-            found.push_back(r);
-            where.push_back({s, i});
+            found_.push_back(r);
+            where_.push_back({s, i});
         }
-    std::vector<float> out(found.size());
     if (model) {
-        std::vector<float> inputs;
-        for (const auto& r : found)
-            inputs.insert(inputs.end(), r.inputs, r.inputs + AdhesionQuestion::inputs);
-        if (!found.empty()) model->evaluate(inputs.data(), found.size(), out.data());
+        inputs_.clear(), outputs_.resize(found_.size());
+        for (const auto& r : found_)
+            inputs_.insert(inputs_.end(), r.inputs, r.inputs + AdhesionQuestion::inputs);
+        if (!found_.empty()) model->evaluate(inputs_.data(), found_.size(), outputs_.data());
         std::fill(given_.begin(), given_.end(), S(0));
     }
     std::fill(answers_.begin(), answers_.end(), 0.f);
-    for (size_t k = 0; k < found.size(); ++k) {
-        const auto [s, i] = where[k];
-        const float f = model ? (found[k].contact ? out[k] : 0.f) : found[k].target;
+    for (size_t k = 0; k < found_.size(); ++k) {
+        const auto [s, i] = where_[k];
+        const float f = model ? (found_[k].contact ? outputs_[k] : 0.f) : found_[k].target;
         answer(s, i) = f;
         if (model) state.put(given_[state.at(s / lanes, i)], s % lanes, f);
     }
-    if (records) records->insert(records->end(), found.begin(), found.end());
+    if (records) records->insert(records->end(), found_.begin(), found_.end());
 }
 
 }  // namespace wetcurl

@@ -105,7 +105,8 @@ TEST(Bench, a_frame_has_a_line_and_each_of_its_stages_another) {
 TEST(Bench, a_head_at_rest_has_lines_of_its_own) {
     Workload at_rest = tiny;
     at_rest.angle = 0;
-    const auto turns = whole_frames(tiny, true, "cpu", true), rests = whole_frames(at_rest, true, "cpu", true);
+    const auto turns = whole_frames(tiny, true, "cpu", true),
+               rests = whole_frames(at_rest, true, "cpu", true);
     EXPECT_EQ(rests[0].name, "wet frame, head at rest, 16 strands");
     EXPECT_EQ(rests[0].series, "wet frame, head at rest");
     EXPECT_LT(rests[0].error_mm.value(), turns[0].error_mm.value());

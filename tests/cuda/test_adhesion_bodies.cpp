@@ -66,8 +66,8 @@ void expect_the_references(const Scene& scene, T bound) {
             sample_nearest(p, state.n, &state.x[k], &wanted.phi[k], &wanted.normal[k], &wanted.velocity[k]);
         reference.evaluate(*scene.term<Adhesion>(), state, wanted);
 
-        std::vector<DeviceSolid<T>> solids;
-        SubstepMotion<T> motion = substep_motion(p, shapes.data(), nullptr, solids);
+        std::vector<DeviceSolid<T>> solids(shapes.size());
+        SubstepMotion<T> motion = substep_motion(p, shapes.data(), nullptr, solids.data());
         motion.solids = solids.data();
         // Backwards: a pass reads nothing that it writes for another.
         for (uint32_t k = uint32_t(count); k-- > 0;) bodies.see(k, memory, motion);

@@ -39,10 +39,13 @@ struct OnHost {
         const size_t substeps = size_t(frames * scene.integrator.substeps);
         const double dt = 1 / (scene.fps * scene.integrator.substeps);
         for (const auto& solid : scene.solids) shapes.push_back(view_of(solid.shape));
-        for (size_t k = 0; k < substeps; ++k)
+        solids.resize(substeps * shapes.size());
+        for (size_t k = 0; k < substeps; ++k) {
+            DeviceSolid<T>* const of_substep = solids.data() + k * shapes.size();
             motion.push_back(substep_motion(placement_at<T>(scene, double(k + 1) * dt, dt), shapes.data(),
-                                            nullptr, solids));
-        for (size_t k = 0; k < substeps; ++k) motion[k].solids = solids.data() + k * shapes.size();
+                                            nullptr, of_substep));
+            motion[k].solids = of_substep;
+        }
     }
     Strands strands() const {
         Strands out(state.strands, state.n);
@@ -95,9 +98,9 @@ Strands stepped_with(const DenseLayers& network, const Scene& scene, int frames)
                                    {phi.data(), normal.data(), velocity.data(), m.touching},
                                    answer.data(),
                                    before.data()};
-    std::vector<DeviceSolid<T>> solids;
+    std::vector<DeviceSolid<T>> solids(host.shapes.size());
     SubstepMotion<T> motion = substep_motion(placement_at<T>(scene, 0, double(host.constants.dt)),
-                                             host.shapes.data(), nullptr, solids);
+                                             host.shapes.data(), nullptr, solids.data());
     motion.solids = solids.data();
     for (size_t k = 0; k < host.motion.size(); ++k) {
         for (uint32_t i = 0; i < count; ++i) bodies.see(i, m, motion);

@@ -35,9 +35,10 @@ namespace {
 
 using namespace testing;
 
-long asked_in_frames(const std::string& text, int before, int frames) {
+long asked_in_frames(const std::string& text, int before, int frames, AdhesionModel* model = nullptr) {
     const Scene scene = scene_of(text);
     const auto simulation = make_simulation(scene, "float");
+    if (model) simulation->use_adhesion_model(model);
     for (int f = 0; f < before; ++f) simulation->advance();
     const long at_first = asked;
     for (int f = 0; f < frames; ++f) simulation->advance();
@@ -50,20 +51,41 @@ TEST(Allocations, are_counted) {
     EXPECT_EQ(asked - before, 1) << some.size();
 }
 
+struct NoPull final : AdhesionModel {
+    long asked = 0;
+    void evaluate(const float*, size_t rows, float* out) override {
+        std::fill_n(out, rows, 0.f);
+        asked += long(rows);
+    }
+};
+
 // The head's motion repeats every 12 frames, so that what a frame needs was needed before.
 TEST(Allocations, a_frame_asks_for_none) {
     std::string among_solids = wet_scene;
     for (size_t k = 0; k <= most_solids_in_a_loop; ++k)
         among_solids += "[[solid]]\nradius = 0.02\n[[solid.motion.keyframe]]\ntranslation = [0, " +
                         std::to_string(-0.1 * double(k)) + ", 0.1]\n";
-    for (const auto& [name, text] :
-         {std::pair{"dry", dry_scene}, std::pair{"wet", wet_scene},
-          std::pair{"air", dry_scene + "[air]\ngrid = [8, 8, 8]\n[[air.source]]\n"},
-          std::pair{"many solids", among_solids}, std::pair{"flow", flowing_scene(1, 0.5)},
-          std::pair{"cohesion in the solve",
-                    std::string(wet_scene).replace(wet_scene.find("radius = 0.03"), 13,
-                                                   "radius = 0.03\nstrength = 1e-6")}})
-        EXPECT_EQ(asked_in_frames(text, name == std::string("flow") ? 96 : 48, 12), 0) << name;
+    std::string coherent = wet_scene;
+    coherent.replace(coherent.find("radius = 0.03"), 13, "radius = 0.03\nstrength = 1e-6");
+    const auto compared = [](const std::string& method) {
+        return dry_scene + "[[solid]]\nradius = 0.1\n[wetness]\n[baseline]\nmethod = \"" + method + "\"\n";
+    };
+    const std::string air = dry_scene + "[air]\ngrid = [8, 8, 8]\n";
+    for (const auto& [name, text] : {std::pair{"dry", dry_scene},
+                                     {"wet", wet_scene},
+                                     {"air", air + "[[air.source]]\n"},
+                                     {"two-way air", air + "two_way = true\nwind = [0, 0, 1]\n"},
+                                     {"many solids", among_solids},
+                                     {"strand contact", wet_scene + "[strand_contact]\n"},
+                                     {"cohesion in the solve", coherent},
+                                     {"lin", compared("lin")},
+                                     {"kim", compared("kim")},
+                                     {"boundary particles", compared("boundary_particles")}})
+        EXPECT_EQ(asked_in_frames(text, 48, 12), 0) << name;
+    EXPECT_EQ(asked_in_frames(flowing_scene(1, 0.5), 96, 12), 0);
+    NoPull model;
+    EXPECT_EQ(asked_in_frames(wet_scene, 48, 12, &model), 0);
+    EXPECT_GT(model.asked, 0);
 }
 
 }  // namespace
