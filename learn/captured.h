@@ -29,7 +29,8 @@ class Captured {
     template <class Launch>
     void capture(Launch launch) {
         auto graph = std::make_unique<at::cuda::CUDAGraph>();
-        graph->capture_begin();
+        // Other threads may ask for memory meanwhile.
+        graph->capture_begin({0, 0}, cudaStreamCaptureModeThreadLocal);
         try {
             launch();
         } catch (...) {

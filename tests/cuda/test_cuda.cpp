@@ -142,6 +142,26 @@ TEST_F(Cuda, frames_that_are_not_shown_change_none_that_are) {
     }
 }
 
+// As `simulate` does: a frame is fetched by another thread after the next one has begun.
+TEST_F(Cuda, frames_fetched_while_the_next_is_computed_are_those_of_their_time) {
+    for (const auto& text : {wet_scene, flowing_scene(0, 1e6)}) {
+        const Scene scene = scene_of(text, {"groom.grid=[12, 12]"});
+        const auto early = make_cuda_simulation(scene, "float", 0),
+                   late = make_cuda_simulation(scene, "float", 0);
+        RunFrame wanted, got;
+        for (int f = 0; f < 8; ++f) {
+            early->snapshot(wanted);
+            late->begin_snapshot(got);
+            late->advance();
+            std::thread([&] { late->finish_snapshot(got); }).join();
+            early->advance();
+            EXPECT_TRUE(same_bits(got.positions, wanted.positions)) << f;
+            EXPECT_TRUE(same_bits(got.displayed, wanted.displayed)) << f;
+            EXPECT_EQ(got.saturation, wanted.saturation) << f;
+        }
+    }
+}
+
 TEST_F(Cuda, energies_are_the_cpus) {
     const Scene scene = scene_of(wet_scene);
     const auto cpu = make_simulation(scene, "double"), gpu = make_cuda_simulation(scene, "double", 0);
