@@ -30,13 +30,16 @@ const Column columns[] = {
     {"", "% length", [](const Comparison& c) { return fmt::format("{:.2f}", 100 * c.position_rel); }},
     {"shared", "mm", [](const Comparison& c) { return fmt::format("{:.3f}", c.shared_mm.mean); }},
     {"new", "mm", [](const Comparison& c) { return fmt::format("{:.3f}", c.new_mm.mean); }},
+    {"strands", "mm",
+     [](const Comparison& c) { return c.strands_mm ? fmt::format("{:.3f}", *c.strands_mm) : "-"; }},
     {"static", "mm", [](const Comparison& c) { return fmt::format("{:.3f}", c.static_mm); }},
     {"F1", "2mm 20°", [](const Comparison& c) { return fmt::format("{:.3f}", c.f1[0]); }},
     {"", "3mm 30°", [](const Comparison& c) { return fmt::format("{:.3f}", c.f1[1]); }},
     {"curvat.", "error", [](const Comparison& c) { return fmt::format("{:.3f}", c.curvature_error); }},
     {"curl", "radius", [](const Comparison& c) { return fmt::format("{:.3f}", c.curl_radius_ratio); }},
     {"tips", "spread", [](const Comparison& c) { return fmt::format("{:.3f}", c.tip_spread_ratio); }},
-    {"stretch", "max %", [](const Comparison& c) { return fmt::format("{:.1f}", 100 * c.stretch_max); }},
+    {"stretch", "mean %", [](const Comparison& c) { return fmt::format("{:.2f}", 100 * c.stretch_mean); }},
+    {"", "max %", [](const Comparison& c) { return fmt::format("{:.1f}", 100 * c.stretch_max); }},
     {"depth", "max mm", [](const Comparison& c) { return fmt::format("{:.2f}", c.penetration_max_mm); }},
 };
 

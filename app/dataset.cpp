@@ -220,29 +220,48 @@ Ranks part_of(const std::string& text) {
     return part;
 }
 
+std::string text_of(const std::string& path) {
+    std::stringstream text;
+    if (std::ifstream in(path); in) text << in.rdbuf();
+    return text.str();
+}
+
+// Whole or not at all, by the first of several parts; the others find what it wrote.
+void write_once(const std::string& path, const std::string& text, long part) {
+    const std::string draft = path + "." + std::to_string(part);
+    std::ofstream out(draft);
+    out << text;
+    if (!out.flush()) throw Error(draft + ": cannot be written");
+    std::error_code failed;
+    fs::create_hard_link(draft, path, failed);
+    if (failed && !fs::exists(path))
+        fs::rename(draft, path);  // a file system without links
+    else
+        fs::remove(draft);
+    if (text_of(path) != text) throw Error(path + ": another part wrote another recipe");
+}
+
 // The folder is this recipe's, or nobody's.
-void take_folder(const CommonOptions& o, const Folder& to, const DatasetRecipe& recipe, bool shared) {
-    const std::string path = to.of("recipe.toml");
-    std::stringstream there;
-    if (std::ifstream in(path); in) there << in.rdbuf();
+void take_folder(const CommonOptions& o, const Folder& to, const DatasetRecipe& recipe, const Ranks& part) {
+    const std::string path = to.of("recipe.toml"), there = text_of(path);
+    const bool shared = !part.alone();
     if (shared && o.overwrite)
         throw Misuse("--overwrite: several parts would remove each other's scenes; remove " + to.of("") +
                      " instead");
-    if (there.str() == recipe.text && (o.resume || shared)) return;
-    if (!there.str().empty() && !o.overwrite)
-        throw Error(there.str() == recipe.text
+    if (there == recipe.text && (o.resume || shared)) return;
+    if (!there.empty() && !o.overwrite)
+        throw Error(there == recipe.text
                         ? path + ": the data set is there already; --resume goes on, --overwrite replaces it"
                         : path + ": holds another recipe; --overwrite replaces the data set");
     if (o.overwrite) {
-        for (const char* made : {"shards", "runs", "manifest.json"}) fs::remove_all(to.of(made));
+        for (const char* made : {"shards", "runs", "manifest.json", "recipe.toml"})
+            fs::remove_all(to.of(made));
         for (const auto& split : dataset_splits)
             for (Codec codec : {Codec::strand, Codec::root}) fs::remove(to.whole(split, codec));
     }
     fs::create_directories(to.of("shards"));
     if (!recipe.runs.empty()) fs::create_directories(to.of("runs"));
-    std::ofstream out(path);
-    out << recipe.text;
-    if (!out.flush()) throw Error(path + ": cannot be written");
+    write_once(path, recipe.text, part.mine);
 }
 
 // One of those who share a folder at a time.
@@ -260,14 +279,37 @@ class FolderLock {
     int file_;
 };
 
+// File -> hash, of many and large ones.
+std::map<std::string, std::string> hashes_of(const std::vector<std::string>& files) {
+    std::map<std::string, std::string> hashes;
+    std::exception_ptr failed;
+#pragma omp parallel for schedule(dynamic)
+    for (size_t k = 0; k < files.size(); ++k) {
+        std::string hash;
+        std::exception_ptr why;
+        try {
+            hash = hash_of_file(files[k]);
+        } catch (...) {
+            why = std::current_exception();
+        }
+#pragma omp critical
+        hashes[files[k]] = hash, failed = why ? why : failed;
+    }
+    if (failed) std::rethrow_exception(failed);
+    return hashes;
+}
+
 // One file a split and codec that shows all its shards as one, and the list of what is there.
 Json finish(const DatasetRecipe& recipe, const Folder& to) {
     const FolderLock lock(to);
+    std::vector<std::string> shards;
+    for (const auto& m : recipe.members)
+        for (Codec codec : codecs_of(recipe)) shards.push_back(to.shard(m, codec));
+    const auto hashes = hashes_of(shards);
     Json manifest{{"scenes", Json::array()}};
     for (const auto& m : recipe.members) {
         Json entry{{"name", m.name}, {"split", m.split}, {"picked", m.picked}, {"set", m.set}};
-        for (Codec codec : codecs_of(recipe))
-            entry["hash_" + name_of(codec)] = hash_of_file(to.shard(m, codec));
+        for (Codec codec : codecs_of(recipe)) entry["hash_" + name_of(codec)] = hashes.at(to.shard(m, codec));
         manifest["scenes"].push_back(entry);
     }
     for (Codec codec : codecs_of(recipe))
@@ -299,7 +341,7 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
                                 "one for all with codec root");
                 const std::string name = "shards/" + fs::path(shard).filename().string();
                 out->link(name);
-                out->attribute(fmt::format("input {:04d}", runs), name + " " + hash_of_file(shard));
+                out->attribute(fmt::format("input {:04d}", runs), name + " " + hashes.at(shard));
                 ++runs;
             }
             if (!out) continue;
@@ -327,7 +369,7 @@ int dataset_command(const DatasetOptions& o) {
             throw Misuse(file + ": lies where the data set keeps its own; another folder is needed for -o");
     if (!o.json.empty() && o.json != "-") check_files(o, "", recipe.files);
     const Ranks part = part_of(o.part);
-    take_folder(o, to, recipe, !part.alone());
+    take_folder(o, to, recipe, part);
 
     std::vector<const DatasetMember*> mine;
     for (size_t k = 0; k < recipe.members.size(); ++k)

@@ -32,7 +32,8 @@ std::string kind_of(const RunHeader& header) {
     if (header.method.starts_with("simulated"))
         return header.method.ends_with("learned") ? "learned" : "simulated";
     // What is inferred names its dry run and, where there is one, the model.
-    return header.inputs.size() < 2 ? "interpolated" : "learned";
+    const bool regression = header.method.starts_with("strand_linear");
+    return header.inputs.size() < 2 || regression ? "interpolated" : "learned";
 }
 
 struct RunWriter::Body {

@@ -34,8 +34,8 @@ struct RunHeader {
     std::string build;                        // of the program that wrote it; read only
 };
 
-// What made a run's strands: "simulated" by physics alone, "interpolated" from a dry run, or "learned": by a
-// network, be it one in the place of a single force.
+// What made a run's strands: "simulated" by physics alone, "interpolated" from a dry run, linear regression
+// among that, or "learned": by a network, be it one in the place of a single force.
 std::string kind_of(const RunHeader& header);
 
 struct RunFrame {

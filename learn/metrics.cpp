@@ -185,6 +185,7 @@ class Shape {
 
     double curl() const { return curl_.value(); }
     double stretch() const { return stretch_; }
+    double mean_stretch() const { return stretches_.value(); }
     double tips() const { return tips_.value(); }
     double clumps() const { return clumps_.value(); }
     std::optional<double> jitter_mm() const {
@@ -200,7 +201,10 @@ class Shape {
         for (int s = 0; s < p.count; ++s)
             for (int i = 0; i + 1 < p.particles; ++i) {
                 const float l = norm(groom_.rest.at(s, i + 1) - groom_.rest.at(s, i));
-                if (l > 0) stretch_ = std::max(stretch_, double(norm(p.at(s, i + 1) - p.at(s, i)) / l - 1));
+                if (l <= 0) continue;
+                const double stretch = norm(p.at(s, i + 1) - p.at(s, i)) / l - 1;
+                stretch_ = std::max(stretch_, stretch);
+                stretches_.add(std::abs(stretch));
             }
     }
     void add_jitter() {
@@ -212,7 +216,7 @@ class Shape {
     }
     const Groom& groom_;
     float link_;
-    Mean curl_, tips_, clumps_, jitter_;
+    Mean curl_, tips_, clumps_, jitter_, stretches_;
     double stretch_ = -1;
     std::deque<Strands> last_;
     std::deque<Pose> heads_;
@@ -321,6 +325,11 @@ void add_curvature(const Strands& a, const Strands& b, Mean& error, Mean& size) 
         }
 }
 
+// Mean over equal particles [m].
+void add_distance(const Strands& a, const Strands& b, Mean& mean) {
+    for (size_t k = 0; k < a.points.size(); ++k) mean.add(norm(b.points[k] - a.points[k]));
+}
+
 void add_velocity(const Shape& a, const Shape& b, double fps, Mean& error) {
     for (size_t k = 0; k < a.frame(0).points.size(); ++k) {
         const Vec3f d =
@@ -427,7 +436,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
     Shape shape_a(reference), shape_b(other);
     PositionError position(groom);
     SolidError solid_error(solid, groom, other.frame(0).head);
-    Mean curvature_error, curvature, velocity;
+    Mean curvature_error, curvature, velocity, strands;
     std::array<Mean, 3> f1;
     const int step = (out.frames + sampled_frames - 1) / sampled_frames;
     for (int f = first_frame; f < end; ++f) {
@@ -442,6 +451,8 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
         shape_a.add(a, frame_a.head, sampled);
         shape_b.add(b, frame_b.head, sampled);
         add_curvature(a, b, curvature_error, curvature);
+        if (frame_a.displayed.count && frame_b.displayed.count)
+            add_distance(frame_a.positions, frame_b.positions, strands);
         if (f > first_frame) add_velocity(shape_a, shape_b, fps, velocity);
         solid_error.add(a, b, frame_b.head, f / fps);
         if (sampled) {
@@ -459,6 +470,9 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
     out.curl_radius_ratio = ratio(shape_b.curl(), shape_a.curl());
     out.stretch_max = shape_b.stretch();
     out.stretch_max_reference = shape_a.stretch();
+    out.stretch_mean = shape_b.mean_stretch();
+    out.stretch_mean_reference = shape_a.mean_stretch();
+    if (strands.n) out.strands_mm = 1e3 * strands.value();
     out.tip_spread_mm = 1e3 * shape_b.tips();
     out.tip_spread_reference_mm = 1e3 * shape_a.tips();
     out.tip_spread_ratio = ratio(shape_b.tips(), shape_a.tips());

@@ -38,7 +38,11 @@ struct Comparison {
     double curvature_error =
         0;  // mean |1/R - 1/R_ref| over mean 1/R_ref, R the circumradius of three neighbours
     double curl_radius_ratio = 0;  // mean curl radius over the reference's (learn/core_detail.h)
-    double stretch_max = 0, stretch_max_reference = 0;  // |e|/l - 1, l at rest
+    // Mean distance of equal particles of the strands themselves, p, before Eq 10 moves what is seen [mm];
+    // none where a run has nothing but what is seen.
+    std::optional<double> strands_mm;
+    // |e|/l - 1, l at rest; of its size the mean.
+    double stretch_max = 0, stretch_max_reference = 0, stretch_mean = 0, stretch_mean_reference = 0;
     // Share of particles deeper than 0.1 mm in a solid, where depth is below min(0, phi at rest); mean over
     // those [mm].
     double penetration_fraction = 0, penetration_mean_mm = 0, penetration_max_mm = 0;

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 
 #include "app/commands.h"
 #include "app/dataset_recipe.h"
@@ -206,6 +207,23 @@ TEST_F(Dataset, is_the_same_bytes_on_any_threads_in_parts_and_resumed) {
     expect_same(one, three);
     EXPECT_EQ(make(again), std::pair(0, true));
     expect_same(one, three);
+}
+
+TEST_F(Dataset, parts_that_begin_at_once_are_the_same_bytes) {
+    const std::string text = small_recipe + scenes(4, 1, 1);
+    make(options(text, "whole"));
+    for (int repeat = 0; repeat < 4; ++repeat) {
+        const std::string name = "shared" + std::to_string(repeat);
+        const DatasetOptions whole = options(text, name);
+        std::vector<std::thread> parts;
+        for (int k = 1; k <= 3; ++k)
+            parts.emplace_back([&, part = whole, k]() mutable {
+                part.part = std::to_string(k) + "/3";
+                EXPECT_EQ(dataset_command(part), 0);
+            });
+        for (auto& part : parts) part.join();
+        expect_same("whole", name);
+    }
 }
 
 TEST_F(Dataset, overwriting_leaves_what_a_new_folder_would_hold) {

@@ -354,6 +354,8 @@ TEST(RunCache, its_kind_says_whether_a_network_made_it) {
     EXPECT_EQ(kind_of(h), "interpolated");
     h.method = "strand_mlp", h.inputs = {"dry.h5", "model.h5"};
     EXPECT_EQ(kind_of(h), "learned");
+    h.method = "strand_linear";  // a regression is no network
+    EXPECT_EQ(kind_of(h), "interpolated");
 }
 
 TEST(RunCache, a_position_that_is_not_finite_names_frame_and_strand) {

@@ -68,14 +68,15 @@ inline Pose head_at(int frame) {
     return {rotation_about({0, 1, 0}, 0.05 * frame), {0.002 * frame * frame, 0.1, -0.001 * frame}};
 }
 
-// Writes a run of `frames` frames; `bend(strand, particle, frame)` is added to the rest shape (head's frame).
+// Writes a run of `frames` frames; `bend(strand, particle, frame)` is added to the rest shape (head's frame);
+// what is seen lies `shown` from that, at zero the run has nothing else.
 inline void write_run(
     const std::string& path, const Groom& groom, int stride, int frames, const std::vector<float>& saturation,
     const std::function<Vec3d(int, int, int)>& bend =
         [](int, int, int) {
             return Vec3d{0, 0, 0};
         },
-    const std::function<Pose(int)>& head = head_at) {
+    const std::function<Pose(int)>& head = head_at, const Vec3f& shown = {0, 0, 0}) {
     RunHeader header;
     header.method = saturation.empty() ? "simulated dry" : "simulated wet";
     header.groom = groom;
@@ -92,6 +93,10 @@ inline void write_run(
                 Vec3f& p = frame.positions.at(s, i);
                 p = cast<float>(frame.head(cast<double>(p) + bend(s, i, f)));
             }
+        if (norm(shown) > 0) {
+            frame.displayed = frame.positions;
+            for (Vec3f& p : frame.displayed.points) p += shown;
+        }
         frame.seconds = 0.5;
         writer.append(frame);
     }

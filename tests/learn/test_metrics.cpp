@@ -89,6 +89,19 @@ TEST(Compare, shared_and_new_roots_are_told_apart) {
     EXPECT_NEAR(r.position_mm.p95, 2, 1e-2);
 }
 
+TEST(Compare, strands_are_told_apart_from_what_is_seen_of_them) {
+    Case c;
+    const auto bend = [](int, int, int) { return Vec3d{0, 0, 2e-3}; };
+    write_run(c.reference, c.groom, 1, frames, {}, none, still, {3e-3f, 0, 0});
+    write_run(c.other, c.groom, 1, frames, {}, bend, still, {3e-3f, 0, 1e-3f});
+    const RunReader reference(c.reference);
+    const Comparison both = compare(reference, RunReader(c.other), 0, {});
+    EXPECT_NEAR(both.strands_mm.value(), 2, 1e-3);
+    EXPECT_NEAR(both.position_mm.mean, 3, 1e-3);
+    write_run(c.other, c.groom, 1, frames, {}, bend, still);
+    EXPECT_FALSE(compare(reference, RunReader(c.other), 0, {}).strands_mm);
+}
+
 TEST(Compare, a_swaying_error_is_dynamic) {
     Case c;
     const Comparison r = c.compared(none, [](int, int, int f) { return Vec3d{0, f % 2 ? 1e-3 : -1e-3, 0}; });
@@ -120,6 +133,8 @@ TEST(Compare, wider_curls_and_stretched_edges_show) {
         none, [&](int s, int i, int) { return 0.05 * cast<double>(g.rest.at(s, i) - g.rest.at(s, 0)); });
     EXPECT_NEAR(stretched.stretch_max, 0.05, 1e-4);
     EXPECT_NEAR(stretched.stretch_max_reference, 0, 1e-4);
+    EXPECT_NEAR(stretched.stretch_mean, 0.05, 1e-4);
+    EXPECT_NEAR(stretched.stretch_mean_reference, 0, 1e-5);
     EXPECT_NEAR(stretched.curvature_error, 1 - 1 / 1.05, 1e-3);  // 1/R shrinks as the strand grows
 }
 
