@@ -10,6 +10,8 @@
 #include "models/registry.h"
 #include "tests/learn/hair.h"
 #ifdef WETCURL_NETWORKS_ON_DEVICE
+#include <c10/cuda/CUDACachingAllocator.h>
+
 #include "base/device_buffer.h"
 #include "learn/device_strands.h"
 #endif
@@ -144,6 +146,25 @@ TEST(LearnedStrands, InBfloat16DifferByWhatItRounds) {
     }
 }
 
+TEST(RootNetwork, AnswersOfSeveralPatchesAreThoseOfEach) {
+    ModelCard card;
+    card.codec = "root", card.architecture = "unet_vgg19", card.width = 0.25;
+    card.input_channels = card.output_channels = 3, card.upscale = 2;
+    torch::manual_seed(4);
+    const auto model = make_model(card);
+    const torch::NoGradGuard no_grad;
+    for (auto& p : model->parameters()) p.add_(0.01 * torch::randn_like(p));
+    const auto network = network_of(card, model, "cpu", 1, Body::single_precision);
+    const long patches = 3, height = 40, width = 32;
+    const Tensor in = torch::rand({patches, 3, height, width});
+    Tensor together = torch::empty({patches, 3, 2 * height, 2 * width}), alone = torch::empty_like(together);
+    network->run(in.data_ptr<float>(), {patches, 3, height, width}, together.data_ptr<float>());
+    for (long k = 0; k < patches; ++k)
+        network->run(in[k].data_ptr<float>(), {1, 3, height, width}, alone[k].data_ptr<float>());
+    EXPECT_GT((together - up(in)).abs().mean().item<double>(), 1e-4);
+    EXPECT_LT((together - alone).abs().max().item<double>(), 1e-5);
+}
+
 // As the host gives it within what bfloat16 rounds; in either memory, several patches at once, other sizes in
 // turn.
 TEST(RootNetwork, OnTheDeviceIsThatOfTheHost) {
@@ -215,6 +236,16 @@ TEST(LearnedStrands, OnTheDeviceAreThoseOfTheHost) {
             EXPECT_GT(moved / double(base.points.size()), 1e-3) << architecture;
             EXPECT_LT(apart, 0.01 * moved) << architecture << " " << f;  // bfloat16 within 1 %
         }
+        // All memory is there by now.
+        const auto asked = [] {
+            const auto stats = c10::cuda::CUDACachingAllocator::getDeviceStats(0);
+            size_t free = 0, all = 0;
+            cudaMemGetInfo(&free, &all);
+            return std::pair(stats.allocation[0].allocated, free);
+        };
+        const auto before = asked();
+        for (int f = 6; f < 12; ++f) in_half->run(half.take(f)), on_device->run(device.take(f));
+        EXPECT_EQ(asked(), before) << architecture;
         on_device->restart(), on_host->restart();
         on_host->run(host.take(0)), on_device->run(device.take(0));
         EXPECT_LT(testing::largest_distance(device.out, host.out), 2e-5) << architecture;
