@@ -37,8 +37,11 @@ class DeviceBuffer {
     V* data() const { return data_; }
     size_t size() const { return count_; }
     size_t bytes() const { return count_ * sizeof(V); }
+    // Through on return, for every stream: a copy of pageable memory may else still be under way.
     void upload(const V* from, size_t count) {
-        if (count) check_cuda(cudaMemcpy(data_, from, count * sizeof(V), cudaMemcpyHostToDevice), "upload");
+        if (!count) return;
+        check_cuda(cudaMemcpy(data_, from, count * sizeof(V), cudaMemcpyHostToDevice), "upload");
+        check_cuda(cudaStreamSynchronize(cudaStreamLegacy), "upload");
     }
     void download(V* to) const {
         if (count_) check_cuda(cudaMemcpy(to, data_, bytes(), cudaMemcpyDeviceToHost), "download");
