@@ -82,7 +82,8 @@ const std::vector<Strands>& reference_frames(const Workload& w, bool wet, const 
     static std::map<std::string, std::vector<Strands>> known;
     const Scene scene = scene_of(w, wet);
     // Those of much hair take gigabytes, and are asked for once.
-    std::erase_if(known, [](const auto& of) { return of.second[0].points.size() > size_t(1e6); });
+    std::erase_if(
+        known, [](const auto& of) { return !of.second.empty() && of.second[0].points.size() > size_t(1e6); });
     auto& frames = known[fmt::format("{}{}{}{}", scene.text, wet, device, w.frames)];
     if (frames.empty()) {
         Reference reference(scene, device);
@@ -183,7 +184,7 @@ bool fits(const Workload& w, double bytes, const char* what) {
                             w.strands(), what, needed / 1e9, there / 1e9));
     return false;
 }
-bool fits(const Workload& w) { return fits(w, bytes_a_particle, "all"); }
+bool fits(const Workload& w) { return fits(w, bytes_a_particle, "they are"); }
 
 // The wet workload's hair, and `beside` it.
 Scene scene_with(const char* beside, const Workload& w, const std::vector<std::string>& set = {},
@@ -379,8 +380,9 @@ std::vector<Entry> frame_entries(const std::string& device) {
             if (device != "cpu") w.settle = fixed.settle;  // minutes on a CPU, seconds there
             auto measure = [w, wet, device, most_with_error](Results& out) {
                 if (!fits(w)) return;
-                const bool with_error = w.strands() <= most_with_error &&
-                                        fits(w, bytes_a_particle + bytes_seen * 2 * w.frames, "its error is");
+                const bool with_error =
+                    w.strands() <= most_with_error &&
+                    fits(w, bytes_a_particle + bytes_seen * 2 * w.frames, "their error is");
                 const auto lines = whole_frames(w, wet, device, with_error);
                 out.lines.insert(out.lines.end(), lines.begin(), lines.end());
             };

@@ -38,6 +38,10 @@ const Column columns[] = {
     {"curvat.", "error", [](const Comparison& c) { return fmt::format("{:.3f}", c.curvature_error); }},
     {"curl", "radius", [](const Comparison& c) { return fmt::format("{:.3f}", c.curl_radius_ratio); }},
     {"tips", "spread", [](const Comparison& c) { return fmt::format("{:.3f}", c.tip_spread_ratio); }},
+    {"crowd", "of ref.",
+     [](const Comparison& c) {
+         return c.crowd_reference > 0 ? fmt::format("{:.2f}", c.crowd / c.crowd_reference) : "-";
+     }},
     {"stretch", "mean %", [](const Comparison& c) { return fmt::format("{:.2f}", 100 * c.stretch_mean); }},
     {"", "max %", [](const Comparison& c) { return fmt::format("{:.1f}", 100 * c.stretch_max); }},
     {"depth", "max mm", [](const Comparison& c) { return fmt::format("{:.2f}", c.penetration_max_mm); }},

@@ -47,6 +47,8 @@ Json json_of(const Comparison& c) {
             {"tip_spread_ratio", c.tip_spread_ratio},
             {"clumps", c.clumps},
             {"clumps_reference", c.clumps_reference},
+            {"crowd", c.crowd},
+            {"crowd_reference", c.crowd_reference},
             {"jitter_mm", json_of(c.jitter_mm)},
             {"jitter_reference_mm", json_of(c.jitter_reference_mm)},
             {"velocity_error_m_per_s", c.velocity_error}};

@@ -238,7 +238,8 @@ void write_once(const std::string& path, const std::string& text, long part) {
         fs::rename(draft, path);  // a file system without links
     else
         fs::remove(draft);
-    if (text_of(path) != text) throw Error(path + ": another part wrote another recipe");
+    if (text_of(path) != text)
+        throw Error(path + ": found another recipe, written just now; every part needs the same one");
 }
 
 // The folder is this recipe's, or nobody's.

@@ -86,6 +86,8 @@ const Column columns[] = {
     {"stretch", "mean %", "mean of | edge over its length at rest - 1 |", Best::least, "/stretch_mean", 100},
     {"clumps", "/ reference", "groups of tips over the reference's", Best::nearest_one, "/clumps", 1,
      "/clumps_reference"},
+    {"crowd", "/ reference", "particles of other strands within 4 mm of one, over the reference's: locks",
+     Best::nearest_one, "/crowd", 1, "/crowd_reference"},
     {"in solids", "%", "share of particles deeper than 0.1 mm in a solid", Best::least,
      "/penetration/fraction", 100},
     {"", "max mm", "deepest particle", Best::least, "/penetration/max_mm"},

@@ -20,6 +20,7 @@ constexpr int sampled_frames = 16;
 constexpr size_t sampled_points = 50000;
 constexpr float depth_tolerance = 1e-4f;  // [m]
 constexpr float near_solid = 0.02f;       // [m]
+constexpr float crowd_reach = 4e-3f;      // [m]
 
 std::vector<Vec3f> tips_of(const Strands& strands) {
     std::vector<Vec3f> out;
@@ -171,6 +172,7 @@ class Shape {
         if (sampled) {
             tips_.add(tip_spread(p));
             clumps_.add(clump_count(p, link_));
+            crowd_.add(wetcurl::crowd(p, crowd_reach));
         }
         last_.push_front(p);
         heads_.push_front(head);
@@ -188,6 +190,7 @@ class Shape {
     double mean_stretch() const { return stretches_.value(); }
     double tips() const { return tips_.value(); }
     double clumps() const { return clumps_.value(); }
+    double crowd() const { return crowd_.value(); }
     std::optional<double> jitter_mm() const {
         return jitter_.n ? std::optional(1e3 * std::sqrt(jitter_.value())) : std::nullopt;
     }
@@ -216,7 +219,7 @@ class Shape {
     }
     const Groom& groom_;
     float link_;
-    Mean curl_, tips_, clumps_, jitter_, stretches_;
+    Mean curl_, tips_, clumps_, crowd_, jitter_, stretches_;
     double stretch_ = -1;
     std::deque<Strands> last_;
     std::deque<Pose> heads_;
@@ -411,6 +414,23 @@ int clump_count(const Strands& strands, float link) {
     return groups;
 }
 
+double crowd(const Strands& strands, float reach) {
+    const auto& points = strands.points;
+    NeighborGrid grid;
+    grid.build(points.data(), points.size(), reach);
+    const size_t step = (points.size() + sampled_points - 1) / sampled_points, n = size_t(strands.particles);
+    long found = 0, asked = long((points.size() + step - 1) / step);
+#pragma omp parallel for schedule(dynamic, 256) reduction(+ : found)
+    for (long q = 0; q < asked; ++q) {
+        const size_t k = size_t(q) * step;
+        grid.around(points[k], [&](uint32_t j) {
+            const Vec3f d = grid.sorted(j) - points[k];
+            found += grid.order()[j] / n != k / n && dot(d, d) <= reach * reach;
+        });
+    }
+    return asked ? double(found) / double(asked) : 0;
+}
+
 float clump_link(const Groom& groom) {
     std::vector<Vec3f> roots;
     for (int s = 0; s < groom.rest.count; ++s) roots.push_back(groom.rest.at(s, 0));
@@ -478,6 +498,8 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
     out.tip_spread_ratio = ratio(shape_b.tips(), shape_a.tips());
     out.clumps = shape_b.clumps();
     out.clumps_reference = shape_a.clumps();
+    out.crowd = shape_b.crowd();
+    out.crowd_reference = shape_a.crowd();
     out.jitter_mm = shape_b.jitter_mm();
     out.jitter_reference_mm = shape_a.jitter_mm();
     out.velocity_error = velocity.value();

@@ -44,6 +44,8 @@ class AdhesionNetwork {
     const S* given() const { return model && !given_.empty() ? given_.data() : nullptr; }
     void list(BufferList& buffers) const {
         add_buffer(buffers, "adhesion given", given_), add_buffer(buffers, "adhesion answers", answers_);
+        add_buffer(buffers, "adhesion questions", found_), add_buffer(buffers, "adhesion asked", where_);
+        add_buffer(buffers, "adhesion inputs", inputs_), add_buffer(buffers, "adhesion outputs", outputs_);
     }
 
   private:

@@ -277,6 +277,18 @@ TEST(Clumps, are_groups_of_linked_tips) {
     EXPECT_EQ(clump_count(with_tips(tips), 0.2f), 1);
 }
 
+TEST(Crowd, counts_particles_of_other_strands_in_reach) {
+    // Three straight strands in a row, 3 mm apart, particles 2 mm apart along them.
+    Strands row(3, 10);
+    for (int s = 0; s < 3; ++s)
+        for (int i = 0; i < 10; ++i) row.at(s, i) = {3e-3f * float(s), -2e-3f * float(i), 0};
+    // Within 4 mm: on each strand beside it the one at its height and, 3.6 mm off, those above and below.
+    const double inner = 3, end = 2, of_one = (8 * inner + 2 * end) / 10;
+    EXPECT_NEAR(crowd(row, 4e-3f), of_one * 4 / 3,
+                1e-9);  // the outer two have one beside them, the middle two
+    EXPECT_EQ(crowd(row, 2.9e-3f), 0);
+}
+
 TEST(Clumps, link_is_half_the_roots_distance) {
     Curls curls;
     curls.spacing = 0.004;
