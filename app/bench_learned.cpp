@@ -8,6 +8,7 @@
 #include "app/device.h"
 #include "app/learned_hair.h"
 #include "learn/network_module.h"
+#include "solver/display.h"
 #include "solver/plan.h"
 #ifdef WETCURL_HAVE_CUDA
 #include "base/device_buffer.h"
@@ -50,12 +51,14 @@ class LearnedHair {
         bind(low);
         return repeated([&] { return [&] { learned_->run(HeadWindow()); }; });
     }
-    // Of strands that are simulated before each frame: read where they are.
-    Times simulated() {
+    // Of strands that are simulated before each frame: read where they are. `shown`: Eq 10 follows.
+    Times simulated(bool shown) {
         const auto simulation = make_simulation_on(device_, low_, "float");
         RunFrame frame;
         simulation->snapshot(frame);
         low_points_ = frame.positions.points;
+        if (shown && on_device()) device_display_ = make_display_on(device_, high_);
+        if (shown && !on_device()) display_.emplace(high_), shown_ = high();
         bind(on_device() ? simulation->positions_on_device() : low_points_.data());
         return repeated([&] {
             return [&] {
@@ -66,6 +69,10 @@ class LearnedHair {
                               low_points_.begin());
                 }
                 learned_->run(HeadWindow());
+#ifdef WETCURL_HAVE_CUDA
+                if (device_display_) device_display_->apply(device_out_.data(), Pose(), 0);
+#endif
+                if (display_) shown_.points = out_, display_->apply(shown_, Pose(), 0);
             };
         });
     }
@@ -80,8 +87,11 @@ class LearnedHair {
             learned_->bind(low, out_.data());
         }
 #ifdef WETCURL_HAVE_CUDA
-        if (on_device())
-            learned_->bind(low, (device_out_ = DeviceBuffer<Vec3f>(count)).data(), /*on_device=*/true);
+        if (on_device()) {
+            device_out_ = DeviceBuffer<Vec3f>(count);
+            learned_->bind(low, device_display_ ? device_display_->strands() : device_out_.data(),
+                           /*on_device=*/true);
+        }
 #endif
         learned_->run(HeadWindow());  // the second one captures
     }
@@ -89,14 +99,21 @@ class LearnedHair {
     Scene high_, low_;
     std::string device_;
     std::unique_ptr<LearnedStrands> learned_;
+    // Where Eq 10 follows: one of these.
+    std::optional<Display> display_;
+    std::unique_ptr<DeviceDisplay> device_display_;
+    Strands shown_;
     std::vector<Vec3f> low_points_, out_;
 #ifdef WETCURL_HAVE_CUDA
     DeviceBuffer<Vec3f> device_low_, device_out_;
 #endif
 };
 
+// What of a frame is timed: the network, the run before it too, and Eq 10 after it.
+enum class Part { network, with_run, with_run_and_cohesion };
+
 Line learned_frame(const Workload& w, const std::string& model, const std::string& name,
-                   const std::string& device, int threads, bool simulated) {
+                   const std::string& device, int threads, Part part) {
     LearnedHair hair(w, model, device, threads);
     const Strands& shape = hair.high();
     Line line;
@@ -105,7 +122,8 @@ Line learned_frame(const Workload& w, const std::string& model, const std::strin
     line.bytes = sizeof(Vec3f) * (line.items + double(hair.low().groom.rest.points.size()));
     line.operations = 2.0 * double(hair.parameters()) * shape.count;
     line.strands = shape.count, line.particles = shape.particles;
-    line.seconds = simulated ? hair.simulated() : hair.at_rest();
+    line.seconds =
+        part == Part::network ? hair.at_rest() : hair.simulated(part == Part::with_run_and_cohesion);
     return line;
 }
 
@@ -125,22 +143,24 @@ std::vector<Entry> learned_entries(const std::vector<std::string>& models, const
                        ""});
     for (const auto& model : models)
         for (const Workload& w : workloads) {
-            // After other networks Eq 10 follows, which is not of this frame.
-            const bool whole = network_module().card(model).target == "displayed";
-            for (bool simulated : {false, true}) {
-                if (simulated && !whole) continue;
-                const std::string name =
-                    fmt::format("{}learned frame{}, {} strands, {}", simulated ? "simulated and " : "",
-                                whole ? "" : " before cohesion", w.strands(),
-                                std::filesystem::path(model).stem().string());
+            auto add = [&](const std::string& what, const std::string& after, Part part) {
+                const std::string name = fmt::format("{}, {} strands, {}{}", what, w.strands(),
+                                                     std::filesystem::path(model).stem().string(), after);
                 out.push_back({{name},
                                "learned frame",
                                [=](Results& results) {
                                    results.lines.push_back(
-                                       learned_frame(w, model, name, device, threads, simulated));
+                                       learned_frame(w, model, name, device, threads, part));
                                },
                                ""});
+            };
+            if (network_module().card(model).target == "displayed") {
+                add("learned frame", "", Part::network);
+                add("simulated and learned frame", "", Part::with_run);
+            } else {
+                add("learned frame before cohesion", "", Part::network);
             }
+            add("simulated and learned frame", ", Eq 10", Part::with_run_and_cohesion);
         }
     return out;
 }

@@ -317,9 +317,10 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
         for (const auto& split : dataset_splits) {
             std::unique_ptr<PairsWriter> out;
             std::map<std::string, std::pair<double, long>> floors;  // sum, of how many scenes
-            double radius = 0;
+            // 0: not all the same.
+            double radius = 0;  // of Eq 16
+            int substeps = 0;   // of low-resolution runs
             long runs = 0;
-            int substeps = 0;  // of low-resolution runs, 0: not all the same
             for (const auto& m : recipe.members) {
                 if (m.split != split) continue;
                 const std::string shard = to.shard(m, codec);
@@ -331,15 +332,10 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
                 for (const char* floor : {"floor_mm", "floor_displayed_mm"})
                     if (reader.has_attribute(floor))
                         floors[floor].first += reader.number(floor), ++floors[floor].second;
-                if (codec == Codec::root && runs == 0) {
-                    radius = reader.number("support_radius");
-                    out->box(&recipe.box.lower.x, &recipe.box.upper.x);
-                    out->attribute("support_radius", radius);
+                if (codec == Codec::root) {
+                    const double its = reader.number("support_radius");
+                    radius = runs == 0 || its == radius ? its : 0;
                 }
-                if (codec == Codec::root && reader.number("support_radius") != radius)
-                    throw Error(shard +
-                                ": its cohesion radius is not that of the scenes before it, allowed "
-                                "one for all with codec root");
                 const std::string name = "shards/" + fs::path(shard).filename().string();
                 out->link(name);
                 out->attribute(fmt::format("input {:04d}", runs), name + " " + hashes.at(shard));
@@ -347,6 +343,10 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
             }
             if (!out) continue;
             out->low(recipe.low_is_wet, substeps);
+            if (codec == Codec::root) {
+                out->box(&recipe.box.lower.x, &recipe.box.upper.x);
+                out->attribute("support_radius", radius);
+            }
             for (const auto& [floor, sum] : floors) {
                 out->attribute(floor, sum.first / double(sum.second));
                 manifest[floor + "_" + split] = sum.first / double(sum.second);

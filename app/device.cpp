@@ -56,4 +56,13 @@ std::unique_ptr<Simulation> make_simulation_on(const std::string& device, const 
     return make_simulation(scene, precision);
 }
 
+std::unique_ptr<DeviceDisplay> make_display_on([[maybe_unused]] const std::string& device,
+                                               [[maybe_unused]] const Scene& scene) {
+#ifdef WETCURL_HAVE_CUDA
+    if (number_of(device) >= 0 && !cuda_devices().empty() && !scene.has_deforming_solid())
+        return make_cuda_display(scene, number_of(device));
+#endif
+    return nullptr;
+}
+
 }  // namespace wetcurl

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "cuda/display.h"
 #include "solver/simulation.h"
 
 namespace wetcurl {
@@ -14,6 +15,10 @@ void require_device(const std::string& device);
 // The scene's simulation on it; precision "float" or "double".
 std::unique_ptr<Simulation> make_simulation_on(const std::string& device, const Scene& scene,
                                                const std::string& precision);
+
+// Eq 10 of the scene on it; null where it is for the host (solver/display.h): --device cpu, no such backend,
+// or solids that deform.
+std::unique_ptr<DeviceDisplay> make_display_on(const std::string& device, const Scene& scene);
 
 // What a CUDA device does at most, measured there.
 struct DeviceRates {

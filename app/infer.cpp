@@ -320,13 +320,16 @@ int infer_command(const InferOptions& given) {
     const auto method = method_of(o, scene, low);
     require_nested(scene.groom, low.groom);
     std::optional<Display> display;
+    std::unique_ptr<DeviceDisplay> device_display;
     std::optional<DeformingSolids> surfaces;
     if ((o.passes || o.spacing) && !(method->before_cohesion() && scene.cohesion))
         throw Misuse(std::string(o.passes ? "--passes" : "--spacing") +
                      ": no Eq 10 follows here, whose this could be; --cohesion adds it");
     if (o.passes) scene.cohesion->passes = *o.passes;
     if (o.spacing) scene.cohesion->spacing = *o.spacing;
-    if (method->before_cohesion() && scene.cohesion) {
+    const bool shows = method->before_cohesion() && scene.cohesion;
+    if (shows) device_display = make_display_on(o.device, scene);
+    if (shows && !device_display) {
         display.emplace(scene);
         if (scene.has_deforming_solid()) surfaces.emplace(scene);
     }
@@ -356,8 +359,9 @@ int infer_command(const InferOptions& given) {
         const double begin = omp_get_wtime();
         method->apply(frame, window.heads(), out.positions);
         const double reconstructed = omp_get_wtime();
+        if (shows) out.displayed = out.positions;
+        if (device_display) device_display->apply(out.displayed, frame.head, done / low.fps);
         if (display) {
-            out.displayed = out.positions;
             if (surfaces) surfaces->hold(done / low.fps);
             display->apply(out.displayed, frame.head, done / low.fps,
                            surfaces ? surfaces->at_end() : nullptr);
@@ -387,7 +391,7 @@ int infer_command(const InferOptions& given) {
               {"inference_seconds_per_frame", time_statistics(own_seconds)},
               {"device", o.device},
               {"method", method->name()},
-              {"cohesion_after", display.has_value()}};
+              {"cohesion_after", shows}};
     if (!o.model.empty()) json["moved_by_network_mm"] = moved / std::max(1, done);
     write_json(json, o.json);
     log_info(fmt::format(

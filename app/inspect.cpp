@@ -183,6 +183,7 @@ Json model_json(const InspectOptions& o) {
             {"outputs", card.output_channels},
             {"upscale", card.upscale},
             {"particles_per_strand", card.particles},
+            {"target", card.codec == "strand" ? Json(card.target) : Json()},
             {"low", card.low},
             {"low_substeps", card.low_substeps ? Json(card.low_substeps) : Json()},
             {"numbers", card.numbers},

@@ -35,6 +35,7 @@ CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
       scene_(scene),
       dt_(1 / (scene.fps * scene.integrator.substeps)),
       by_reference_(stepping == Stepping::by_reference || needs_reference(scene)),
+      shapes_(scene),
       slots_(scene.integrator.substeps),
       solids_each_(scene.solids.size()),
       deforming_each_(deforming_in(scene)),
@@ -60,18 +61,6 @@ CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
     }
     positions_ = DeviceBuffer<Vec3f>(scene.groom.rest.points.size());
     host_report_[0] = host_report_[1] = {};
-
-    std::vector<ShapeView> shapes;
-    for (const auto& solid : scene.solids) {
-        if (solid.deformation) continue;
-        ShapeView view = view_of(solid.shape);
-        if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape)) {
-            level_sets_.emplace_back((*level_set)->phi());
-            view.grid.phi = level_sets_.back().data();
-        }
-        shapes.push_back(view);
-    }
-    shapes_ = DeviceBuffer<ShapeView>(shapes);
 }
 
 template <class T>

@@ -12,6 +12,7 @@
 #include "cuda/cohesion_kernel.h"
 #include "cuda/frame_record.h"
 #include "cuda/pair_forces_device.h"
+#include "cuda/rigid_shapes.h"
 #include "cuda/simulation.h"
 #include "cuda/surfaces_on_device.h"
 #include "cuda/touching_strands_device.h"
@@ -204,8 +205,7 @@ class CudaHair {
     std::vector<Event> marks_;                   // (slot, 3) and one: of forces, of the step, of contact
     std::optional<AdhesionDevice<T>> adhesion_;  // asked before each substep
     // Solids.
-    std::vector<DeviceBuffer<float>> level_sets_;
-    DeviceBuffer<ShapeView> shapes_;  // of rigid ones
+    RigidShapes shapes_;
     // A frame's motion, substep by substep; with adhesion also where all is when the first begins.
     const int slots_;
     const size_t solids_each_, deforming_each_;

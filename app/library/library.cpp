@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "app/device.h"
 #include "app/learned_hair.h"
 #include "app/library/wetcurl.h"
 #include "base/error.h"
@@ -18,8 +19,11 @@ struct wetcurl_hair {
     Scene scene;
     Groom low;
     std::unique_ptr<LearnedStrands> learned;
-    std::optional<Display> display;  // where Eq 10 follows the network
-    Strands shown;                   // room for it
+    // Where Eq 10 follows the network: one of these.
+    std::optional<Display> display;
+    std::unique_ptr<DeviceDisplay> device_display;
+    Strands shown;           // room for it
+    bool on_device = false;  // what is bound
     float* high = nullptr;
     long frames = 0;
 };
@@ -94,12 +98,13 @@ wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char
         auto learned = learned_strands_of(text_of(model, "model"), scene, scene_file, low,
                                           text_of(device, "device"), count);
         auto hair = std::make_unique<wetcurl_hair>(
-            wetcurl_hair{count, device, std::move(scene), std::move(low), std::move(learned), {}, {}});
+            wetcurl_hair{count, device, std::move(scene), std::move(low), std::move(learned), {}, {}, {}});
         if (hair->learned->card().target != "displayed" && hair->scene.cohesion) {
             if (hair->scene.has_deforming_solid())
                 throw Error(std::string(scene_file) +
                             ": its solids deform, which cohesion after a network cannot follow here");
-            hair->display.emplace(hair->scene);
+            hair->device_display = make_display_on(hair->device, hair->scene);
+            if (!hair->device_display) hair->display.emplace(hair->scene);
             hair->shown = hair->scene.groom.rest;
         }
         return hair.release();
@@ -121,11 +126,16 @@ int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_devic
         if (!low || !high) throw Error("wetcurl_bind: found NULL, allowed memory for the strands");
         if (on_device && hair->display && hair->device != "cpu")
             throw Error(
-                "wetcurl_bind: cohesion follows this model, which predicts strands before it; on a device "
-                "only models of displayed strands run");
-        Vec3f* out = hair->display ? hair->shown.points.data() : reinterpret_cast<Vec3f*>(high);
+                "wetcurl_bind: cohesion follows this model, which predicts strands before it, and this "
+                "library "
+                "was built without the CUDA backend; here only models of displayed strands run on a device");
+        Vec3f* out = reinterpret_cast<Vec3f*>(high);
+        if (hair->device_display && on_device)
+            out = hair->device_display->strands();
+        else if (hair->device_display || hair->display)
+            out = hair->shown.points.data();
         hair->learned->bind(reinterpret_cast<const Vec3f*>(low), out, on_device != 0);
-        hair->high = high;
+        hair->high = high, hair->on_device = on_device != 0;
         return 0;
     });
 }
@@ -142,8 +152,14 @@ int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7],
         heads.before = before ? pose_of(before) : heads.now;
         heads.after = after ? pose_of(after) : heads.now;
         hair->learned->run(heads);
-        if (hair->display) {
-            hair->display->apply(hair->shown, heads.now, double(hair->frames) / hair->scene.fps, nullptr);
+        const double time = double(hair->frames) / hair->scene.fps;
+        if (hair->device_display && hair->on_device) {
+            hair->device_display->apply(reinterpret_cast<Vec3f*>(hair->high), heads.now, time);
+        } else if (hair->device_display || hair->display) {
+            if (hair->device_display)
+                hair->device_display->apply(hair->shown, heads.now, time);
+            else
+                hair->display->apply(hair->shown, heads.now, time, nullptr);
             for (size_t k = 0; k < hair->shown.points.size(); ++k) {
                 const Vec3f& p = hair->shown.points[k];
                 hair->high[3 * k] = p.x, hair->high[3 * k + 1] = p.y, hair->high[3 * k + 2] = p.z;

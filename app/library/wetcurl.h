@@ -37,9 +37,8 @@ WETCURL_API int wetcurl_particles(const wetcurl_hair* hair); /* of a strand */
 WETCURL_API void wetcurl_low_at_rest(const wetcurl_hair* hair, float* low);
 
 /* Where each frame is read, [low strands][particles][3], and written, [high strands][particles][3].
- * on_device: both are memory of the hair's CUDA device, and nothing is copied (what writes `low` must be
- * through before wetcurl_run); only for models of what is displayed, since cohesion (Eq 10), which follows
- * the others, is computed on the host. */
+ * on_device: both are memory of the hair's CUDA device, and nothing is copied to or from the host (what
+ * writes `low` must be through before wetcurl_run). */
 WETCURL_API int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_device);
 
 /* One frame of the scene's rate; for every frame of a shot, in order. The head's pose one frame before, now

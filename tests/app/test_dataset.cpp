@@ -615,10 +615,16 @@ TEST_F(Dataset, a_first_frame_beyond_the_last_is_refused) {
     }
 }
 
-TEST_F(Dataset, codec_root_allows_one_cohesion_radius) {
+TEST_F(Dataset, of_scenes_with_several_cohesion_radii_the_whole_names_none) {
     std::string text = "codecs = \"root\"\n" + small_recipe + scenes(2, 0, 0);
     text.insert(text.find("[draw]\n") + 7, "\"cohesion.radius\" = [0.01, 0.02]\n");
-    expect_error([&] { dataset_command(options(text, "radii")); }, {"train-0001", "radius", "one for all"});
+    dataset_command(options(text, "radii"));
+    auto radius = [&](const char* file) {
+        return PairsReader(scratch.path(std::string("radii/") + file)).number("support_radius");
+    };
+    EXPECT_GT(radius("shards/train-0000_root.h5"), 0);
+    EXPECT_NE(radius("shards/train-0000_root.h5"), radius("shards/train-0001_root.h5"));
+    EXPECT_EQ(radius("train_root.h5"), 0);
 }
 
 }  // namespace

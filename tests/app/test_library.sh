@@ -31,6 +31,14 @@ if said=$("$folder/build/hair_in_c" "$folder/scene.toml" "$model" tpu 2>&1); the
 before=$("$folder/build/hair_in_c" "$folder/scene.toml" "$other")
 echo "before cohesion, then Eq 10: $before"
 awk -v a="$before" -v b="$in_c" 'BEGIN { split(a, x, ", "); split(b, y, ", "); d = x[2] - y[2]; exit !(d != 0 && d * d < 0.0004) }'
+# On a GPU, where there is one: Eq 10 is computed there too.
+if "$build/bin/wetcurl" inspect device --json - | grep -A1 '"cuda_devices"' | grep -qE '^ +"[^"]+"$'; then
+    for one in "$model" "$other"; do
+        here=$("$folder/build/hair_in_c" "$folder/scene.toml" "$one") there=$("$folder/build/hair_in_c" "$folder/scene.toml" "$one" cuda)
+        echo "on the host: $here; on a GPU: $there"
+        awk -v a="$here" -v b="$there" 'BEGIN { split(a, x, ", "); split(b, y, ", "); d = x[2] - y[2]; exit !(x[1] == y[1] && d * d < 1e-6) }'
+    done
+fi
 # What is installed shows wetcurl.h's functions and nothing else of its own.
 shown=$(nm -D --defined-only "$(find "$folder/there" -name libwetcurl.so)" | awk '$2 == "T" { print $3 }' | sort)
 declared=$(grep -oE 'wetcurl_[a-z_]+\(' "$source/app/library/wetcurl.h" | tr -d '(' | sort -u)

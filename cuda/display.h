@@ -1,0 +1,28 @@
+// What is seen of wet hair, computed on a CUDA device: solver/display.h of strands that lie there.
+#pragma once
+
+#include <memory>
+
+#include "solver/scene.h"
+
+namespace wetcurl {
+
+class DeviceDisplay {
+  public:
+    virtual ~DeviceDisplay() = default;
+    // Where `apply` reads the strands, (strand, particle) world [m], in the device's memory.
+    virtual Vec3f* strands() = 0;
+    // displayed (strand, particle), in the device's memory too, becomes p^w of `strands`, whose writer must
+    // be through, at a pose of the head and a time [s]. Returns when it is there. Nothing is allocated but
+    // for neighbour lists longer than ever before.
+    virtual void apply(Vec3f* displayed, const Pose& head, double time) = 0;
+    // The same of strands in the host's memory.
+    virtual void apply(Strands& p, const Pose& head, double time) = 0;
+    virtual double neighbours_mean() const = 0;
+};
+
+// For a scene with [cohesion] whose solids are rigid; it must outlive the display. `device` counts from 0.
+// Throws Error where there is no such device, or a solid deforms.
+std::unique_ptr<DeviceDisplay> make_cuda_display(const Scene& scene, int device);
+
+}  // namespace wetcurl
