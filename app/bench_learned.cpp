@@ -8,7 +8,6 @@
 #include "app/device.h"
 #include "app/learned_hair.h"
 #include "learn/network_module.h"
-#include "solver/display.h"
 #include "solver/plan.h"
 #ifdef WETCURL_HAVE_CUDA
 #include "base/device_buffer.h"
@@ -57,8 +56,7 @@ class LearnedHair {
         RunFrame frame;
         simulation->snapshot(frame);
         low_points_ = frame.positions.points;
-        if (shown && on_device()) device_display_ = make_display_on(device_, high_);
-        if (shown && !on_device()) display_.emplace(high_), shown_ = high();
+        if (shown) display_.emplace(device_, high_), shown_ = high();
         bind(on_device() ? simulation->positions_on_device() : low_points_.data());
         return repeated([&] {
             return [&] {
@@ -69,10 +67,7 @@ class LearnedHair {
                               low_points_.begin());
                 }
                 learned_->run(HeadWindow());
-#ifdef WETCURL_HAVE_CUDA
-                if (device_display_) device_display_->apply(device_out_.data(), Pose(), 0);
-#endif
-                if (display_) shown_.points = out_, display_->apply(shown_, Pose(), 0);
+                if (display_) display();
             };
         });
     }
@@ -89,19 +84,25 @@ class LearnedHair {
 #ifdef WETCURL_HAVE_CUDA
         if (on_device()) {
             device_out_ = DeviceBuffer<Vec3f>(count);
-            learned_->bind(low, device_display_ ? device_display_->strands() : device_out_.data(),
+            learned_->bind(low, display_ ? display_->device()->strands() : device_out_.data(),
                            /*on_device=*/true);
         }
 #endif
         learned_->run(HeadWindow());  // the second one captures
     }
 
+    void display() {
+#ifdef WETCURL_HAVE_CUDA
+        if (on_device()) return display_->device()->apply(device_out_.data(), Pose(), 0);
+#endif
+        shown_.points = out_;
+        display_->apply(shown_, Pose(), 0);
+    }
+
     Scene high_, low_;
     std::string device_;
     std::unique_ptr<LearnedStrands> learned_;
-    // Where Eq 10 follows: one of these.
-    std::optional<Display> display_;
-    std::unique_ptr<DeviceDisplay> device_display_;
+    std::optional<DisplayOn> display_;  // where Eq 10 follows
     Strands shown_;
     std::vector<Vec3f> low_points_, out_;
 #ifdef WETCURL_HAVE_CUDA
@@ -143,9 +144,9 @@ std::vector<Entry> learned_entries(const std::vector<std::string>& models, const
                        ""});
     for (const auto& model : models)
         for (const Workload& w : workloads) {
-            auto add = [&](const std::string& what, const std::string& after, Part part) {
-                const std::string name = fmt::format("{}, {} strands, {}{}", what, w.strands(),
-                                                     std::filesystem::path(model).stem().string(), after);
+            auto add = [&](const std::string& what, Part part) {
+                const std::string name = fmt::format("{}, {} strands, {}", what, w.strands(),
+                                                     std::filesystem::path(model).stem().string());
                 out.push_back({{name},
                                "learned frame",
                                [=](Results& results) {
@@ -155,12 +156,12 @@ std::vector<Entry> learned_entries(const std::vector<std::string>& models, const
                                ""});
             };
             if (network_module().card(model).target == "displayed") {
-                add("learned frame", "", Part::network);
-                add("simulated and learned frame", "", Part::with_run);
+                add("learned frame", Part::network);
+                add("simulated and learned frame", Part::with_run);
             } else {
-                add("learned frame before cohesion", "", Part::network);
+                add("learned frame before cohesion", Part::network);
             }
-            add("simulated and learned frame", ", Eq 10", Part::with_run_and_cohesion);
+            add("simulated and learned frame with Eq 10", Part::with_run_and_cohesion);
         }
     return out;
 }

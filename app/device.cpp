@@ -56,13 +56,19 @@ std::unique_ptr<Simulation> make_simulation_on(const std::string& device, const 
     return make_simulation(scene, precision);
 }
 
-std::unique_ptr<DeviceDisplay> make_display_on([[maybe_unused]] const std::string& device,
-                                               [[maybe_unused]] const Scene& scene) {
+DisplayOn::DisplayOn([[maybe_unused]] const std::string& device, const Scene& scene) {
 #ifdef WETCURL_HAVE_CUDA
     if (number_of(device) >= 0 && !cuda_devices().empty() && !scene.has_deforming_solid())
-        return make_cuda_display(scene, number_of(device));
+        device_ = make_cuda_display(scene, number_of(device));
 #endif
-    return nullptr;
+    if (!device_) host_.emplace(scene);
+    if (scene.has_deforming_solid()) surfaces_.emplace(scene);
+}
+
+void DisplayOn::apply(Strands& p, const Pose& head, double time) {
+    if (device_) return device_->apply(p, head, time);
+    if (surfaces_) surfaces_->hold(time);
+    host_->apply(p, head, time, surfaces_ ? surfaces_->at_end() : nullptr);
 }
 
 }  // namespace wetcurl

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "cuda/display.h"
+#include "solver/deforming_solids.h"
+#include "solver/display.h"
 #include "solver/simulation.h"
 
 namespace wetcurl {
@@ -16,9 +19,22 @@ void require_device(const std::string& device);
 std::unique_ptr<Simulation> make_simulation_on(const std::string& device, const Scene& scene,
                                                const std::string& precision);
 
-// Eq 10 of the scene on it; null where it is for the host (solver/display.h): --device cpu, no such backend,
-// or solids that deform.
-std::unique_ptr<DeviceDisplay> make_display_on(const std::string& device, const Scene& scene);
+// What is seen of strands, Eq 10, computed there where this program can and the scene's solids are rigid,
+// else by the host.
+class DisplayOn {
+  public:
+    // For a scene with [cohesion], which must outlive it.
+    DisplayOn(const std::string& device, const Scene& scene);
+    // Positions p of all strands of the scene's groom become p^w, at a pose of the head and a time [s].
+    void apply(Strands& p, const Pose& head, double time);
+    // For strands that lie on the device; null: the host computes.
+    DeviceDisplay* device() const { return device_.get(); }
+
+  private:
+    std::unique_ptr<DeviceDisplay> device_;
+    std::optional<Display> host_;
+    std::optional<DeformingSolids> surfaces_;
+};
 
 // What a CUDA device does at most, measured there.
 struct DeviceRates {

@@ -19,8 +19,6 @@
 #include "learn/quad_transform.h"
 #include "learn/root_codec.h"
 #include "learn/strand_codec.h"
-#include "solver/deforming_solids.h"
-#include "solver/display.h"
 #include "solver/rest_state.h"
 
 namespace wetcurl {
@@ -319,20 +317,13 @@ int infer_command(const InferOptions& given) {
     require_named(o, scene);
     const auto method = method_of(o, scene, low);
     require_nested(scene.groom, low.groom);
-    std::optional<Display> display;
-    std::unique_ptr<DeviceDisplay> device_display;
-    std::optional<DeformingSolids> surfaces;
+    std::optional<DisplayOn> display;
     if ((o.passes || o.spacing) && !(method->before_cohesion() && scene.cohesion))
         throw Misuse(std::string(o.passes ? "--passes" : "--spacing") +
                      ": no Eq 10 follows here, whose this could be; --cohesion adds it");
     if (o.passes) scene.cohesion->passes = *o.passes;
     if (o.spacing) scene.cohesion->spacing = *o.spacing;
-    const bool shows = method->before_cohesion() && scene.cohesion;
-    if (shows) device_display = make_display_on(o.device, scene);
-    if (shows && !device_display) {
-        display.emplace(scene);
-        if (scene.has_deforming_solid()) surfaces.emplace(scene);
-    }
+    if (method->before_cohesion() && scene.cohesion) display.emplace(o.device, scene);
 
     RunHeader header = low;
     header.method = method->name();
@@ -359,12 +350,9 @@ int infer_command(const InferOptions& given) {
         const double begin = omp_get_wtime();
         method->apply(frame, window.heads(), out.positions);
         const double reconstructed = omp_get_wtime();
-        if (shows) out.displayed = out.positions;
-        if (device_display) device_display->apply(out.displayed, frame.head, done / low.fps);
         if (display) {
-            if (surfaces) surfaces->hold(done / low.fps);
-            display->apply(out.displayed, frame.head, done / low.fps,
-                           surfaces ? surfaces->at_end() : nullptr);
+            out.displayed = out.positions;
+            display->apply(out.displayed, frame.head, done / low.fps);
         }
         const double end = omp_get_wtime();
         if (const Strands plain = method->without_network(frame); plain.count) {
@@ -391,7 +379,7 @@ int infer_command(const InferOptions& given) {
               {"inference_seconds_per_frame", time_statistics(own_seconds)},
               {"device", o.device},
               {"method", method->name()},
-              {"cohesion_after", shows}};
+              {"cohesion_after", display.has_value()}};
     if (!o.model.empty()) json["moved_by_network_mm"] = moved / std::max(1, done);
     write_json(json, o.json);
     log_info(fmt::format(

@@ -6,6 +6,7 @@
 #include "base/device_buffer.h"
 #include "cuda/cell_search_device.h"
 #include "cuda/cohesion_bodies.h"
+#include "cuda/driver.h"
 #include "cuda/strand_memory.h"
 
 namespace wetcurl {
@@ -16,6 +17,24 @@ struct FrameReport {
     unsigned long long pairs = 0, limited = 0;
     unsigned long long pulled = 0, touching = 0;  // pairs of the last substep's forces and contacts
     unsigned long long list_rows = 0;             // of 32 lanes by 4 ranks that neighbour lists ask for
+};
+
+// The report of the frame at hand on the device, and of the last one that came back.
+class FrameReports {
+  public:
+    FrameReports() { blank_[0] = on_both_.host[0] = {}; }
+    FrameReport* data() const { return on_both_.device.data(); }
+    void clear(cudaStream_t stream) const {
+        check_cuda(
+            cudaMemcpyAsync(data(), blank_.data(), sizeof(FrameReport), cudaMemcpyHostToDevice, stream),
+            "report");
+    }
+    void fetch(cudaStream_t stream) { on_both_.fetch(stream); }
+    const FrameReport& last() const { return on_both_.host[0]; }
+
+  private:
+    PinnedBuffer<FrameReport> blank_{1};
+    OnBoth<FrameReport> on_both_{1};
 };
 
 // Buffers and launches for one scene. Nothing is allocated and nothing read by the host between two calls of

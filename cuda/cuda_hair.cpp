@@ -39,14 +39,9 @@ CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
       slots_(scene.integrator.substeps),
       solids_each_(scene.solids.size()),
       deforming_each_(deforming_in(scene)),
-      host_motion_(motions_in(scene)),
       motion_(motions_in(scene)),
-      host_solids_(motions_in(scene) * solids_each_),
       solids_(motions_in(scene) * solids_each_),
-      host_deforming_(motions_in(scene) * deforming_each_),
-      deforming_(motions_in(scene) * deforming_each_),
-      host_report_(2),
-      report_(1) {
+      deforming_(motions_in(scene) * deforming_each_) {
     give_state(), give_water();
     upload(state.air, air_), upload(state.root, root_), upload(state.rest_length, rest_length_),
         upload(state.rest_depth, rest_depth_);
@@ -60,7 +55,6 @@ CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
         if (!group_.near) room_ = DeviceBuffer<T>(blocks * group_.bytes / sizeof(T));
     }
     positions_ = DeviceBuffer<Vec3f>(scene.groom.rest.points.size());
-    host_report_[0] = host_report_[1] = {};
 }
 
 template <class T>
@@ -144,7 +138,7 @@ void CudaHair<T>::find_nearest(const Placement<T>& p) {
         given_phi_ = DeviceBuffer<T>(x_.size()), given_normal_ = DeviceBuffer<Vec3<T>>(x_.size()),
         given_surface_velocity_ = DeviceBuffer<Vec3<T>>(x_.size());
     put_motion(slots_ - 1, p), upload_motion();
-    launch_nearest(memory(), motion_.data() + slots_ - 1, given_phi_.data(), given_normal_.data(),
+    launch_nearest(memory(), motion_.device.data() + slots_ - 1, given_phi_.data(), given_normal_.data(),
                    given_surface_velocity_.data(), stream_.handle);
     check_cuda(cudaStreamSynchronize(stream_.handle), "nearest surfaces");
     download(given_phi_, nearest_.phi), download(given_normal_, nearest_.normal);
@@ -195,31 +189,22 @@ template <class T>
 void CudaHair<T>::put_motion(int slot, const Placement<T>& p) {
     const size_t begin = size_t(slot) * solids_each_, begin_deforming = size_t(slot) * deforming_each_;
     for (size_t k = 0; k < deforming_each_; ++k) {
-        ShapeView& view = host_deforming_[begin_deforming + k];
+        ShapeView& view = deforming_.host[begin_deforming + k];
         view = {};
         view.kind = ShapeView::Kind::moving_grid, view.grid = *p.deforming[k].shape;
     }
-    SubstepMotion<T> motion =
-        substep_motion(p, shapes_.data(), deforming_.data() + begin_deforming, host_solids_.data() + begin);
-    motion.solids = solids_.data() + begin;
-    host_motion_[size_t(slot)] = motion;
+    SubstepMotion<T> motion = substep_motion(p, shapes_.data(), deforming_.device.data() + begin_deforming,
+                                             solids_.host.data() + begin);
+    motion.solids = solids_.device.data() + begin;
+    motion_.host[size_t(slot)] = motion;
     if (forces_ && slot < slots_) forces_->put_motion(slot, p.begins);
 }
 
-// From page-locked memory, which a graph reads anew each time it is replayed.
 template <class T>
 void CudaHair<T>::upload_motion() {
-    auto copy = [&](auto& to, const auto& from) {
-        if (to.size())
-            check_cuda(
-                cudaMemcpyAsync(to.data(), from.data(), to.bytes(), cudaMemcpyHostToDevice, stream_.handle),
-                "motion");
-    };
-    copy(motion_, host_motion_), copy(solids_, host_solids_), copy(deforming_, host_deforming_);
+    motion_.send(stream_.handle), solids_.send(stream_.handle), deforming_.send(stream_.handle);
     if (forces_) forces_->upload_motion(stream_.handle);
-    check_cuda(cudaMemcpyAsync(report_.data(), host_report_.data(), sizeof(FrameReport),
-                               cudaMemcpyHostToDevice, stream_.handle),
-               "report");
+    report_.clear(stream_.handle);
 }
 
 // The last `substeps` of the motion: at once, or one by one where others act on the strands in each.
@@ -240,7 +225,7 @@ void CudaHair<T>::launch_substeps(int substeps) {
         mark(slot, 1);
         if (adhesion_)
             adhesion_->launch(
-                memory(), motion_.data() + (slot == begin ? slots_ : slot - 1),
+                memory(), motion_.device.data() + (slot == begin ? slots_ : slot - 1),
                 {given_phi_.data(), given_normal_.data(), given_surface_velocity_.data(), touching_.data()},
                 given_adhesion_.data(), stream_.handle);
         launch_chain(slot, 1, begins);
@@ -255,8 +240,8 @@ template <class T>
 void CudaHair<T>::launch_chain(int slot, int substeps, bool begins) {
     const bool given = given_force_.size() || given_adhesion_.size();
     const ChainLaunch<T> launch{
-        memory(),       chain_constants<T>(scene_, dt_), motion_.data() + slot,    substeps,     begins,
-        always_first(), set_of(scene_, given),           &report_.data()->limited, room_.data(), group_};
+        memory(),       chain_constants<T>(scene_, dt_), motion_.device.data() + slot, substeps,     begins,
+        always_first(), set_of(scene_, given),           &report_.data()->limited,     room_.data(), group_};
     if (by_reference_)
         launch_reference(launch, stream_.handle);
     else
@@ -271,12 +256,10 @@ void CudaHair<T>::launch_display() {
     if (cohesion_) cohesion_->launch_lists(positions_.data(), report_.data(), stream_.handle);
     events_[2].record(stream_.handle);
     if (cohesion_)
-        cohesion_->launch_passes(positions_.data(), motion_.data() + slots_ - 1, displayed_.data(),
+        cohesion_->launch_passes(positions_.data(), motion_.device.data() + slots_ - 1, displayed_.data(),
                                  stream_.handle);
     events_[3].record(stream_.handle);
-    check_cuda(cudaMemcpyAsync(&host_report_[1], report_.data(), sizeof(FrameReport), cudaMemcpyDeviceToHost,
-                               stream_.handle),
-               "report");
+    report_.fetch(stream_.handle);
 }
 
 template <class T>
@@ -309,11 +292,9 @@ void CudaHair<T>::run(const std::vector<Placement<T>>& path, const GivenToChain<
         upload_motion();
         launch_substeps(substeps);
         first = always_first();
-        check_cuda(cudaMemcpyAsync(&host_report_[1], report_.data(), sizeof(FrameReport),
-                                   cudaMemcpyDeviceToHost, stream_.handle),
-                   "report");
+        report_.fetch(stream_.handle);
         check_cuda(cudaStreamSynchronize(stream_.handle), "substeps");
-        limited_ += long(host_report_[1].limited);
+        limited_ += long(report_.last().limited);
         read_couplings(substeps);
     }
 }
@@ -335,9 +316,9 @@ void CudaHair<T>::show(double time, const MovingGrid* surfaces) {
 template <class T>
 void CudaHair<T>::read_report() {
     check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
-    limited_ += long(host_report_[1].limited);
+    limited_ += long(report_.last().limited);
     if (shown_) read_couplings(slots_);
-    while (cohesion_ && cohesion_->grow(host_report_[1])) {
+    while (cohesion_ && cohesion_->grow(report_.last())) {
         // Longer lists than ever before: the display again, with room for them. The graph holds the old
         // addresses.
         graph_.forget();
@@ -345,7 +326,7 @@ void CudaHair<T>::read_report() {
         launch_display();
         check_cuda(cudaStreamSynchronize(stream_.handle), "frame");
     }
-    if (cohesion_) neighbours_mean_ = double(host_report_[1].pairs) / double(cohesion_->asked());
+    if (cohesion_) neighbours_mean_ = double(report_.last().pairs) / double(cohesion_->asked());
 }
 
 // Of substeps that are done: the time that was not the steps' own, and who was near.
@@ -358,9 +339,9 @@ void CudaHair<T>::read_couplings(int substeps) {
         touching += marks_[mark + 3].since(marks_[mark + 2]);
     }
     seconds.chain -= pulling + touching;
-    if (forces_) forces_->seconds += pulling, forces_->pairs = host_report_[1].pulled;
+    if (forces_) forces_->seconds += pulling, forces_->pairs = report_.last().pulled;
     if (between_strands_)
-        between_strands_->seconds += touching, between_strands_->pairs = host_report_[1].touching;
+        between_strands_->seconds += touching, between_strands_->pairs = report_.last().touching;
 }
 
 template <class T>
@@ -387,7 +368,7 @@ std::vector<double> CudaHair<T>::energy() const {
 
 template <class T>
 std::optional<Divergence> CudaHair<T>::divergence() const {
-    const int strand = host_report_[1].diverged;
+    const int strand = report_.last().diverged;
     if (strand >= state.strands) return std::nullopt;
     const auto kinds = kinds_of_energy(scene_.chain);
     const std::vector<T> all = energies();

@@ -141,7 +141,7 @@ class CudaHair {
 
     // What water asks: whether no strand is too far gone, by the last frame; where strands are seen; and what
     // of them follows it, which is new once it is taken.
-    bool all_there() const { return host_report_[1].diverged >= state.strands; }
+    bool all_there() const { return report_.last().diverged >= state.strands; }
     const Vec3f* seen() const { return (cohesion_ ? displayed_ : positions_).data(); }
     SoakedStrands<T> soaked() const {
         return {mass_.data(),
@@ -209,14 +209,10 @@ class CudaHair {
     // A frame's motion, substep by substep; with adhesion also where all is when the first begins.
     const int slots_;
     const size_t solids_each_, deforming_each_;
-    PinnedBuffer<SubstepMotion<T>> host_motion_;
-    DeviceBuffer<SubstepMotion<T>> motion_;
-    PinnedBuffer<DeviceSolid<T>> host_solids_;
-    DeviceBuffer<DeviceSolid<T>> solids_;
-    PinnedBuffer<ShapeView> host_deforming_;
-    DeviceBuffer<ShapeView> deforming_;
-    PinnedBuffer<FrameReport> host_report_;  // a blank one, and the last frame's
-    DeviceBuffer<FrameReport> report_;
+    OnBoth<SubstepMotion<T>> motion_;
+    OnBoth<DeviceSolid<T>> solids_;
+    OnBoth<ShapeView> deforming_;
+    FrameReports report_;
     std::optional<CohesionDevice> cohesion_;
     std::optional<FrameRecord<T>> record_;  // once one is asked for
 

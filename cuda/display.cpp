@@ -22,14 +22,7 @@ class OnDevice final : public DeviceDisplay {
                     cast<float>(scene.motion.at(0).translation), volumes_of(scene), scene.saturation, false,
                     rest_depths_of(scene)),
           strands_(scene.groom.rest.points.size()),
-          host_motion_(1),
-          motion_(1),
-          host_solids_(shapes_.size()),
-          solids_(shapes_.size()),
-          host_report_(2),
-          report_(1) {
-        host_report_[0] = host_report_[1] = {};
-    }
+          solids_(shapes_.size()) {}
 
     Vec3f* strands() override { return strands_.data(); }
 
@@ -41,7 +34,7 @@ class OnDevice final : public DeviceDisplay {
         for (;;) {
             graph_.replay(stream_.handle, [&] { launch(displayed); });
             check_cuda(cudaStreamSynchronize(stream_.handle), "display");
-            if (!cohesion_.grow(host_report_[1])) break;
+            if (!cohesion_.grow(report_.last())) break;
             graph_.forget();  // it holds the old lists
         }
     }
@@ -53,34 +46,26 @@ class OnDevice final : public DeviceDisplay {
         displayed_.download(p.points.data());
     }
     double neighbours_mean() const override {
-        return double(host_report_[1].pairs) / double(cohesion_.asked());
+        return double(report_.last().pairs) / double(cohesion_.asked());
     }
 
   private:
     void place(const Pose& head, double time) {
         const ShapeView* shape = shapes_.data();
-        DeviceSolid<float>* to = host_solids_.data();
+        DeviceSolid<float>* to = solids_.host.data();
         for (const auto& solid : scene_.solids) {
             const Pose pose = solid.at(time, head);
             *to++ = {shape++,       cast<float>(pose.rotation), cast<float>(pose.translation), {}, {}, 0.f,
                      solid.attached};
         }
-        host_motion_[0] = {};
-        host_motion_[0].solids = solids_.data(), host_motion_[0].count = int(shapes_.size());
+        motion_.host[0] = {};
+        motion_.host[0].solids = solids_.device.data(), motion_.host[0].count = int(shapes_.size());
     }
     void launch(Vec3f* displayed) {
-        auto upload = [&](auto& to, const auto& from) {
-            if (to.size())
-                check_cuda(cudaMemcpyAsync(to.data(), from.data(), to.bytes(), cudaMemcpyHostToDevice,
-                                           stream_.handle),
-                           "display");
-        };
-        upload(motion_, host_motion_), upload(solids_, host_solids_), upload(report_, host_report_);
+        motion_.send(stream_.handle), solids_.send(stream_.handle), report_.clear(stream_.handle);
         cohesion_.launch_lists(strands_.data(), report_.data(), stream_.handle);
-        cohesion_.launch_passes(strands_.data(), motion_.data(), displayed, stream_.handle);
-        check_cuda(cudaMemcpyAsync(&host_report_[1], report_.data(), sizeof(FrameReport),
-                                   cudaMemcpyDeviceToHost, stream_.handle),
-                   "display");
+        cohesion_.launch_passes(strands_.data(), motion_.device.data(), displayed, stream_.handle);
+        report_.fetch(stream_.handle);
     }
 
     const Scene& scene_;
@@ -88,13 +73,9 @@ class OnDevice final : public DeviceDisplay {
     RigidShapes shapes_;
     CohesionDevice cohesion_;
     DeviceBuffer<Vec3f> strands_, displayed_;  // the latter of the host's strands
-    // Where the solids are, and what a frame leaves: a blank report, and the last one's.
-    PinnedBuffer<SubstepMotion<float>> host_motion_;
-    DeviceBuffer<SubstepMotion<float>> motion_;
-    PinnedBuffer<DeviceSolid<float>> host_solids_;
-    DeviceBuffer<DeviceSolid<float>> solids_;
-    PinnedBuffer<FrameReport> host_report_;
-    DeviceBuffer<FrameReport> report_;
+    OnBoth<SubstepMotion<float>> motion_{1};
+    OnBoth<DeviceSolid<float>> solids_;
+    FrameReports report_;
     Stream stream_;
     Graph graph_;
     const Vec3f* captured_ = nullptr;

@@ -54,6 +54,13 @@ struct Event {
 template <class V>
 struct OnBoth {
     explicit OnBoth(size_t count) : device(count), host(count) {}
+    // A graph that holds it reads the host's anew each time it is replayed.
+    void send(cudaStream_t stream) {
+        if (host.size())
+            check_cuda(
+                cudaMemcpyAsync(device.data(), host.data(), device.bytes(), cudaMemcpyHostToDevice, stream),
+                "copy to the device");
+    }
     void fetch(cudaStream_t stream) {
         if (host.size())
             check_cuda(

@@ -9,7 +9,6 @@
 #include "app/learned_hair.h"
 #include "app/library/wetcurl.h"
 #include "base/error.h"
-#include "solver/display.h"
 
 using namespace wetcurl;
 
@@ -19,11 +18,9 @@ struct wetcurl_hair {
     Scene scene;
     Groom low;
     std::unique_ptr<LearnedStrands> learned;
-    // Where Eq 10 follows the network: one of these.
-    std::optional<Display> display;
-    std::unique_ptr<DeviceDisplay> device_display;
-    Strands shown;           // room for it
-    bool on_device = false;  // what is bound
+    std::optional<DisplayOn> display;  // where Eq 10 follows the network
+    Strands shown;                     // room for it
+    bool on_device = false;            // what is bound
     float* high = nullptr;
     long frames = 0;
 };
@@ -98,13 +95,12 @@ wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char
         auto learned = learned_strands_of(text_of(model, "model"), scene, scene_file, low,
                                           text_of(device, "device"), count);
         auto hair = std::make_unique<wetcurl_hair>(
-            wetcurl_hair{count, device, std::move(scene), std::move(low), std::move(learned), {}, {}, {}});
+            wetcurl_hair{count, device, std::move(scene), std::move(low), std::move(learned), {}, {}});
         if (hair->learned->card().target != "displayed" && hair->scene.cohesion) {
             if (hair->scene.has_deforming_solid())
                 throw Error(std::string(scene_file) +
                             ": its solids deform, which cohesion after a network cannot follow here");
-            hair->device_display = make_display_on(hair->device, hair->scene);
-            if (!hair->device_display) hair->display.emplace(hair->scene);
+            hair->display.emplace(hair->device, hair->scene);
             hair->shown = hair->scene.groom.rest;
         }
         return hair.release();
@@ -124,16 +120,15 @@ int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_devic
     static_assert(sizeof(Vec3f) == 3 * sizeof(float));
     return guarded(-1, [&] {
         if (!low || !high) throw Error("wetcurl_bind: found NULL, allowed memory for the strands");
-        if (on_device && hair->display && hair->device != "cpu")
-            throw Error(
-                "wetcurl_bind: cohesion follows this model, which predicts strands before it, and this "
-                "library "
-                "was built without the CUDA backend; here only models of displayed strands run on a device");
         Vec3f* out = reinterpret_cast<Vec3f*>(high);
-        if (hair->device_display && on_device)
-            out = hair->device_display->strands();
-        else if (hair->device_display || hair->display)
-            out = hair->shown.points.data();
+        if (hair->display) {
+            DeviceDisplay* there = hair->display->device();
+            if (on_device && !there)
+                throw Error(
+                    "wetcurl_bind: cohesion follows this model, which predicts strands before it, and this "
+                    "hair's is computed on the host; models of displayed strands run on a device without it");
+            out = on_device ? there->strands() : hair->shown.points.data();
+        }
         hair->learned->bind(reinterpret_cast<const Vec3f*>(low), out, on_device != 0);
         hair->high = high, hair->on_device = on_device != 0;
         return 0;
@@ -152,17 +147,16 @@ int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7],
         heads.before = before ? pose_of(before) : heads.now;
         heads.after = after ? pose_of(after) : heads.now;
         hair->learned->run(heads);
-        const double time = double(hair->frames) / hair->scene.fps;
-        if (hair->device_display && hair->on_device) {
-            hair->device_display->apply(reinterpret_cast<Vec3f*>(hair->high), heads.now, time);
-        } else if (hair->device_display || hair->display) {
-            if (hair->device_display)
-                hair->device_display->apply(hair->shown, heads.now, time);
-            else
-                hair->display->apply(hair->shown, heads.now, time, nullptr);
-            for (size_t k = 0; k < hair->shown.points.size(); ++k) {
-                const Vec3f& p = hair->shown.points[k];
-                hair->high[3 * k] = p.x, hair->high[3 * k + 1] = p.y, hair->high[3 * k + 2] = p.z;
+        if (hair->display) {
+            const double time = double(hair->frames) / hair->scene.fps;
+            if (hair->on_device) {
+                hair->display->device()->apply(reinterpret_cast<Vec3f*>(hair->high), heads.now, time);
+            } else {
+                hair->display->apply(hair->shown, heads.now, time);
+                for (size_t k = 0; k < hair->shown.points.size(); ++k) {
+                    const Vec3f& p = hair->shown.points[k];
+                    hair->high[3 * k] = p.x, hair->high[3 * k + 1] = p.y, hair->high[3 * k + 2] = p.z;
+                }
             }
         }
         ++hair->frames;

@@ -1,11 +1,11 @@
-// The air of a CUDA device against the host's. Without a device each test says SKIP and why.
+// The air of a CUDA device against the host's.
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "cuda/air_kernel.h"
 #include "cuda/driver.h"
-#include "cuda/simulation.h"
+#include "tests/cuda/needs_device.h"
 
 namespace wetcurl {
 namespace {
@@ -22,7 +22,7 @@ Air blown_air(bool two_way) {
     return air;
 }
 
-// As fast as air moves that is blown at 3.6 m/s; the largest difference anywhere after `steps`.
+// The largest difference in what particles feel after `steps` [m/s].
 double apart(bool two_way, int steps) {
     const Air air = blown_air(two_way);
     std::mt19937 random(1);
@@ -61,13 +61,7 @@ double apart(bool two_way, int steps) {
     return most;
 }
 
-class AirOnDevice : public ::testing::Test {
-  protected:
-    void SetUp() override {
-        std::string reason;
-        if (cuda_devices(&reason).empty()) GTEST_SKIP() << "SKIP: no CUDA device (" << reason << ")";
-    }
-};
+class AirOnDevice : public testing::NeedsDevice {};
 
 TEST_F(AirOnDevice, blows_as_the_hosts) { EXPECT_LT(apart(false, 20), 1e-11); }
 

@@ -1,4 +1,4 @@
-// The CUDA backend against the CPU's. Without a device each test says SKIP and why.
+// The CUDA backend against the CPU's.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -9,6 +9,7 @@
 #include "cuda/simulation.h"
 #include "solver/couplings/forces_on_strands.h"
 #include "tests/cuda/dense_adhesion.h"
+#include "tests/cuda/needs_device.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {
@@ -16,13 +17,7 @@ namespace {
 
 using namespace testing;
 
-class Cuda : public ::testing::Test {
-  protected:
-    void SetUp() override {
-        std::string reason;
-        if (cuda_devices(&reason).empty()) GTEST_SKIP() << "SKIP: no CUDA device (" << reason << ")";
-    }
-
+class Cuda : public testing::NeedsDevice {
   public:
     static RunFrame on_device(const Scene& scene, int frames, const std::string& precision = "float",
                               Stepping stepping = Stepping::chosen) {

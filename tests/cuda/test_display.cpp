@@ -1,5 +1,4 @@
-// What is seen of strands that lie on a device, against the host's display. Without a device each test says
-// SKIP and why.
+// What is seen of strands that lie on a device, against the host's display.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +8,7 @@
 #include "cuda/display.h"
 #include "cuda/simulation.h"
 #include "solver/display.h"
+#include "tests/cuda/needs_device.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {
@@ -16,13 +16,7 @@ namespace {
 
 using namespace testing;
 
-class DisplayOnDevice : public ::testing::Test {
-  protected:
-    void SetUp() override {
-        std::string reason;
-        if (cuda_devices(&reason).empty()) GTEST_SKIP() << "SKIP: no CUDA device (" << reason << ")";
-    }
-};
+class DisplayOnDevice : public testing::NeedsDevice {};
 
 const std::string solids =
     "[[solid]]\nradius = 0.097\nattached = \"head\"\n"

@@ -1,5 +1,5 @@
 // What a frame asks of the driver, counted at the linker's door: tests/cuda/CMakeLists.txt names the calls
-// that come here first. Without a device each test says SKIP and why.
+// that come here first.
 #include <cuda_runtime.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cuda/simulation.h"
+#include "tests/cuda/needs_device.h"
 #include "tests/solver/scenes.h"
 
 static std::map<std::string, int> calls;
@@ -36,12 +37,8 @@ namespace {
 
 using namespace testing;
 
-class FrameCalls : public ::testing::Test {
+class FrameCalls : public testing::NeedsDevice {
   protected:
-    void SetUp() override {
-        std::string reason;
-        if (cuda_devices(&reason).empty()) GTEST_SKIP() << "SKIP: no CUDA device (" << reason << ")";
-    }
     // Of eight frames, once their graph is there.
     static std::map<std::string, int> of_eight_frames(const Scene& scene) {
         const auto simulation = make_cuda_simulation(scene, "float", 0);
