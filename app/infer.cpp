@@ -282,7 +282,7 @@ int infer_command(const InferOptions& given) {
         throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core|rest");
     if (!o.interpolate.empty() && !o.reconstruct.empty())
         throw Misuse("--reconstruct is for models; --interpolate says itself how strands are made");
-    if (!o.interpolate.empty()) refuse_device(o, "interpolation");
+    if (!o.interpolate.empty() && !o.cohesion) refuse_device(o, "interpolation without --cohesion");
     if (o.wet_shape && o.interpolate != "rest")
         throw Misuse("--wet-shape is for --interpolate rest, which alone starts from a shape at rest");
     if (o.interpolate == "nearest" && o.roots == 3)
