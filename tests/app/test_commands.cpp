@@ -253,6 +253,17 @@ TEST_F(Commands, a_displayed_network_refuses_a_solid_that_is_not_the_heads_befor
     expect_error<Misuse>([&] { infer_command(more); }, {"--passes", "--cohesion"});
     more.passes.reset();
     expect_error<Misuse>([&] { infer_command(more); }, {"--spacing", "--cohesion"});
+    // By default 8 of each 14 of the scene's.
+    more.spacing.reset(), more.cohesion = true;
+    more.wetness = o.input, more.set = {"cohesion.passes=14"}, more.output = scratch.path("default.h5");
+    auto tip = [&](std::optional<int> passes) {
+        more.passes = passes;
+        infer_command(more);
+        return RunReader(more.output).frame(3).seen().at(20, 24);
+    };
+    const Vec3f by_default = tip({});
+    EXPECT_EQ(norm(by_default - tip(8)), 0);
+    EXPECT_GT(norm(by_default - tip(14)), 1e-6);
     for (const Vec3f& p : run.frame(3).positions.points) EXPECT_LT(norm(p), 1);
 }
 
