@@ -23,7 +23,7 @@ class OnDevice final : public Network {
           model_(std::move(model)) {
         choose(Convolutions::fastest);
         model_->to(device_);
-        model_->body = half ? torch::kBFloat16 : torch::kFloat;
+        model_->body = half ? torch::kHalf : torch::kFloat;
         model_->freeze();
     }
 

@@ -36,7 +36,7 @@ class OnDevice final : public LearnedStrands {
         std::tie(card_, model_) = load_model(path);
         require_fit(card_, codec);
         model_->to(device_);
-        model_->body = half ? torch::kBFloat16 : torch::kFloat;
+        model_->body = half ? torch::kHalf : torch::kFloat;
         model_->whole_grid = kernels_->high_strands() == kernels_->pixels();
         model_->freeze();
         const long n = kernels_->particles(), S = kernels_->pixels(), l = kernels_->low_strands();

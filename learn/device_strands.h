@@ -8,7 +8,7 @@
 
 namespace wetcurl {
 
-// `path`: the model, `device` "cuda" or "cuda:n"; the network's body computes in bfloat16 where `half`.
+// `path`: the model, `device` "cuda" or "cuda:n"; the network's body computes in half precision where `half`.
 // Throws Error for a bad file or an absent device.
 std::unique_ptr<LearnedStrands> device_strands(const std::string& path, const std::string& device,
                                                const StrandCodec& codec, const Groom& low, bool half);

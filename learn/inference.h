@@ -10,8 +10,8 @@
 
 namespace wetcurl {
 
-// What a network's body computes in. `fastest`: bfloat16 on a CUDA device and on processors that multiply in
-// it, codec adhesion apart.
+// What a network's body computes in. `fastest`: half precision on a CUDA device, bfloat16 on processors that
+// multiply in it; codec adhesion: single precision.
 enum class Body { fastest, single_precision };
 
 // `threads` 0: all of the machine's. Throws Error for a bad file or an absent device, Misuse for another

@@ -49,7 +49,7 @@ struct NetworkModule {
     virtual std::unique_ptr<Network> load(const std::string& path, const std::string& device,
                                           int threads) = 0;
     // A strand network with its codec; `low`: the rest groom of the dry run. On a CUDA device both are there,
-    // the network's body in bfloat16; where this build has no kernels or its LibTorch no CUDA: Error.
+    // the network's body in half precision; where this build has no kernels or its LibTorch no CUDA: Error.
     virtual std::unique_ptr<LearnedStrands> load_strands(const std::string& path, StrandCodec codec,
                                                          const Groom& low, const std::string& device,
                                                          int threads) = 0;

@@ -111,7 +111,7 @@ struct ConvolutionRelu : torch::autograd::Function<ConvolutionRelu> {
 
 // That kernel knows no choice of what repeats its bits, and is there for half precision.
 Tensor run_relu(nn::Conv2d& layer, const Tensor& x) {
-    if (!x.is_cuda() || x.scalar_type() != torch::kBFloat16 || at::globalContext().deterministicCuDNN())
+    if (!x.is_cuda() || x.scalar_type() == torch::kFloat || at::globalContext().deterministicCuDNN())
         return run_layer(layer, x).relu_();
     const Tensor weight = layer->weight.to(x.scalar_type()), bias = layer->bias.to(x.scalar_type());
     if (!torch::GradMode::is_enabled()) return ConvolutionRelu::run(x, weight, bias);
@@ -160,9 +160,14 @@ Tensor from_rows(const Tensor& rows, const Tensor& like) {
     return rows.view({like.size(0), like.size(2), like.size(3), rows.size(1)}).permute({0, 3, 1, 2});
 }
 
+// Half precision ends at 65504. Signals that begin within some deviations reach about 100 in networks that
+// were trained: from the furthest input allowed they stay in range too.
+constexpr double half_reach = 256;
+
 Tensor normalised(const Tensor& rows, const Tensor& mean, const Tensor& deviation, torch::ScalarType body) {
     Tensor out = torch::empty_like(rows, rows.options().dtype(body));
-    return torch::div_out(out, rows - mean, deviation);
+    torch::div_out(out, rows - mean, deviation);
+    return body == torch::kHalf ? out.clamp_(-half_reach, half_reach) : out;
 }
 
 // One axis of up().

@@ -10,9 +10,9 @@ struct GridOfRows {
     int images, height, width, channels;  // channels: even
 };
 
-// out = x + depthwise 5x5 of (x mask): x, out (B H W, C), mask (B H W) or null, taps (C, 5, 5), all bfloat16
-// on the current device. Sums in single precision, the result is rounded once. Throws Error where the launch
-// fails.
+// out = x + depthwise 5x5 of (x mask): x, out (B H W, C), mask (B H W) or null, taps (C, 5, 5), all in half
+// precision on the current device. Sums in single precision, the result is rounded once. Throws Error where
+// the launch fails.
 void launch_mix(const GridOfRows& grid, const void* x, const void* mask, const void* taps, void* out,
                 cudaStream_t stream);
 

@@ -727,7 +727,7 @@ TEST(Training, ModelOfARunAnswersThroughTheInferenceInterface) {
         if (device == "cpu") {
             EXPECT_TRUE(torch::equal(y, expected));
         }
-        // The other device's body is in bfloat16.
+        // The other device's body is in half precision.
         const double allowed = device == "cpu" ? 1e-3 : 1e-2;
         EXPECT_LT((y - expected).abs().max().item<double>(), allowed * moved) << device;
     }
