@@ -66,7 +66,7 @@ Tensor to_rows(const Tensor& image);
 Tensor from_rows(const Tensor& rows, const Tensor& like);
 
 // (P, C) rows less `mean` over `deviation` (C), cast to a body's type as they are written; in half
-// precision they end at 256 deviations, where the layers after them would overflow.
+// precision they end at 64 deviations, beyond which layers after them could overflow.
 Tensor normalised(const Tensor& rows, const Tensor& mean, const Tensor& deviation, torch::ScalarType body);
 
 // (…, H, W) to (…, 2H, 2W): out[2i] = in[i], odd ones the mean of their neighbours, the last extrapolated.
