@@ -26,6 +26,10 @@ int main(int, char** arguments) {
     const char* asked = std::getenv("WETCURL_ARCH");
     for (const Build& build : builds) {
         if (asked ? std::string(asked) != build.name : !build.runs) continue;
+        if (!build.runs) {
+            std::fprintf(stderr, "error: WETCURL_ARCH: found %s, which this processor does not run\n", asked);
+            return 1;
+        }
         const std::string program = folder / build.name / "bin" / "wetcurl";
         if (!std::filesystem::exists(program)) continue;
         arguments[0] = const_cast<char*>(program.c_str());

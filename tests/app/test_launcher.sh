@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# What scripts/build portable leaves: which of the builds beside it the launcher starts. Stand-ins tell their name.
+# Ours. Use: test_launcher.sh LAUNCHER
+set -euo pipefail
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+mkdir "$folder/bin"
+cp "$1" "$folder/bin/wetcurl"
+launcher=$folder/bin/wetcurl
+unset WETCURL_ARCH
+failures=0
+
+add() { mkdir -p "$folder/$1/bin" && printf '#!/bin/sh\necho "%s of $# arguments: $*"; exit 5\n' "$1" >"$folder/$1/bin/wetcurl" && chmod +x "$folder/$1/bin/wetcurl"; }
+expect() {  # status, what it says, what is tried (run as a command of bash)
+    local status=0 said
+    said=$(bash -c "$3" 2>&1) || status=$?
+    [[ $status == "$1" && $said == *"$2"* ]] && return
+    printf 'FAILED: %s: expected status %s and "%s"; status %s\n%s\n' "$3" "$1" "$2" "$status" "$said"
+    failures=$((failures + 1))
+}
+
+flags=" $(grep -m1 '^flags' /proc/cpuinfo) "
+best=x86-64-v2
+[[ $flags != *" avx2 "* ]] || best=x86-64-v3
+[[ $flags != *" avx512vl "* ]] || best=x86-64-v4
+
+expect 1 "under $folder" "'$launcher'"
+add x86-64-v2
+expect 5 'x86-64-v2 of 2 arguments: a b c' "'$launcher' a 'b c'"
+add x86-64-v3
+add x86-64-v4
+expect 5 "$best of 0 arguments" "'$launcher'"
+expect 5 "$best of 0 arguments" "cd '$folder/bin' && PATH=.:\$PATH wetcurl"
+expect 5 'x86-64-v2 of 0 arguments' "WETCURL_ARCH=x86-64-v2 '$launcher'"
+expect 1 'allowed are x86-64-v2, v3 and v4' "WETCURL_ARCH=v2 '$launcher'"
+[[ $best == x86-64-v4 ]] || expect 1 'found x86-64-v4, which this processor does not run' "WETCURL_ARCH=x86-64-v4 '$launcher'"
+exit "$((failures > 0))"
