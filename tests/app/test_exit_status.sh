@@ -2,22 +2,11 @@
 # What the program itself adds to its commands: exit statuses, and one line that says why.
 # Ours. Use: test_exit_status.sh WETCURL SCENE
 set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 wetcurl=$1 scene=$2
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
-failures=0
-
-expect() {  # status, what standard error holds, what is tried (run as a command of bash)
-    local status=0 said
-    said=$(bash -c "$3" 2>&1 >/dev/null) || status=$?
-    if [[ $status != "$1" || $said != *"$2"* ]]; then
-        printf 'FAILED: %s: expected status %s and "%s"; status %s\n%s\n' "$3" "$1" "$2" "$status" "$said"
-        failures=$((failures + 1))
-    else
-        printf 'ok: %s\n' "$3"
-    fi
-}
 
 expect 0 '' "'$wetcurl' inspect terms"
 expect 1 'standard output: cannot be written' "'$wetcurl' inspect terms >/dev/full"

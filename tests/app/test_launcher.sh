@@ -2,21 +2,18 @@
 # What scripts/build portable leaves: which of the builds beside it the launcher starts. Stand-ins tell their name.
 # Ours. Use: test_launcher.sh LAUNCHER
 set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 mkdir "$folder/bin"
 cp "$1" "$folder/bin/wetcurl"
 launcher=$folder/bin/wetcurl
 unset WETCURL_ARCH
-failures=0
 
-add() { mkdir -p "$folder/$1/bin" && printf '#!/bin/sh\necho "%s of $# arguments: $*"; exit 5\n' "$1" >"$folder/$1/bin/wetcurl" && chmod +x "$folder/$1/bin/wetcurl"; }
-expect() {  # status, what it says, what is tried (run as a command of bash)
-    local status=0 said
-    said=$(bash -c "$3" 2>&1) || status=$?
-    [[ $status == "$1" && $said == *"$2"* ]] && return
-    printf 'FAILED: %s: expected status %s and "%s"; status %s\n%s\n' "$3" "$1" "$2" "$status" "$said"
-    failures=$((failures + 1))
+add() {
+    mkdir -p "$folder/$1/bin"
+    printf '#!/bin/sh\necho "%s of $# arguments: $*" >&2; exit 5\n' "$1" >"$folder/$1/bin/wetcurl"
+    chmod +x "$folder/$1/bin/wetcurl"
 }
 
 flags=" $(grep -m1 '^flags' /proc/cpuinfo) "
