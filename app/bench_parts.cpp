@@ -179,7 +179,7 @@ struct ByGrid {
 #pragma omp parallel for schedule(static)
         for (size_t c = 0; c < list.clusters(); ++c) {
             uint32_t found[NeighborList::cluster]{};
-            list.visit_runs(c, [&](uint32_t, uint32_t bits) {
+            list.visit_runs(c, [&](size_t, uint32_t bits) {
                 for (uint32_t& of : found) of += uint32_t(std::popcount(bits & 15)), bits >>= 4;
             });
             for (size_t i = 0, k = c * NeighborList::cluster; k < n && i < NeighborList::cluster; ++i, ++k)

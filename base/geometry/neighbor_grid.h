@@ -28,15 +28,14 @@ class PointQuads {
     float number(size_t k) const { return quads_[k / 4].number[k % 4]; }
     // In the number's place, while neighbours are searched for.
     void set_group(size_t k, uint32_t group) { number(k) = std::bit_cast<float>(group); }
-    // Points k .. k + 3 in each quad of lanes, and their numbers where a lane's bit is set, else 0; k: of a
-    // four the first.
-    Vec3<Pack<float>> in_each_quad(size_t k) const {
-        const Quad& q = quads_[k / 4];
+    // Points 4 four .. 4 four + 3 in each quad of lanes, and their numbers where a lane's bit is set, else 0.
+    Vec3<Pack<float>> in_each_quad(size_t four) const {
+        const Quad& q = quads_[four];
         return {wetcurl::in_each_quad(q.x), wetcurl::in_each_quad(q.y), wetcurl::in_each_quad(q.z)};
     }
-    Pack<float> numbers_in_each_quad(size_t k) const { return wetcurl::in_each_quad(quads_[k / 4].number); }
-    Pack<float> numbers_in_each_quad(size_t k, uint32_t bits) const {
-        return wetcurl::in_each_quad(quads_[k / 4].number, bits);
+    Pack<float> numbers_in_each_quad(size_t four) const { return wetcurl::in_each_quad(quads_[four].number); }
+    Pack<float> numbers_in_each_quad(size_t four, uint32_t bits) const {
+        return wetcurl::in_each_quad(quads_[four].number, bits);
     }
     // The points of k's four from k on, each in a quad of lanes; k: a multiple of `quads`.
     Vec3<Pack<float>> a_quad_each(size_t k) const {

@@ -49,14 +49,14 @@ uint32_t NeighborList::Search::operator()(NeighborGrid::Sweep& sweep, size_t c, 
         sweep.rows([&](uint32_t low, uint32_t high) {
             found.make_room((high - low) / 4 + 2);
             for (uint32_t at = low & ~3u; at < high; at += 4) {
-                const Vec3<S> d = points.in_each_quad(at) - own;
+                const Vec3<S> d = points.in_each_quad(at / 4) - own;
                 uint32_t bits =
-                    bits_of((dot(d, d) < reach) & (ids(points.numbers_in_each_quad(at)) != own_group)) &
+                    bits_of((dot(d, d) < reach) & (ids(points.numbers_in_each_quad(at / 4)) != own_group)) &
                     asked;
                 if (at < low) bits &= (15u << (low - at) & 15) * first_lanes;
                 if (high - at < 4) bits &= ((1u << (high - at)) - 1) * first_lanes;
                 // Written in any case, kept where there is one: half of the branches would be mispredicted.
-                found.first[found.count] = at;
+                found.four[found.count] = at / 4;
                 found.bits[found.count] = uint16_t(bits);
                 found.count += bits != 0;
                 pairs += uint32_t(std::popcount(bits));
@@ -71,7 +71,7 @@ uint32_t NeighborList::Search::operator()(NeighborGrid::Sweep& sweep, size_t c, 
     for (size_t r = before; r < found.count; ++r) {
         const uint32_t bits = found.bits[r] & kept;
         pairs -= uint32_t(std::popcount(found.bits[r] ^ bits));
-        found.first[count] = found.first[r], found.bits[count] = uint16_t(bits);
+        found.four[count] = found.four[r], found.bits[count] = uint16_t(bits);
         count += bits != 0;
     }
     found.count = count;
@@ -94,12 +94,13 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<float>& sou
     // As much room for each thread as any has needed: which chunks it meets is chance.
     found_.resize(size_t(omp_get_max_threads()));
     size_t room = 0;
-    for (const auto& f : found_) room = std::max(room, f.first.size());
-    for (auto& f : found_) f.first.resize(room), f.bits.resize(room);
+    for (const auto& f : found_) room = std::max(room, f.four.size());
+    for (auto& f : found_) f.four.resize(room), f.bits.resize(room);
     std::atomic<size_t> used;
     std::atomic<uint64_t> neighbours;
+    std::atomic<bool> beyond;
     for (;;) {
-        used = 0, neighbours = 0;
+        used = 0, neighbours = 0, beyond = false;
 #pragma omp parallel
         {
             // On the thread's own stack: side by side they would take each other's cache lines.
@@ -118,28 +119,37 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<float>& sou
                 begin[high - low] = uint32_t(found.count);
                 neighbours += sum;
                 const size_t place = used.fetch_add(found.count);
-                if (place + found.count > first_.size()) continue;
-                for (size_t k = 0; k <= high - low; ++k) begin[k] += uint32_t(place);
-                std::copy_n(found.first.begin(), found.count, first_.begin() + long(place));
+                if (place + found.count > bits_.size()) continue;
                 std::copy_n(found.bits.begin(), found.count, bits_.begin() + long(place));
+                if (!far_.empty()) std::copy_n(found.four.begin(), found.count, far_.begin() + long(place));
+                bool fits = true;
+                for (size_t k = low; far_.empty() && k < high; ++k)
+                    for (size_t r = begin[k - low]; r < begin[k - low + 1]; ++r) {
+                        const long offset = long(found.four[r]) - long(own_four(k));
+                        offset_[place + r] = int16_t(offset);
+                        fits = fits && offset == offset_[place + r];
+                    }
+                if (!fits) beyond = true;
+                for (size_t k = 0; k <= high - low; ++k) begin[k] += uint32_t(place);
             }
             found_[size_t(omp_get_thread_num())] = std::move(found);
         }
-        if (used <= first_.size()) break;
+        if (used <= bits_.size() && !beyond) break;
         // A twentieth of slack, more for few: growing by doubling would double the largest buffer of all.
-        const size_t more = used + used / 20 + 1024;
-        if (more > UINT32_MAX) throw Error("neighbour lists: more than 2^32 runs; make the radius smaller");
-        first_ = {}, bits_ = {};
-        first_.resize(more), bits_.resize(more);
+        const size_t runs = used <= bits_.size() ? bits_.size() : used + used / 20 + 1024;
+        if (runs > UINT32_MAX) throw Error("neighbour lists: more than 2^32 runs; make the radius smaller");
+        const bool far = beyond || !far_.empty();
+        offset_ = {}, far_ = {}, bits_ = {};
+        far ? far_.resize(runs) : offset_.resize(runs);
+        bits_.resize(runs);
     }
     mean_ = count ? double(neighbours) / double(count) : 0;
 }
 
 size_t NeighborList::bytes() const {
-    size_t runs = bits_.capacity(), firsts = first_.capacity();
-    for (const auto& f : found_) runs += f.bits.capacity(), firsts += f.first.capacity();
-    return (firsts + begin_.capacity()) * sizeof(uint32_t) + runs * sizeof(uint16_t) +
-           some_source_.capacity();
+    size_t shorts = bits_.capacity() + offset_.capacity(), longs = far_.capacity() + begin_.capacity();
+    for (const auto& f : found_) shorts += f.bits.capacity(), longs += f.four.capacity();
+    return longs * sizeof(uint32_t) + shorts * sizeof(uint16_t) + some_source_.capacity();
 }
 
 }  // namespace wetcurl

@@ -23,20 +23,23 @@ class NeighborList {
     void build(const NeighborGrid& grid, const std::vector<float>& source, float radius);
 
     size_t clusters() const { return clusters_; }
-    // Runs of cluster c, of points c * cluster and on: visit(first, bits), where bit 4 i + j says that sorted
-    // point first + j is a neighbour of the cluster's i-th: a lane each where each of them has a quad.
-    // `first` is a multiple of four.
+    // Runs of cluster c, of points c * cluster and on: visit(four, bits), where bit 4 i + j says that sorted
+    // point 4 four + j is a neighbour of the cluster's i-th: a lane each where each of them has a quad.
     template <class Visit>
     void visit_runs(size_t c, Visit visit) const {
-        const uint32_t* own = begin(c);
-        for (uint32_t r = own[0]; r < own[1]; ++r) visit(first_[r], uint32_t(bits_[r]));
+        const uint32_t begin = *begin_of(c), end = begin_of(c)[1];
+        if (far_.empty())
+            for (uint32_t r = begin; r < end; ++r)
+                visit(own_four(c) + size_t(long(offset_[r])), uint32_t(bits_[r]));
+        else
+            for (uint32_t r = begin; r < end; ++r) visit(size_t(far_[r]), uint32_t(bits_[r]));
     }
     // visit(j) for the neighbours of sorted point k, in the grid's order.
     template <class Visit>
     void visit_neighbours(size_t k, Visit visit) const {
-        visit_runs(k / cluster, [&](uint32_t first, uint32_t bits) {
+        visit_runs(k / cluster, [&](size_t four, uint32_t bits) {
             for (bits = bits >> 4 * (k % cluster) & 15; bits; bits &= bits - 1)
-                visit(size_t(first) + size_t(std::countr_zero(bits)));
+                visit(4 * four + size_t(std::countr_zero(bits)));
         });
     }
     double neighbours_mean() const { return mean_; }
@@ -45,13 +48,13 @@ class NeighborList {
   private:
     // What a thread has found of a chunk.
     struct Found {
-        std::vector<uint32_t> first;
+        std::vector<uint32_t> four;
         std::vector<uint16_t> bits;
         size_t count = 0;
         void make_room(size_t more) {
-            if (count + more <= first.size()) return;
+            if (count + more <= four.size()) return;
             const size_t room = 2 * (count + more) + 2048;
-            first.resize(room), bits.resize(room);
+            four.resize(room), bits.resize(room);
         }
     };
     // Of cluster c, the sweep's next.
@@ -66,9 +69,14 @@ class NeighborList {
     static constexpr size_t sources = 64;  // points of `some_source_`
     // Chunks of clusters lie wherever a thread found room; a chunk has one more begin than clusters.
     static constexpr size_t chunk = 128;
-    const uint32_t* begin(size_t c) const { return &begin_[c + c / chunk]; }
+    const uint32_t* begin_of(size_t c) const { return &begin_[c + c / chunk]; }
+    static size_t own_four(size_t c) { return c * cluster / 4; }
     size_t clusters_ = 0;
-    std::vector<uint32_t> first_, begin_;
+    std::vector<uint32_t> begin_;
+    // (run) its four points: how many fours from the cluster's own, or where 16 bits are too few for one,
+    // which.
+    std::vector<int16_t> offset_;
+    std::vector<uint32_t> far_;
     std::vector<uint16_t> bits_;
     // (64 points) whether one of them has a source: who has none around is not searched for.
     std::vector<uint8_t> some_source_;

@@ -66,9 +66,9 @@ void CohesionPass::build_lists(const Strands& p, const Strands& whole) {
     const Vec3<S> own = points.a_quad_each(first);
     const S h(float(term_.h_c)), zero(0);
     Cohesion::Sums<S> sums{{zero, zero, zero}, zero};
-    list_.visit_runs(c, [&](uint32_t at, uint32_t bits) {
-        sums.add(points.in_each_quad(at) - own, h, points.numbers_in_each_quad(at, bits),
-                 in_each_quad(&sorted_wet_volume_[at], bits));
+    list_.visit_runs(c, [&](size_t four, uint32_t bits) {
+        sums.add(points.in_each_quad(four) - own, h, points.numbers_in_each_quad(four, bits),
+                 in_each_quad(&sorted_wet_volume_[4 * four], bits));
     });
     const S all = sums_of_quads(sums.pull.x, sums.pull.y, sums.pull.z, sums.weight);
     static_assert(sizeof all == NeighborList::cluster * sizeof sums_[0]);

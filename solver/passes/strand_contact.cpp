@@ -54,15 +54,15 @@ template <class Visit>
 void StrandContactPass::for_each_run(size_t c, Visit visit) const {
     const size_t first = c * NeighborList::cluster;
     const Vec3<S> own = grid_.points().a_quad_each(first), own_rest = drawn_.a_quad_each(first);
-    list_.visit_runs(c, [&](uint32_t at, uint32_t bits) {
-        visit(at, mask_of(bits), own - grid_.points().in_each_quad(at),
-              term_.square_distance(own_rest - drawn_.in_each_quad(at)));
+    list_.visit_runs(c, [&](size_t four, uint32_t bits) {
+        visit(four, mask_of(bits), own - grid_.points().in_each_quad(four),
+              term_.square_distance(own_rest - drawn_.in_each_quad(four)));
     });
 }
 
 StrandContactPass::S StrandContactPass::contacts_of(size_t c) const {
     S found(0);
-    for_each_run(c, [&](uint32_t, const S::Mask& neighbour, const Vec3<S>& d, const S& square) {
+    for_each_run(c, [&](size_t, const S::Mask& neighbour, const Vec3<S>& d, const S& square) {
         found += select(neighbour & (dot(d, d) < square), S(1), S(0));
     });
     return sums_of_quads(found, found, found, found);
@@ -73,12 +73,12 @@ StrandContactPass::S StrandContactPass::impulses_on(size_t c, const StrandContac
     const Vec3<S> own_v = velocity_.a_quad_each(first);
     const S own_weight = a_quad_each(&weight_[first]), own_contacts = a_quad_each(&contacts_[first]);
     Vec3<S> all = cast<S>(Vec3f{0, 0, 0});
-    for_each_run(c, [&](uint32_t at, const S::Mask& neighbour, const Vec3<S>& d, const S& square) {
+    for_each_run(c, [&](size_t four, const S::Mask& neighbour, const Vec3<S>& d, const S& square) {
         // Two that are held have no mass to move.
-        const S both = own_weight + in_each_quad(&weight_[at]);
+        const S both = own_weight + in_each_quad(&weight_[4 * four]);
         const S mu = select(neighbour & (both > S(0)), S(1) / maximum(both, S(1e-30f)), S(0));
-        const S most = maximum(own_contacts, in_each_quad(&contacts_[at]));
-        all += StrandContact::impulse(step, d, own_v - velocity_.in_each_quad(at), square, mu,
+        const S most = maximum(own_contacts, in_each_quad(&contacts_[4 * four]));
+        all += StrandContact::impulse(step, d, own_v - velocity_.in_each_quad(four), square, mu,
                                       S(1) / maximum(most, S(1)));
     });
     return sums_of_quads(all.x, all.y, all.z, all.z);

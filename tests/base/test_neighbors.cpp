@@ -120,6 +120,31 @@ TEST(NeighborList, is_empty_where_no_neighbour_is_a_source) {
     EXPECT_GT(emptied, 100u);
 }
 
+// Two sheets, each a slab of the grid: in its order a whole sheet lies between a point and the one above it.
+TEST(NeighborList, reaches_beyond_what_16_bits_of_fours_tell) {
+    const float radius = 0.0105f, spacing = 0.01f, between = 0.009f;
+    NeighborList list;
+    for (const uint32_t side : {60u, 400u}) {
+        std::vector<Vec3f> p{{-1, -1, 0}};  // where slabs begin
+        for (uint32_t k = 0; k < 2 * side * side; ++k)
+            p.push_back({spacing * float(k % side), spacing * float(k / side % side),
+                         0.007f + between * float(k / (side * side))});
+        NeighborGrid grid;
+        grid.build(p.data(), p.size(), radius);
+        for (uint32_t k = 0; k < p.size(); ++k) grid.points().set_group(k, k);
+        list.build(grid, std::vector<float>(p.size() + NeighborList::padding + lanes_of<float>, 1.f), radius);
+        size_t farthest = 0, pairs = 0;
+        for (size_t k = 0; k < p.size(); ++k)
+            list.visit_neighbours(k, [&](size_t j) {
+                ASSERT_LT(norm(grid.sorted(j) - grid.sorted(k)), radius);
+                farthest = std::max(farthest, j > k ? j - k : k - j), ++pairs;
+            });
+        // Four in a sheet, but at its border, and one in the other.
+        EXPECT_EQ(pairs, 2 * (4 * side * (side - 1) + side * side));
+        EXPECT_EQ(farthest > 4 * 32768, side == 400);
+    }
+}
+
 TEST(NeighborList, can_be_built_again_for_a_denser_cloud_and_for_none) {
     NeighborGrid grid;
     NeighborList list;
