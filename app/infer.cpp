@@ -173,7 +173,7 @@ Scene target_scene(const InferOptions& o, const RunHeader& low) {
 }
 
 // Displayed strands hang together already, only too little: of the scene's passes 8 in 14 give as many
-// neighbours within 4 mm as the reference has, all of them half as many again (README).
+// neighbours within 4 mm as the reference has, all of them half as many again on the demo.
 int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
 
 std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const RunHeader& low) {

@@ -26,9 +26,9 @@ bool multiplies_bfloat16() {
 
 class OnHost final : public Network {
   public:
-    OnHost(const ModelCard& card, std::shared_ptr<Model> model, bool half)
+    OnHost(const ModelCard& card, std::shared_ptr<Model> model, bool in_bfloat16)
         : card_(card), model_(std::move(model)) {
-        if (!half) return;
+        if (!in_bfloat16) return;
         model_->body = torch::kBFloat16;
         model_->freeze();
     }
@@ -67,10 +67,11 @@ std::unique_ptr<Network> network_of(const ModelCard& card, std::shared_ptr<Model
                                     const std::string& device, int threads, Body body) {
     set_threads(threads);
     const torch::Device on = device_named(device);
-    const bool half = body == Body::fastest && card.codec != "adhesion";
-    if (on.is_cpu()) return std::make_unique<OnHost>(card, std::move(model), half && multiplies_bfloat16());
+    const bool fastest = body == Body::fastest && card.codec != "adhesion";
+    if (on.is_cpu())
+        return std::make_unique<OnHost>(card, std::move(model), fastest && multiplies_bfloat16());
 #ifdef WETCURL_NETWORKS_ON_DEVICE
-    return device_network(card, std::move(model), on, half);
+    return device_network(card, std::move(model), on, fastest);
 #else
     throw Error("device " + device + ": this build has no CUDA kernels (cmake --preset cuda)");
 #endif

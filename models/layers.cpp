@@ -109,7 +109,7 @@ struct ConvolutionRelu : torch::autograd::Function<ConvolutionRelu> {
     }
 };
 
-// That kernel knows no choice of what repeats its bits, and is there for half precision.
+// That kernel knows no choice of what repeats its bits, and is there for 16-bit numbers.
 Tensor run_relu(nn::Conv2d& layer, const Tensor& x) {
     if (!x.is_cuda() || x.scalar_type() == torch::kFloat || at::globalContext().deterministicCuDNN())
         return run_layer(layer, x).relu_();

@@ -44,6 +44,7 @@ StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, 
 Tensor StrandMlp::mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor& mask, const Tensor& like) {
     const Tensor weight = layer->weight.to(x.scalar_type());
 #ifdef WETCURL_MODEL_KERNELS
+    // In bfloat16, in which networks learn, LibTorch's convolution does it.
     if (x.is_cuda() && x.scalar_type() == torch::kHalf && !torch::GradMode::is_enabled()) {
         const Tensor rows = x.contiguous(), out = torch::empty_like(rows), taps = weight.contiguous();
         const GridOfRows grid{int(like.size(0)), int(like.size(2)), int(like.size(3)), int(x.size(1))};

@@ -127,9 +127,9 @@ class Trainer {
     }
 
     void make_network() {
-        const bool half = recipe_.precision == "bfloat16";
+        const bool in_bfloat16 = recipe_.precision == "bfloat16";
         choose(recipe_.deterministic ? Convolutions::repeatable : Convolutions::fastest);
-        at::globalContext().setAllowTF32CuDNN(half);  // "float" means single precision throughout
+        at::globalContext().setAllowTF32CuDNN(in_bfloat16);  // "float" means single precision throughout
         card_.codec = architecture_.codec;
         card_.architecture = architecture_.name;
         card_.width = recipe_.width;
@@ -143,7 +143,7 @@ class Trainer {
         torch::manual_seed(uint64_t(recipe_.seed));
         model_ = request_.from.empty() ? make_model(card_) : begun_with(request_.from);
         model_->to(device_);
-        if (half) model_->body = torch::kBFloat16;
+        if (in_bfloat16) model_->body = torch::kBFloat16;
         card_.parameters = parameter_count(*model_);
         optimiser_ = std::make_unique<Optimiser>(*model_, recipe_.weight_decay, recipe_.gradient_clip);
         loss_ = make_loss(codec_, recipe_, readers_.front()->particles(), data_->unit(), device_);

@@ -11,7 +11,7 @@
 
 namespace wetcurl {
 
-// Points by fours, each four with a number more of each in one line of a cache.
+// Points by fours, a number more of each; a four is a line of a cache. `k` counts points, `four` fours.
 class PointQuads {
   public:
     // numbers_a_quad_each reads beyond its four: one more follows the last.

@@ -73,8 +73,8 @@ class NeighborList {
     static size_t own_four(size_t c) { return c * cluster / 4; }
     size_t clusters_ = 0;
     std::vector<uint32_t> begin_;
-    // (run) its four points: how many fours from the cluster's own, or where 16 bits are too few for one,
-    // which.
+    // (run) which four points: how many fours from the cluster's own. Once one was too far for 16 bits,
+    // `far_` holds the fours themselves, of all runs, and `offset_` is empty.
     std::vector<int16_t> offset_;
     std::vector<uint32_t> far_;
     std::vector<uint16_t> bits_;

@@ -124,7 +124,7 @@ TEST(NeighborList, is_empty_where_no_neighbour_is_a_source) {
 TEST(NeighborList, reaches_beyond_what_16_bits_of_fours_tell) {
     const float radius = 0.0105f, spacing = 0.01f, between = 0.009f;
     NeighborList list;
-    for (const uint32_t side : {60u, 400u}) {
+    for (const uint32_t side : {60u, 400u, 60u}) {
         std::vector<Vec3f> p{{-1, -1, 0}};  // where slabs begin
         for (uint32_t k = 0; k < 2 * side * side; ++k)
             p.push_back({spacing * float(k % side), spacing * float(k / side % side),
