@@ -169,9 +169,8 @@ int main(int argc, char** argv) {
                 "for --interpolate rest: the strand at rest as its water curls it (Eq 9), not as drawn");
     c->add_flag("--cohesion", infer.cohesion,
                 "for --interpolate and models of displayed strands: then draw wet strands together (Eq 10)");
-    c->add_option(
-         "--passes", infer.passes,
-         "of Eq 10, in place of the scene's, of which models of displayed strands take four of seven")
+    c->add_option("--passes", infer.passes,
+                  "of Eq 10, in place of the scene's, of which models of displayed strands take 8 of each 14")
         ->check(CLI::Range(1, 1000));
     c->add_option(
          "--spacing", infer.spacing,

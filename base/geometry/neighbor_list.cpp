@@ -121,15 +121,18 @@ void NeighborList::build(const NeighborGrid& grid, const std::vector<float>& sou
                 const size_t place = used.fetch_add(found.count);
                 if (place + found.count > bits_.size()) continue;
                 std::copy_n(found.bits.begin(), found.count, bits_.begin() + long(place));
-                if (!far_.empty()) std::copy_n(found.four.begin(), found.count, far_.begin() + long(place));
-                bool fits = true;
-                for (size_t k = low; far_.empty() && k < high; ++k)
-                    for (size_t r = begin[k - low]; r < begin[k - low + 1]; ++r) {
-                        const long offset = long(found.four[r]) - long(own_four(k));
-                        offset_[place + r] = int16_t(offset);
-                        fits = fits && offset == offset_[place + r];
-                    }
-                if (!fits) beyond = true;
+                if (far_.empty()) {
+                    bool fits = true;
+                    for (size_t k = low; k < high; ++k)
+                        for (size_t r = begin[k - low]; r < begin[k - low + 1]; ++r) {
+                            const long offset = long(found.four[r]) - long(own_four(k));
+                            offset_[place + r] = int16_t(offset);
+                            fits = fits && offset == offset_[place + r];
+                        }
+                    if (!fits) beyond = true;
+                } else {
+                    std::copy_n(found.four.begin(), found.count, far_.begin() + long(place));
+                }
                 for (size_t k = 0; k <= high - low; ++k) begin[k] += uint32_t(place);
             }
             found_[size_t(omp_get_thread_num())] = std::move(found);
