@@ -4,7 +4,8 @@
 //   scene = "base.toml"            what all scenes share
 //   seed = 1
 //   codecs = "strand"              strand | root | both
-//   low = "dry"                    what the low-resolution run is: dry | wet
+//   low = "dry"                    what the low-resolution run is: dry | wet | settled, codec strand's: dry,
+//                                  then moved to where wet strands come to rest
 //   low_substeps = 4               its substeps a frame; 0: as many as the scene's
 //   displayed = true               codec strand: the strands after cohesion as targets too
 //   first = 8, every = 3           the frames that are kept as pairs, of each scene's `frames`
@@ -34,6 +35,7 @@
 #include <vector>
 
 #include "learn/root_codec.h"
+#include "models/model_card.h"
 
 namespace wetcurl {
 
@@ -46,7 +48,8 @@ struct DatasetMember {
 
 struct DatasetRecipe {
     bool strand = true, root = false;  // codecs
-    bool low_is_wet = false, displayed = true;
+    std::string low = "dry";           // of low_kinds
+    bool displayed = true;
     int low_substeps = 0;
     int first = 0, every = 1, together = 1;
     std::string runs;  // split whose runs are kept

@@ -44,13 +44,14 @@ std::string suffix_of(int roots) { return roots == 3 ? ", 3 roots" : ""; }
 
 class InterpolationMethod final : public Method {
   public:
-    // `shape`: how the high strands lie at rest, null: as drawn; `cohesion`: Eq 10 follows.
+    // `shape`: how the high strands lie at rest, null: as drawn; `settled`: as of RestCarrier; `cohesion`: Eq
+    // 10 follows.
     InterpolationMethod(const std::string& name, int roots, const Groom& high, const Groom& low,
-                        const Strands* shape, bool low_is_wet, bool cohesion)
-        : name_(name + " interpolation" + suffix_of(roots) + (shape ? ", Eq 9" : "") +
-                (cohesion ? ", Eq 10" : "")),
-          interpolator_(interpolation_named(name), stencil_of(roots, high, low), high, low, shape,
-                        low_is_wet),
+                        const Strands* shape, bool low_is_wet, const Strands* settled, bool cohesion)
+        : name_(name + " interpolation" + suffix_of(roots) + (settled ? ", settled" : "") +
+                (shape ? ", Eq 9" : "") + (cohesion ? ", Eq 10" : "")),
+          interpolator_(interpolation_named(name), stencil_of(roots, high, low), high, low, shape, low_is_wet,
+                        settled),
           cohesion_(cohesion) {}
     std::string name() const override { return name_; }
     bool before_cohesion() const override { return cohesion_; }
@@ -172,23 +173,30 @@ Scene target_scene(const InferOptions& o, const RunHeader& low) {
     return load_scene(o.wetness, options);
 }
 
+const std::string& scene_name(const InferOptions& o) { return o.wetness.empty() ? o.input : o.wetness; }
+
 // Displayed strands hang together already, only too little: of the scene's passes 8 in 14 give as many
 // neighbours within 4 mm as the reference has, all of them half as many again on the demo.
 int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
 
 std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const RunHeader& low) {
     if (!o.interpolate.empty()) {
-        const Strands shape = o.wet_shape ? shape_at_rest(scene) : Strands();
+        if (o.settled && simulated_wet(low))
+            throw Misuse("--settled: " + o.input + " was simulated wet, allowed is a dry run");
+        const Strands shape = o.wet_shape ? shape_at_rest(scene) : Strands(),
+                      settled = o.settled ? settled_of(low_scene_of(scene, scene_name(o), substeps_of(low)),
+                                                       o.device)
+                                          : Strands();
         return std::make_unique<InterpolationMethod>(o.interpolate, o.roots, scene.groom, low.groom,
                                                      o.wet_shape ? &shape : nullptr, simulated_wet(low),
-                                                     o.cohesion);
+                                                     o.settled ? &settled : nullptr, o.cohesion);
     }
     const ModelCard card = network_module().card(o.model);
     if (card.codec == "adhesion")
         throw Misuse(o.model + ": an adhesion model; it acts in a scene, not on a run: infer SCENE.toml");
     if (const bool wet = simulated_wet(low); wet != (card.low == "wet"))
         log_warning(fmt::format("{}: was simulated {}; {} learned from {} runs", o.input, wet ? "wet" : "dry",
-                                o.model, card.low));
+                                o.model, wet ? "dry" : "wet"));
     const int found = substeps_of(low);
     if (card.low_substeps && found != card.low_substeps)
         log_warning(
@@ -206,8 +214,7 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
         if (scene.saturation.empty()) scene.saturation = profile_of(card, scene.groom);
         if (o.cohesion && card.target == "displayed")
             scene.cohesion->passes = passes_after_displayed(scene.cohesion->passes);
-        auto learned = learned_strands_of(o.model, scene, o.wetness.empty() ? o.input : o.wetness, low.groom,
-                                          o.device, o.threads);
+        auto learned = learned_strands_of(o.model, scene, scene_name(o), low.groom, o.device, o.threads);
         return std::make_unique<StrandMethod>(std::move(learned), o.model,
                                               o.cohesion || card.target != "displayed",
                                               scene.groom.rest.count, scene.groom.rest.particles);
@@ -288,9 +295,12 @@ int infer_command(const InferOptions& given) {
         throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core|rest");
     if (!o.interpolate.empty() && !o.reconstruct.empty())
         throw Misuse("--reconstruct is for models; --interpolate says itself how strands are made");
-    if (!o.interpolate.empty() && !o.cohesion) refuse_device(o, "interpolation without --cohesion");
+    if (!o.interpolate.empty() && !o.cohesion && !o.settled)
+        refuse_device(o, "interpolation without --cohesion and --settled");
     if (o.wet_shape && o.interpolate != "rest")
         throw Misuse("--wet-shape is for --interpolate rest, which alone starts from a shape at rest");
+    if (o.settled && o.interpolate != "rest")
+        throw Misuse("--settled is for --interpolate rest; models say themselves what they start from");
     if (o.interpolate == "nearest" && o.roots == 3)
         throw Misuse("--roots 3 is for quad and core; nearest copies the strand of one root");
     check_files(o, o.output, {o.input, o.model, o.wetness});
@@ -321,6 +331,7 @@ int infer_command(const InferOptions& given) {
                     ": its scene moves the water ([wetness.flow]), allowed is wetness that stays; "
                     "--wetness names a scene of it");
     require_named(o, scene);
+    const double begun = omp_get_wtime();
     const auto method = method_of(o, scene, low);
     require_nested(scene.groom, low.groom);
     std::optional<DisplayOn> display;
@@ -342,6 +353,7 @@ int infer_command(const InferOptions& given) {
     header.stages = {"low-resolution run", "reconstruction", "cohesion"};
     header.inputs = {o.input};
     if (!o.model.empty()) header.inputs.push_back(o.model);
+    const double preparation = omp_get_wtime() - begun;
     InterruptGuard guard;
     RunWriter writer(o.output, header, o.overwrite);
 
@@ -381,6 +393,7 @@ int infer_command(const InferOptions& given) {
     Json json{{"frames", done},
               {"strands", scene.groom.rest.count},
               {"particles_per_strand", scene.groom.rest.particles},
+              {"preparation_seconds", preparation},
               {"seconds_per_frame", time_statistics(seconds)},
               {"inference_seconds_per_frame", time_statistics(own_seconds)},
               {"device", o.device},

@@ -1,8 +1,14 @@
 // A strand network on the hair of a scene.
 #include "app/learned_hair.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/device.h"
 #include "base/error.h"
 #include "learn/network_module.h"
+#include "solver/plan.h"
 #include "solver/rest_state.h"
 
 namespace wetcurl {
@@ -20,6 +26,40 @@ void require_solids_for(const ModelCard& card, const Scene& scene, const std::st
 
 double reach_of(const Scene& scene) { return scene.cohesion ? scene.cohesion->h_c : 0; }
 
+// Offsets from the roots, in the head's frame.
+static Strands at_rest(Scene scene, bool wet, const std::string& device) {
+    if (!wet) make_dry(scene);
+    leave_out_display(scene);
+    constexpr double long_enough = 1.5;  // [s]
+    scene.integrator.settle = std::max(scene.integrator.settle, long_enough);
+    RunFrame frame;
+    make_simulation_on(device, scene, trusted_precision(scene, "float"))->snapshot(frame);
+    Strands& p = frame.positions;
+    const Quatf to_head = cast<float>(conjugate(frame.head.rotation));
+    for (int s = 0; s < p.count; ++s)
+        for (int i = p.particles - 1; i >= 0; --i) p.at(s, i) = rotate(to_head, p.at(s, i) - p.at(s, 0));
+    return p;
+}
+
+Strands settled_of(const Scene& scene, const std::string& where) {
+    // A program built without the solver's CUDA backend may still have a network there.
+    const std::string device = names_of_cuda_devices().empty() ? "cpu" : where;
+    if (!acts_wet(scene))
+        throw Error(
+            "where wet strands come to rest: nothing in the scene acts on wet hair, needed is [wetness]");
+    Strands wet = at_rest(scene, true, device);
+    const Strands dry = at_rest(scene, false, device);
+    for (size_t k = 0; k < wet.points.size(); ++k) wet.points[k] -= dry.points[k];
+    return wet;
+}
+
+Scene low_scene_of(const Scene& scene, const std::string& scene_file, int substeps) {
+    SceneOptions options;
+    options.stride = 2 * scene.stride;
+    if (substeps) options.set.push_back(fmt::format("integrator.substeps={}", substeps));
+    return parse_scene(scene.text, scene_file, scene.folder, options);
+}
+
 std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
                                                    const std::string& scene_file, const Groom& low,
                                                    const std::string& device, int threads) {
@@ -28,8 +68,13 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
         throw Error(model + ": found a model of codec " + card.codec + ", allowed is one of codec strand");
     require_solids_for(card, scene, scene_file);
     const Strands shape = shape_at_rest(scene);
+    Strands settled;
+    if (card.low == "settled")
+        settled = settled_of(low_scene_of(scene, scene_file, card.low_substeps), device);
     auto learned = network_module().load_strands(
-        model, StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet", reach_of(scene)),
+        model,
+        StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet", reach_of(scene),
+                    settled.count ? &settled : nullptr),
         low, device, threads);
     if (card.target == "displayed" && scene.has_attached_solid()) {
         HeadShapes head;

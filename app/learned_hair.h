@@ -14,9 +14,17 @@ void require_solids_for(const ModelCard& card, const Scene& scene, const std::st
 // Reach of Eq 10 on what is displayed of the scene [m], 0 without it.
 double reach_of(const Scene& scene);
 
+// How far a scene's strands come to rest, wet, from where they do dry: (strands, particles), in the head's
+// frame [m]. Both are simulated for it, for as long as the scene settles, but 1.5 s or longer.
+Strands settled_of(const Scene& scene, const std::string& device);
+
+// The low-resolution hair of a scene, `substeps` a frame (0: its own).
+Scene low_scene_of(const Scene& scene, const std::string& scene_file, int substeps);
+
 // The model of that file with the codec of the scene's hair, kept out of what is attached to the head where
 // it predicts displayed strands. scene: of `scene_file`, at the resolution to predict, its saturation known;
-// low: the groom of the dry run. Throws Error where these do not fit, Misuse for a device's name.
+// low: the groom of the dry run. Where the model's low-resolution strands have settled, that is simulated
+// here. Throws Error where these do not fit, Misuse for a device's name.
 std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
                                                    const std::string& scene_file, const Groom& low,
                                                    const std::string& device, int threads);

@@ -114,6 +114,9 @@ int main(int argc, char** argv) {
     c->add_option("--codec", encode.codec, "root | strand | adhesion")
         ->check(CLI::IsMember({"root", "strand", "adhesion"}))
         ->capture_default_str();
+    c->add_flag(
+        "--settled", encode.settled,
+        "for strand: from dry strands moved to where wet ones come to rest, which is simulated first");
 
     DatasetOptions dataset;
     c = command("dataset", "simulate many scenes, dry and wet, into training pairs", dataset,
@@ -165,6 +168,9 @@ int main(int argc, char** argv) {
          "the nearest 3")
         ->check(CLI::IsMember({3, 4}))
         ->capture_default_str();
+    c->add_flag("--settled", infer.settled,
+                "for --interpolate rest: from dry strands moved to where wet ones come to rest, which is "
+                "simulated first");
     c->add_flag("--wet-shape", infer.wet_shape,
                 "for --interpolate rest: the strand at rest as its water curls it (Eq 9), not as drawn");
     c->add_flag("--cohesion", infer.cohesion,

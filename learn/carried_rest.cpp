@@ -82,10 +82,17 @@ void RestCarrier::find_own(const Groom& low, const Strands& drawn_cores) {
     }
 }
 
+// Cores are linear in the strand: that of a strand moved is the sum of both.
+void RestCarrier::start_from(const Strands& settled) {
+    settled_ = settled;
+    const Strands cores = cores_of(settled);
+    for (size_t k = 0; k < cores.points.size(); ++k) low_rest_cores_.points[k] -= cores.points[k];
+}
+
 RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, const Strands* shape,
-                         bool low_is_wet)
+                         bool low_is_wet, const Strands* settled)
     : particles_(high.rest.particles),
-      low_is_wet_(low_is_wet),
+      low_is_wet_(low_is_wet || settled),
       around_(std::move(stencil)),
       low_rest_cores_(cores_of(low.rest)),
       moved_(low.rest.count, low.rest.particles),
@@ -100,6 +107,9 @@ RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, c
     if (around_.count() != high.rest.count)
         throw Error("interpolation: found a stencil for " + std::to_string(around_.count()) +
                     " strands, allowed one for all " + std::to_string(high.rest.count));
+    if (settled && size(*settled) != size(low.rest))
+        throw Error("interpolation: found " + size(*settled) +
+                    " that have settled, allowed all low-resolution " + size(low.rest));
     const Strands drawn_cores = cores_of(high.rest), curled_cores = cores_of(curled);
     weigh(drawn_cores);
     find_own(low, drawn_cores);
@@ -130,13 +140,14 @@ RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, c
                 Vec3f own = edge;
                 for (int k = 0; k < width; ++k) own -= weight[k] * edge_of(low_rest_cores_, from[k], i);
                 // Wet strands come as short as they are.
-                const float length = low_is_wet ? 1 : norm(along) / std::max(norm(edge), tiny_length<float>);
+                const float length = low_is_wet_ ? 1 : norm(along) / std::max(norm(edge), tiny_length<float>);
                 out.length.set(lane, length);
                 set(out.edge, lane, rotate(to_root, length * edge));
                 set(out.own, lane, rotate(to_root, length * own));
                 set(out.curled, lane, rotate(to_root, along));
             }
         }
+    if (settled) start_from(*settled);
 }
 
 RestParticle<float> RestCarrier::rest(int strand, int particle) const {
@@ -205,8 +216,12 @@ void RestCarrier::apply(const Strands& low, const Pose& head, Strands& out) {
     for (int s = 0; s < low.count; ++s) {
         const int twin = around_.twin[size_t(s)], lane = twin % S::lanes;
         const Quat<S>& q = to_root_[size_t(twin / S::lanes)];
-        const Quatf to_root = Quatf{q.w[lane], q.x[lane], q.y[lane], q.z[lane]} * to_head;
-        for (int i = 0; i < n; ++i) out.at(twin, i) = rotate(to_root, low.at(s, i) - low.at(s, 0));
+        const Quatf to_root{q.w[lane], q.x[lane], q.y[lane], q.z[lane]};
+        for (int i = 0; i < n; ++i) {
+            Vec3f x = rotate(to_head, low.at(s, i) - low.at(s, 0));
+            if (settled_.count) x += settled_.at(s, i);
+            out.at(twin, i) = rotate(to_root, x);
+        }
     }
 }
 

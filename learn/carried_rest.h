@@ -70,9 +70,10 @@ class RestCarrier {
     // `shape` (high strands): how they lie at rest in the head's frame, null: as drawn. Throws Error where it
     // does not fit.
     // `low_is_wet`: the low-resolution strands are curled and shortened by their water too, and are kept as
-    // they are.
+    // they are. `settled` (low strands): they are dry ones, and this is how far wet ones come to rest from
+    // them, in the head's frame [m]; moved so they are taken for wet.
     RestCarrier(Stencil stencil, const Groom& high, const Groom& low, const Strands* shape,
-                bool low_is_wet = false);
+                bool low_is_wet = false, const Strands* settled = nullptr);
     // low (low strands): world positions [m]; out (high strands): offsets in the root frames [m]. Throws
     // Error for other strands.
     void apply(const Strands& low, const Pose& head, Strands& out);
@@ -83,6 +84,7 @@ class RestCarrier {
     RestParticle<float> rest(int strand, int particle) const;
     const std::vector<Beside>& beside() const { return beside_; }  // (low strand)
     const Strands& own() const { return own_; }                    // (low strand, edge) in the head's frame
+    const Strands& settled() const { return settled_; }            // (low strands), empty: as they are
     // (high strand, width) [1/m^2]: what a strand loses of its own is the sum of these by what low-resolution
     // strands lose of theirs, but at least 0 and at most 1.
     const std::vector<float>& lost_weight() const { return lost_weight_; }
@@ -91,6 +93,7 @@ class RestCarrier {
     using S = Pack<float>;
     void weigh(const Strands& drawn_cores);
     void find_own(const Groom& low, const Strands& drawn_cores);
+    void start_from(const Strands& settled);
 
     int particles_;
     bool low_is_wet_;
@@ -99,7 +102,8 @@ class RestCarrier {
     std::vector<float> lost_weight_;
     std::vector<RestParticle<S>> rest_;  // (block of lanes, particle)
     std::vector<Quat<S>> to_root_;       // (block): head's frame to the root frames
-    Strands low_rest_cores_, own_;
+    Strands low_rest_cores_;             // less how far the strands have settled
+    Strands own_, settled_;
     Strands moved_;            // (low strands) how far their cores are from rest, in the head's frame [m]
     std::vector<float> lost_;  // (low strands) of their own [m^2]
 };

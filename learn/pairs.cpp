@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "learn/dct.h"
+#include "models/model_card.h"
 
 namespace wetcurl {
 
@@ -82,8 +83,8 @@ void PairsWriter::add(const std::vector<AdhesionSample>& samples) {
     file_.write(group_ + "/contact", contact);
 }
 
-void PairsWriter::low(bool wet, int substeps) {
-    file_.attribute("low", std::string(wet ? "wet" : "dry"));
+void PairsWriter::low(const std::string& kind, int substeps) {
+    file_.attribute("low", kind);
     if (substeps > 0) file_.attribute("low_substeps", double(substeps));
 }
 
@@ -102,7 +103,7 @@ PairsReader::PairsReader(const std::string& path)
 
 std::string PairsReader::low() const {
     const std::string low = file_.has_attribute("low") ? file_.text("low") : "dry";
-    if (low != "dry" && low != "wet") throw Error(path() + ": low: found '" + low + "', allowed dry, wet");
+    require_low_kind(low, path());
     return low;
 }
 

@@ -37,12 +37,12 @@ static float root_spacing(const Groom& groom, int pixel) {
 }
 
 StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                         const Strands* shape, bool low_is_wet, double reach)
+                         const Strands* shape, bool low_is_wet, double reach, const Strands* settled)
     : grid_(high.grid),
       pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
       dct_(high.rest.particles),
       roots_(root_frames(high)),
-      carrier_(quad_stencil(high, low), high, low, shape, low_is_wet),
+      carrier_(quad_stencil(high, low), high, low, shape, low_is_wet, settled),
       base_(high.rest.count, high.rest.particles) {
     const int n = particles(), strands = high.rest.count;
     if (!saturation.empty() && saturation.size() != high.rest.points.size())

@@ -59,9 +59,10 @@ class StrandCodec {
     // high: the rest groom at full resolution; low: that of the dry run, every second root each way of it;
     // saturation: (high strand, particle), empty for dry; shape: the high strands at rest with their water,
     // in the head's frame, null: as drawn; low_is_wet: the low-resolution run is a wet one; reach: of Eq 10
-    // [m], 0 without it. Throws Error where these do not fit.
+    // [m], 0 without it; settled: as of RestCarrier. Throws Error where these do not fit.
     StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                const Strands* shape = nullptr, bool low_is_wet = false, double reach = 0);
+                const Strands* shape = nullptr, bool low_is_wet = false, double reach = 0,
+                const Strands* settled = nullptr);
 
     int height() const { return grid_.height; }
     int width() const { return grid_.width; }

@@ -225,12 +225,14 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
       low_is_wet_(codec.carrier().low_is_wet()) {
     const size_t n = size_t(n_), S = size_t(pixels_), width = size_t(width_);
     head() = {};
+    const RestCarrier& carrier = codec.carrier();
     std::vector<Vec3f> low_rest(low.rest.points);
     for (int s = 0; s < low_; ++s)
         for (int i = n_ - 1; i >= 0; --i) low_rest[size_t(s) * n + i] = low.rest.at(s, i) - low.rest.at(s, 0);
-    low_rest_ = DeviceBuffer<Vec3f>(low_rest);
+    if (low_is_wet_) low_rest_ = DeviceBuffer<Vec3f>(low_rest);
+    for (size_t k = 0; k < carrier.settled().points.size(); ++k) low_rest[k] -= carrier.settled().points[k];
+    low_start_ = DeviceBuffer<Vec3f>(low_rest);
 
-    const RestCarrier& carrier = codec.carrier();
     const Stencil& around = carrier.around();
     std::vector<float> rest(n * rest_numbers * S, 0), weight(width * S, 0), lost_weight(width * S, 0);
     std::vector<int> from(width * S, 0), strand(S, -1);
@@ -335,8 +337,8 @@ void StrandKernels::take_head(cudaStream_t stream) const {
 }
 
 void StrandKernels::depart(const Vec3f* low, cudaStream_t stream) const {
-    depart_kernel<<<blocks_of(low_ * n_), threads, 0, stream>>>(head_.data(), low, low_rest_.data(), low_, n_,
-                                                                departed_.data());
+    depart_kernel<<<blocks_of(low_ * n_), threads, 0, stream>>>(head_.data(), low, low_start_.data(), low_,
+                                                                n_, departed_.data());
     check_launch("departure from rest");
 }
 

@@ -38,8 +38,9 @@ std::vector<float> product(const std::vector<float>& a, const std::vector<float>
     return out;
 }
 
-// A groom with a hole, whose low-resolution strands, dry or wet, sway under a head that turns and drifts.
-class CodecOnDevice : public ::testing::TestWithParam<bool> {};
+// A groom with a hole, whose low-resolution strands, dry, wet or settled, sway under a head that turns and
+// drifts.
+class CodecOnDevice : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     if (!has_device()) GTEST_SKIP() << "SKIP: no CUDA device";
@@ -53,7 +54,13 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     high.grid.strand = wider;
     const Groom low = coarsened(high, 2);
     std::vector<float> saturation(high.rest.points.size(), 0.7f);
-    StrandCodec codec(high, low, saturation, nullptr, /*low_is_wet=*/GetParam());
+    const std::string kind = GetParam();
+    Strands settled = low.rest;
+    for (int s = 0; s < settled.count; ++s)
+        for (int i = 0; i < settled.particles; ++i)
+            settled.at(s, i) = {1e-3f * float(i), -2e-3f * float(i), 1e-4f * float(i * s)};
+    StrandCodec codec(high, low, saturation, nullptr, /*low_is_wet=*/kind == "wet", /*reach=*/0,
+                      kind == "settled" ? &settled : nullptr);
     StrandKernels kernels(codec, low);
     const size_t n = size_t(codec.particles()), S = codec.pixels(), l = size_t(low.rest.count);
     ASSERT_EQ(size_t(kernels.pixels()), S);
@@ -135,7 +142,7 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     head.depth.pop_back();
     testing::expect_error([&] { kernels.keep_outside(head); }, {"3199", "3200"});
 }
-INSTANTIATE_TEST_SUITE_P(Low, CodecOnDevice, ::testing::Bool());
+INSTANTIATE_TEST_SUITE_P(Low, CodecOnDevice, ::testing::Values("dry", "wet", "settled"));
 
 }  // namespace
 }  // namespace wetcurl

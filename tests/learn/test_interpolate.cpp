@@ -391,6 +391,31 @@ TEST(Interpolation, rest_from_wet_strands_shortens_none_twice) {
     EXPECT_LT(farthest(true), 2e-6);
 }
 
+// Dry strands, told how far wet ones come to rest from them, are taken for wet ones there.
+TEST(Interpolation, rest_from_settled_strands_is_rest_from_wet_ones_where_they_are) {
+    const Groom groom = curly_groom({});
+    const Groom low = coarsened(groom, 2);
+    const Stencil stencil = quad_stencil(groom, low);
+    const Pose pose = some_pose(5);
+    Strands settled(low.rest.count, low.rest.particles), wet = low.rest;
+    for (int s = 0; s < settled.count; ++s)
+        for (int i = 1; i < settled.particles; ++i) {
+            settled.at(s, i) = {2e-3f * float(std::sin(0.4 * i + s)), -1e-3f * float(i),
+                                1e-3f * float(s % 3)};
+            wet.at(s, i) += settled.at(s, i);
+        }
+    Strands from_dry, from_wet;
+    Interpolator(Interpolation::rest, stencil, groom, low, nullptr, false, &settled)
+        .apply(moved(low.rest, pose), pose, from_dry);
+    Interpolator(Interpolation::rest, stencil, groom, low, nullptr, true)
+        .apply(moved(wet, pose), pose, from_wet);
+    EXPECT_LT(largest_distance(from_dry, from_wet), 2e-6);
+    EXPECT_GT(largest_distance(from_dry, moved(groom.rest, pose)), 1e-2);
+    settled.count = 3;
+    expect_error([&] { Interpolator(Interpolation::rest, stencil, groom, low, nullptr, false, &settled); },
+                 {"3 strands", "settled", "all low-resolution 16"});
+}
+
 TEST(Interpolation, a_shape_of_other_strands_is_an_error) {
     const Groom groom = curly_groom({});
     const Groom low = coarsened(groom, 2);
