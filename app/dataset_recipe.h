@@ -34,8 +34,8 @@
 #include <string>
 #include <vector>
 
+#include "learn/pairs.h"
 #include "learn/root_codec.h"
-#include "models/model_card.h"
 
 namespace wetcurl {
 

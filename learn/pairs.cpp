@@ -7,7 +7,6 @@
 #include <functional>
 
 #include "learn/dct.h"
-#include "models/model_card.h"
 
 namespace wetcurl {
 

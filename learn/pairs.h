@@ -24,6 +24,7 @@
 
 #include "base/hdf5.h"
 #include "learn/adhesion_samples.h"
+#include "models/model_card.h"
 
 namespace wetcurl {
 
