@@ -40,14 +40,14 @@ class OnDevice final : public LearnedStrands {
         model_->whole_grid = kernels_->high_strands() == kernels_->pixels();
         model_->freeze();
         const long n = kernels_->particles(), S = kernels_->pixels(), l = kernels_->low_strands();
-        cores_ = view(kernels_->cores(), {n, n}, device_);
-        amplitudes_ = view(kernels_->amplitudes(), {dct_kept, n}, device_);
-        offsets_ = view(kernels_->offsets(), {n, dct_kept}, device_);
+        cores_ = view(kernels_->cores(), {1, n, n}, device_).expand({3, n, n});
+        amplitudes_ = view(kernels_->amplitudes(), {1, dct_kept, n}, device_).expand({3, dct_kept, n});
         departed_ = view(kernels_->departed(), {3, n, l}, device_);
         moved_ = view(kernels_->moved(), {3, n, l}, device_);
         base_ = view(kernels_->base(), {3, n, S}, device_);
         image_ = view(kernels_->image(), {1, static_channels + dynamic_channels, height_, width_}, device_);
-        base_amplitudes_ = image_.view({-1, S}).narrow(0, static_channels, strand_coefficients);
+        base_amplitudes_ =
+            image_.view({-1, S}).narrow(0, static_channels, strand_coefficients).view({3, dct_kept, S});
     }
 
     const ModelCard& card() const override { return card_; }
@@ -95,18 +95,15 @@ class OnDevice final : public LearnedStrands {
 
     void restart() override { first_ = true; }
 
-    // The base lies under what the network added: B less D c.
     Strands base(const Pose& head) override {
         const c10::cuda::CUDAGuard guard(device_);
         const c10::cuda::CUDAStreamGuard on_stream(stream_);
         const c10::InferenceMode inference;
-        add_offsets(-1);
         DeviceBuffer<Vec3f> world(size_t(kernels_->high_strands()) * kernels_->particles());
         kernels_->head().rotation = cast<float>(head.rotation);
         kernels_->head().translation = cast<float>(head.translation);
         kernels_->take_head(stream_);
-        kernels_->place(world.data(), stream_, /*within_shapes=*/true);
-        add_offsets(1);
+        kernels_->place(nullptr, world.data(), stream_, /*within_shapes=*/true);
         check_cuda(cudaStreamSynchronize(stream_), "base");
         Strands out(kernels_->high_strands(), kernels_->particles());
         world.download(out.points.data());
@@ -130,28 +127,14 @@ class OnDevice final : public LearnedStrands {
     }
 
     void frame() {
-        const long S = kernels_->pixels();
         kernels_->take_head(stream_);
         kernels_->depart(low_, stream_);
-        for (long a = 0; a < 3; ++a) {
-            Tensor to = moved_[a];
-            torch::mm_out(to, cores_, departed_[a]);
-        }
+        torch::bmm_out(moved_, cores_, departed_);
         kernels_->carry(stream_);
-        for (long a = 0; a < 3; ++a) {
-            Tensor to = base_amplitudes_.narrow(0, a * dct_kept, dct_kept);
-            torch::mm_out(to, amplitudes_, base_[a]);
-        }
+        torch::bmm_out(base_amplitudes_, amplitudes_, base_);
         kernels_->describe(stream_);
-        const Tensor answer = model_->forward(image_);  // (1, 72, H, W), a pixel's amplitudes side by side
-        answer_ = to_rows(answer).view({S, 3, dct_kept}).permute({1, 2, 0});  // (3, 24, S)
-        add_offsets(1);
-        kernels_->place(out_, stream_);
-    }
-
-    // B += sign D c.
-    void add_offsets(double sign) {
-        for (long a = 0; a < 3; ++a) base_[a].addmm_(offsets_, answer_[a], 1, sign);
+        answer_ = to_rows(model_->forward(image_)).contiguous();  // (S, 72)
+        kernels_->place(answer_.data_ptr<float>(), out_, stream_);
     }
 
     torch::Device device_;
@@ -160,7 +143,7 @@ class OnDevice final : public LearnedStrands {
     std::optional<StrandKernels> kernels_;
     ModelCard card_;
     std::shared_ptr<Model> model_;
-    Tensor cores_, amplitudes_, offsets_, departed_, moved_, base_, image_, base_amplitudes_, answer_;
+    Tensor cores_, amplitudes_, departed_, moved_, base_, image_, base_amplitudes_, answer_;
     const Vec3f *low_ = nullptr, *host_low_ = nullptr;
     Vec3f *out_ = nullptr, *host_out_ = nullptr;
     DeviceBuffer<Vec3f> own_low_, own_out_;

@@ -8,7 +8,7 @@ namespace wetcurl {
 
 namespace {
 
-constexpr int threads = 128, tile = 32, rest_numbers = 13;
+constexpr int threads = 128, tile = 32, tile_rows = 4, rest_numbers = 13;
 constexpr int slots = history_lags.back() + 1, modes = 3 * history_modes;
 
 unsigned blocks_of(int count, int size = threads) { return unsigned((count + size - 1) / size); }
@@ -172,18 +172,34 @@ __global__ void describe_kernel(const HeadState* head, int pixels, const int* st
 }
 
 // A block: `tile` strands of a row of the grid by `tile` particles, turned over in shared memory so that both
-// sides are read and written in order.
-__global__ void place_kernel(const HeadState* head, int pixels, int n, const int* strand, const Quatf* turn,
-                             const Vec3f* root, const float* base, const ShapeView* shapes, int shape_count,
-                             const float* depth, Vec3f* out) {
+// sides are read and written in order. `offsets` (n, 24): of unit amplitudes.
+__global__ void __launch_bounds__(tile* tile_rows)
+    place_kernel(const HeadState* head, int pixels, int n, const int* strand, const Quatf* turn,
+                 const Vec3f* root, const float* base, const float* offsets, const float* answer,
+                 const ShapeView* shapes, int shape_count, const float* depth, Vec3f* out) {
     __shared__ float near[tile][3 * tile + 1];
+    __shared__ float rise[tile][dct_kept];
     const int first = int(blockIdx.x) * tile, s = first + int(threadIdx.x), begin = int(blockIdx.y) * tile;
     const size_t plane = size_t(n) * pixels;
+    for (int k = int(threadIdx.y) * tile + int(threadIdx.x); k < tile * dct_kept; k += tile * tile_rows)
+        rise[k / dct_kept][k % dct_kept] = begin + k / dct_kept < n ? offsets[begin * dct_kept + k] : 0;
+    __syncthreads();
     if (s < pixels && strand[s] >= 0) {
         const Quatf to_head = turn[s];
-        for (int i = int(threadIdx.y); i < tile && begin + i < n; i += int(blockDim.y)) {
+        float amplitude[strand_coefficients] = {};
+        if (answer)
+#pragma unroll
+            for (int k = 0; k < strand_coefficients; ++k)
+                amplitude[k] = answer[size_t(s) * strand_coefficients + k];
+        for (int i = int(threadIdx.y); i < tile && begin + i < n; i += tile_rows) {
             const size_t k = size_t(begin + i) * pixels + s;
-            Vec3f x = root[s] + rotate(to_head, Vec3f{base[k], base[plane + k], base[2 * plane + k]});
+            Vec3f offset{0, 0, 0};
+#pragma unroll
+            for (int m = 0; m < dct_kept; ++m)
+                offset +=
+                    rise[i][m] * Vec3f{amplitude[m], amplitude[dct_kept + m], amplitude[2 * dct_kept + m]};
+            offset += Vec3f{base[k], base[plane + k], base[2 * plane + k]};
+            Vec3f x = root[s] + rotate(to_head, offset);
             for (int h = 0; h < shape_count && begin + i > 0; ++h)
                 x = pushed_out(x, distance(shapes[h], x), depth[k]);
             const Vec3f p = head->translation + rotate(head->rotation, x);
@@ -193,7 +209,7 @@ __global__ void place_kernel(const HeadState* head, int pixels, int n, const int
     }
     __syncthreads();
     const int floats = 3 * (n - begin < tile ? n - begin : tile);
-    for (int row = int(threadIdx.y); row < tile && first + row < pixels; row += int(blockDim.y)) {
+    for (int row = int(threadIdx.y); row < tile && first + row < pixels; row += tile_rows) {
         const int to = strand[first + row];
         if (to < 0) continue;
         float* p = &out[size_t(to) * n + begin].x;
@@ -363,11 +379,11 @@ void StrandKernels::describe(cudaStream_t stream) const {
     check_launch("features of motion");
 }
 
-void StrandKernels::place(Vec3f* out, cudaStream_t stream, bool within_shapes) const {
+void StrandKernels::place(const float* answer, Vec3f* out, cudaStream_t stream, bool within_shapes) const {
     const dim3 blocks(unsigned((pixels_ + tile - 1) / tile), unsigned((n_ + tile - 1) / tile));
-    place_kernel<<<blocks, dim3(tile, 8), 0, stream>>>(
-        head_.data(), pixels_, n_, strand_.data(), turn_.data(), root_.data(), base_.data(), shapes_.data(),
-        within_shapes ? 0 : int(shapes_.size()), depth_.data(), out);
+    place_kernel<<<blocks, dim3(tile, tile_rows), 0, stream>>>(
+        head_.data(), pixels_, n_, strand_.data(), turn_.data(), root_.data(), base_.data(), offsets_.data(),
+        answer, shapes_.data(), within_shapes ? 0 : int(shapes_.size()), depth_.data(), out);
     check_launch("placement in the world");
 }
 

@@ -1,6 +1,6 @@
 // The strand codec on a CUDA device, what of it is no matrix product. No torch here.
 // Ours. The same formulas as learn/carried_rest.h and learn/strand_codec.cpp; what is linear there (cores,
-// amplitudes) is left to matrix products between the kernels: cores = F X, amplitudes = E B, B += D c.
+// amplitudes) is left to matrix products between the kernels: cores = F X, amplitudes = E B.
 //
 // A strand is a pixel of the root grid, S of them; one that holds none has only zeros. Interleaved:
 // neighbours in memory are neighbours on the grid.
@@ -35,10 +35,9 @@ class StrandKernels {
     int high_strands() const { return high_; }
     int pixels() const { return pixels_; }
 
-    // Of the matrix products, on the device: F (n, n), E (24, n), D (n, 24), row-major.
+    // Of the matrix products, on the device: F (n, n), E (24, n), row-major.
     const float* cores() const { return cores_.data(); }
     const float* amplitudes() const { return amplitudes_.data(); }
-    const float* offsets() const { return offsets_.data(); }
     // X (3, n, low): how far the low strands are from rest; M (3, n, low) = F X: how far their cores are.
     float* departed() const { return departed_.data(); }
     float* moved() const { return moved_.data(); }
@@ -54,13 +53,14 @@ class StrandKernels {
     void keep_outside(const HeadShapes& head);
 
     // In this order, all on `stream`: the head to the device; X from world positions; (M = F X); B; (E B into
-    // the image); the other dynamic channels; (the network; B += D c); B to world positions (high, n).
+    // the image); the other dynamic channels; (the network); world positions (high, n).
     void take_head(cudaStream_t stream) const;
     void depart(const Vec3f* low, cudaStream_t stream) const;
     void carry(cudaStream_t stream) const;
     void describe(cudaStream_t stream) const;
-    // `within_shapes`: where they are, even in what is attached to the head.
-    void place(Vec3f* out, cudaStream_t stream, bool within_shapes = false) const;
+    // Of B and what the network answered: amplitudes (S, 72), null: nothing. `within_shapes`: where they are,
+    // even in what is attached to the head.
+    void place(const float* answer, Vec3f* out, cudaStream_t stream, bool within_shapes = false) const;
 
   private:
     int n_, low_, high_, pixels_, width_;

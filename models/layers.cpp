@@ -160,10 +160,6 @@ Tensor from_rows(const Tensor& rows, const Tensor& like) {
     return rows.view({like.size(0), like.size(2), like.size(3), rows.size(1)}).permute({0, 3, 1, 2});
 }
 
-// Half precision ends at 65504. Inputs of hair reach 32 deviations under strong forces and signals 142 in
-// trained networks: from the furthest input allowed they stay in range.
-constexpr double half_reach = 64;
-
 Tensor normalised(const Tensor& rows, const Tensor& mean, const Tensor& deviation, torch::ScalarType body) {
     Tensor out = torch::empty_like(rows, rows.options().dtype(body));
     torch::div_out(out, rows - mean, deviation);

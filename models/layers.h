@@ -25,7 +25,7 @@ struct Model : torch::nn::Module {
     virtual std::optional<DenseLayers> dense_layers() const { return std::nullopt; }
     // For inference alone: the weights of the body take its type and the order of the device's convolutions,
     // which they are else brought into at each run.
-    void freeze();
+    virtual void freeze();
     // The type that the body computes in; weights, first and last values stay in single precision.
     torch::ScalarType body = torch::kFloat;
     // Strand networks: whether every pixel holds a strand, so that no look for those that do not is needed.
@@ -65,8 +65,12 @@ Tensor run_doubling(torch::nn::ConvTranspose2d& layer, const Tensor& x);
 Tensor to_rows(const Tensor& image);
 Tensor from_rows(const Tensor& rows, const Tensor& like);
 
+// Half precision ends at 65504. Inputs of hair reach 32 deviations under strong forces and signals 142 in
+// trained networks: from the furthest input allowed they stay in range.
+inline constexpr double half_reach = 64;
+
 // (P, C) rows less `mean` over `deviation` (C), cast to a body's type as they are written; in half
-// precision they end at 64 deviations, beyond which layers after them could overflow.
+// precision they end at half_reach.
 Tensor normalised(const Tensor& rows, const Tensor& mean, const Tensor& deviation, torch::ScalarType body);
 
 // (…, H, W) to (…, 2H, 2W): out[2i] = in[i], odd ones the mean of their neighbours, the last extrapolated.

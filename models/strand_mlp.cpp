@@ -5,7 +5,7 @@
 #ifdef WETCURL_MODEL_KERNELS
 #include <c10/cuda/CUDAStream.h>
 
-#include "models/mix_kernel.h"
+#include "models/strand_mlp_kernels.h"
 #endif
 
 namespace wetcurl {
@@ -43,22 +43,80 @@ StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, 
 
 Tensor StrandMlp::mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor& mask, const Tensor& like) {
     const Tensor weight = layer->weight.to(x.scalar_type());
-#ifdef WETCURL_MODEL_KERNELS
-    // In bfloat16, in which networks learn, LibTorch's convolution does it.
-    if (x.is_cuda() && x.scalar_type() == torch::kHalf && !torch::GradMode::is_enabled()) {
-        const Tensor rows = x.contiguous(), out = torch::empty_like(rows), taps = weight.contiguous();
-        const GridOfRows grid{int(like.size(0)), int(like.size(2)), int(like.size(3)), int(x.size(1))};
-        launch_mix(grid, rows.data_ptr(), mask.defined() ? mask.data_ptr() : nullptr, taps.data_ptr(),
-                   out.data_ptr(), c10::cuda::getCurrentCUDAStream(x.device().index()));
-        return out;
-    }
-#endif
     const Tensor around = torch::conv2d(from_rows(mask.defined() ? x * mask : x, like), weight, {},
                                         /*stride=*/1, kernel / 2, /*dilation=*/1, x.size(1));
     return to_rows(around).add_(x);
 }
 
+#ifdef WETCURL_MODEL_KERNELS
+// A block adds W2 h + b2 to x. The bias is left out of x, so that the product adds to it where it lies: after
+// block k `shift` (k + 1) is what x lacks, and whoever reads x adds it.
+struct StrandMlp::Frozen {
+    Tensor mean, deviation, shift;  // (C), (C), (blocks + 1, channels)
+    Tensor first, first_bias;       // inputs filled up to a multiple of 8, as tensor cores want them
+    std::vector<Tensor> in, in_bias, out, taps;  // of blocks; matrices (inputs, outputs)
+    Tensor last, last_bias;                      // times `scale`
+};
+
+void StrandMlp::freeze() {
+    const torch::NoGradGuard no_grad;
+    if (body == torch::kHalf && mean_.is_cuda()) {
+        auto half = [](const Tensor& x) { return x.to(torch::kHalf).contiguous(); };
+        auto frozen = std::make_shared<Frozen>();
+        frozen->mean = mean_.contiguous(), frozen->deviation = deviation_.contiguous();
+        const long inputs = mean_.size(0);
+        frozen->first = half(torch::constant_pad_nd(first_->weight, {0, (8 - inputs % 8) % 8})).t();
+        frozen->first_bias = half(first_->bias);
+        std::vector<Tensor> shifts{torch::zeros_like(first_->bias)};
+        for (size_t i = 0; i < blocks_.size(); i += 2) {
+            const auto &in = blocks_[i], &out = blocks_[i + 1];
+            // Without a look around nobody else adds the shift.
+            const Tensor bias = mixers_.empty() ? in->bias + in->weight.mv(shifts.back()) : in->bias;
+            frozen->in.push_back(half(in->weight).t()), frozen->in_bias.push_back(half(bias));
+            frozen->out.push_back(half(out->weight).t());
+            shifts.push_back(shifts.back() + out->bias);
+        }
+        for (const auto& mixer : mixers_) frozen->taps.push_back(half(mixer->weight));
+        frozen->shift = torch::stack(shifts);
+        frozen->last = (last_->weight * scale_.view({-1, 1})).t(), frozen->last_bias = last_->bias * scale_;
+        frozen_ = frozen;
+    }
+    Model::freeze();
+}
+
+Tensor StrandMlp::run(const Frozen& frozen, const Tensor& input) const {
+    const cudaStream_t stream = c10::cuda::getCurrentCUDAStream(input.device().index());
+    const Tensor image = input.contiguous();
+    const long pixels = image.size(0) * image.size(2) * image.size(3);
+    GridOfRows grid{int(image.size(0)), int(image.size(2)), int(image.size(3)), int(frozen.first.size(0))};
+    const auto in_half = image.options().dtype(torch::kHalf);
+    const Tensor rows = torch::empty({pixels, grid.channels}, in_half),
+                 mask = whole_grid || mixers_.empty() ? Tensor() : torch::empty({pixels}, in_half);
+    void* const there = mask.defined() ? mask.data_ptr() : nullptr;
+    launch_normalise(grid, int(image.size(1)), image.data_ptr<float>(), frozen.mean.data_ptr<float>(),
+                     frozen.deviation.data_ptr<float>(), half_reach, rows.data_ptr(), there, stream);
+    Tensor x = torch::addmm(frozen.first_bias, rows, frozen.first);  // (P, channels)
+    grid.channels = int(x.size(1));
+    const Tensor around = mixers_.empty() ? x : torch::empty_like(x);
+    for (size_t k = 0; k < frozen.in.size(); ++k) {
+        if (!mixers_.empty())
+            launch_mix(grid, x.data_ptr(), there, frozen.taps[k].data_ptr(),
+                       frozen.shift[long(k)].data_ptr<float>(), around.data_ptr(), stream);
+        x.addmm_(at::_addmm_activation(frozen.in_bias[k], around, frozen.in[k]), frozen.out[k]);
+    }
+    const Tensor seen = torch::empty(x.sizes(), image.options());
+    launch_activate(pixels, grid.channels, x.data_ptr(),
+                    frozen.shift[long(frozen.in.size())].data_ptr<float>(), seen.data_ptr<float>(), stream);
+    return from_rows(torch::addmm(frozen.last_bias, seen, frozen.last), input);
+}
+#else
+struct StrandMlp::Frozen {};
+void StrandMlp::freeze() { Model::freeze(); }
+Tensor StrandMlp::run(const Frozen&, const Tensor&) const { return {}; }
+#endif
+
 Tensor StrandMlp::forward(const Tensor& input) {
+    if (frozen_) return run(*frozen_, input);
     const Tensor rows = to_rows(input);  // (P, C)
     const Tensor mask = mixers_.empty() || whole_grid ? Tensor() : rows.ne(0).any(1, true).to(body);
     Tensor x = run_layer(first_, normalised(rows, mean_, deviation_, body));  // (P, channels)

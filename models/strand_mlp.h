@@ -16,8 +16,13 @@ class StrandMlp : public Model {
               bool neighbours);
     // (B, C, H, W) in the units of the pairs file to residual amplitudes (B, outputs, H, W) [m].
     Tensor forward(const Tensor& input) override;
+    // On a CUDA device in half precision the kernels of models/strand_mlp_kernels.h run it from then on.
+    void freeze() override;
 
   private:
+    // Weights as those kernels take them.
+    struct Frozen;
+    Tensor run(const Frozen& frozen, const Tensor& input) const;
     // x (P, channels) and what the pixels around it say; `mask` (P, 1): undefined where all hold strands.
     Tensor mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor& mask, const Tensor& like);
 
@@ -25,6 +30,7 @@ class StrandMlp : public Model {
     torch::nn::Linear first_{nullptr}, last_{nullptr};
     std::vector<torch::nn::Linear> blocks_;
     std::vector<torch::nn::Conv2d> mixers_;
+    std::shared_ptr<const Frozen> frozen_;
 };
 
 // Linear regression on the same inputs, what a network has to beat; weight_decay is its ridge.

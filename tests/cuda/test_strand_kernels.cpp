@@ -64,13 +64,15 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     StrandKernels kernels(codec, low);
     const size_t n = size_t(codec.particles()), S = codec.pixels(), l = size_t(low.rest.count);
     ASSERT_EQ(size_t(kernels.pixels()), S);
-    const auto F = downloaded(kernels.cores(), n * n), E = downloaded(kernels.amplitudes(), dct_kept * n),
-               D = downloaded(kernels.offsets(), n * dct_kept);
+    const auto F = downloaded(kernels.cores(), n * n), E = downloaded(kernels.amplitudes(), dct_kept * n);
     DeviceBuffer<Vec3f> low_there(low.rest.points.size()), out_there(high.rest.points.size());
     const size_t channels = size_t(static_channels + dynamic_channels);
     std::vector<float> dynamic(size_t(dynamic_channels) * S), answer(size_t(strand_coefficients) * S);
     for (size_t k = 0; k < answer.size(); ++k)
         answer[k] = codec.mask()[k % S] ? 1e-3f * float(std::sin(0.1 * double(k))) : 0;
+    std::vector<float> by_pixel(answer.size());
+    for (size_t k = 0; k < answer.size(); ++k) by_pixel[k % S * strand_coefficients + k / S] = answer[k];
+    const DeviceBuffer<float> answer_there(by_pixel);
     for (int f = 0; f < 12; ++f) {
         Strands dry = low.rest;
         for (int s = 0; s < dry.count; ++s)
@@ -90,7 +92,7 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
         kernels.depart(low_there.data(), nullptr);
         upload(kernels.moved(), product(F, downloaded(kernels.departed(), 3 * n * l), n, n, l));
         kernels.carry(nullptr);
-        auto base = downloaded(kernels.base(), 3 * n * S);
+        const auto base = downloaded(kernels.base(), 3 * n * S);
         upload(kernels.image() + size_t(static_channels) * S, product(E, base, dct_kept, n, S));
         kernels.describe(nullptr);
         const auto image = downloaded(kernels.image(), channels * S);
@@ -106,10 +108,7 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
                     << "frame " << f << ", channel " << c << ", pixel " << p;
             }
         EXPECT_GT(largest, 1);
-        const auto rise = product(D, answer, n, dct_kept, S);
-        for (size_t k = 0; k < base.size(); ++k) base[k] += rise[k];
-        upload(kernels.base(), base);
-        kernels.place(out_there.data(), nullptr);
+        kernels.place(answer_there.data(), out_there.data(), nullptr);
         Strands placed(high.rest.count, high.rest.particles);
         out_there.download(placed.points.data());
         EXPECT_LT(testing::largest_distance(placed, decoded), 5e-6) << f;
@@ -120,10 +119,10 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     // to its surface, but for roots.
     HeadShapes head{{Sphere{0.12}}, std::vector<float>(high.rest.points.size(), 0)};
     Strands inside(high.rest.count, high.rest.particles), out = inside;
-    kernels.place(out_there.data(), nullptr);
+    kernels.place(answer_there.data(), out_there.data(), nullptr);
     out_there.download(inside.points.data());
     kernels.keep_outside(head);
-    kernels.place(out_there.data(), nullptr);
+    kernels.place(answer_there.data(), out_there.data(), nullptr);
     out_there.download(out.points.data());
     const Pose pose = testing::head_at(11);
     int moved = 0;

@@ -1,0 +1,31 @@
+// StrandMlp on a CUDA device in half precision: what stands between its matrix products, each in one kernel.
+// The reference is models/strand_mlp.cpp, in which LibTorch does it. Ours.
+#pragma once
+
+#include <cuda_runtime.h>
+
+namespace wetcurl {
+
+struct GridOfRows {
+    int images, height, width, channels;  // channels: even
+};
+
+// All on the current device; sums in single precision, results are rounded once. Throw Error where the launch
+// fails.
+
+// rows (B H W, channels) in half precision = (image - mean) / deviation, at most `most` either way; image (B,
+// inputs, H, W), mean and deviation (inputs) in single precision; inputs <= channels, beyond them 0. mask (B
+// H W) or null: 0 where all of a pixel's inputs are 0, else 1.
+void launch_normalise(const GridOfRows& grid, int inputs, const float* image, const float* mean,
+                      const float* deviation, float most, void* rows, void* mask, cudaStream_t stream);
+
+// out = y + depthwise 5x5 of (y mask) with y = x + shift: x, out (B H W, C), mask (B H W) or null, taps (C,
+// 5, 5) in half precision, shift (C) in single precision.
+void launch_mix(const GridOfRows& grid, const void* x, const void* mask, const void* taps, const float* shift,
+                void* out, cudaStream_t stream);
+
+// out = relu(x + shift): x (count, C) in half precision, shift (C) and out in single precision.
+void launch_activate(long count, int channels, const void* x, const float* shift, float* out,
+                     cudaStream_t stream);
+
+}  // namespace wetcurl
