@@ -82,11 +82,16 @@ class MemberRun {
   public:
     MemberRun(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to,
               const std::string& device)
-        : recipe_(recipe), member_(m), to_(to), high_(scene(1)), low_(scene(2)), reach_(reach_of(high_)) {
+        : recipe_(recipe),
+          member_(m),
+          to_(to),
+          high_(scene(1, 0)),
+          low_(scene(2, recipe.low_substeps)),
+          reach_(reach_of(high_)) {
         if (!high_.wetness) throw Misuse(m.name + ": has no [wetness], which is what is to be learned");
         if (high_.flow)
             throw Misuse(m.name + ": its water moves ([wetness.flow]), allowed is wetness that stays");
-        if (recipe.strand && recipe.low == "settled") settled_ = settled_of(low_, device);
+        if (recipe.strand && recipe.low == "settled") settled_ = settled_of(scene(2, 0), low_, device);
         if (recipe.low != "wet") make_dry(low_);
         // Eq 10 moves what is seen alone, and no network sees it of the low-resolution run.
         leave_out_display(low_);
@@ -160,11 +165,11 @@ class MemberRun {
                                     diverged->strand));
     }
     bool displayed() const { return recipe_.displayed && high_.cohesion; }
-    Scene scene(int stride) const {
+    // substeps 0: the scene's own.
+    Scene scene(int stride, int substeps) const {
         SceneOptions options;
         options.set = member_.set, options.stride = stride;
-        if (stride > 1 && recipe_.low_substeps)
-            options.set.push_back(fmt::format("integrator.substeps={}", recipe_.low_substeps));
+        if (substeps) options.set.push_back(fmt::format("integrator.substeps={}", substeps));
         return parse_scene(member_.text, member_.name, recipe_.folder, options);
     }
     void write_strands(const StrandEncoder& encoder) const {

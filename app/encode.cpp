@@ -76,11 +76,13 @@ double reach_of(const RunHeader& header) {
 
 // How far the dry run's strands are from where wet ones come to rest.
 Strands settled_of_pair(const RunPair& pair) {
-    const RunHeader &dry = pair.dry->header(), &wet = pair.wet->header();
+    const RunHeader& wet = pair.wet->header();
     SceneOptions options;
-    options.stride = dry.stride;
-    options.set.push_back(fmt::format("integrator.substeps={}", substeps_of(dry)));
-    return settled_of(parse_scene(wet.scene, pair.wet->path(), wet.scene_folder, options), "cpu");
+    options.stride = pair.dry->header().stride;
+    auto scene = [&] { return parse_scene(wet.scene, pair.wet->path(), wet.scene_folder, options); };
+    const Scene as_wet = scene();
+    options.set.push_back(fmt::format("integrator.substeps={}", substeps_of(pair.dry->header())));
+    return settled_of(as_wet, scene(), "cpu");
 }
 
 // The strands of a run at rest with their water.

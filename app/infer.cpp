@@ -183,10 +183,11 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     if (!o.interpolate.empty()) {
         if (o.settled && simulated_wet(low))
             throw Misuse("--settled: " + o.input + " was simulated wet, allowed is a dry run");
-        const Strands shape = o.wet_shape ? shape_at_rest(scene) : Strands(),
-                      settled = o.settled ? settled_of(low_scene_of(scene, scene_name(o), substeps_of(low)),
-                                                       o.device)
-                                          : Strands();
+        const Strands shape = o.wet_shape ? shape_at_rest(scene) : Strands();
+        Strands settled;
+        if (o.settled)
+            settled = settled_of(low_scene_of(scene, scene_name(o)),
+                                 low_scene_of(scene, scene_name(o), substeps_of(low)), o.device);
         return std::make_unique<InterpolationMethod>(o.interpolate, o.roots, scene.groom, low.groom,
                                                      o.wet_shape ? &shape : nullptr, simulated_wet(low),
                                                      o.settled ? &settled : nullptr, o.cohesion);

@@ -27,8 +27,7 @@ void require_solids_for(const ModelCard& card, const Scene& scene, const std::st
 double reach_of(const Scene& scene) { return scene.cohesion ? scene.cohesion->h_c : 0; }
 
 // Offsets from the roots, in the head's frame.
-static Strands at_rest(Scene scene, bool wet, const std::string& device) {
-    if (!wet) make_dry(scene);
+static Strands at_rest(Scene scene, const std::string& device) {
     leave_out_display(scene);
     constexpr double long_enough = 1.5;  // [s]
     scene.integrator.settle = std::max(scene.integrator.settle, long_enough);
@@ -41,16 +40,17 @@ static Strands at_rest(Scene scene, bool wet, const std::string& device) {
     return p;
 }
 
-Strands settled_of(const Scene& scene, const std::string& where) {
+Strands settled_of(const Scene& wet, Scene dry, const std::string& where) {
     // A program built without the solver's CUDA backend may still have a network there.
     const std::string device = names_of_cuda_devices().empty() ? "cpu" : where;
-    if (!acts_wet(scene))
+    if (!acts_wet(wet))
         throw Error(
             "where wet strands come to rest: nothing in the scene acts on wet hair, needed is [wetness]");
-    Strands wet = at_rest(scene, true, device);
-    const Strands dry = at_rest(scene, false, device);
-    for (size_t k = 0; k < wet.points.size(); ++k) wet.points[k] -= dry.points[k];
-    return wet;
+    make_dry(dry);
+    Strands apart = at_rest(wet, device);
+    const Strands from = at_rest(std::move(dry), device);
+    for (size_t k = 0; k < apart.points.size(); ++k) apart.points[k] -= from.points[k];
+    return apart;
 }
 
 Scene low_scene_of(const Scene& scene, const std::string& scene_file, int substeps) {
@@ -70,7 +70,8 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
     const Strands shape = shape_at_rest(scene);
     Strands settled;
     if (card.low == "settled")
-        settled = settled_of(low_scene_of(scene, scene_file, card.low_substeps), device);
+        settled = settled_of(low_scene_of(scene, scene_file),
+                             low_scene_of(scene, scene_file, card.low_substeps), device);
     auto learned = network_module().load_strands(
         model,
         StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet", reach_of(scene),

@@ -14,12 +14,13 @@ void require_solids_for(const ModelCard& card, const Scene& scene, const std::st
 // Reach of Eq 10 on what is displayed of the scene [m], 0 without it.
 double reach_of(const Scene& scene);
 
-// How far a scene's strands come to rest, wet, from where they do dry: (strands, particles), in the head's
-// frame [m]. Both are simulated for it, for as long as the scene settles, but 1.5 s or longer.
-Strands settled_of(const Scene& scene, const std::string& device);
+// How far strands come to rest, wet, from where they do dry: (strands, particles), in the head's frame [m].
+// Both are simulated for it, for as long as their scenes settle, but 1.5 s or longer. The scenes may differ
+// in their substeps; the second is made dry here. Throws Error where nothing in the first acts on wet hair.
+Strands settled_of(const Scene& wet, Scene dry, const std::string& device);
 
 // The low-resolution hair of a scene, `substeps` a frame (0: its own).
-Scene low_scene_of(const Scene& scene, const std::string& scene_file, int substeps);
+Scene low_scene_of(const Scene& scene, const std::string& scene_file, int substeps = 0);
 
 // The model of that file with the codec of the scene's hair, kept out of what is attached to the head where
 // it predicts displayed strands. scene: of `scene_file`, at the resolution to predict, its saturation known;

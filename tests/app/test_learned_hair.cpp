@@ -23,7 +23,8 @@ const std::string standing =
 const std::string wet = standing + "[wetness]\n[cohesion]\nradius = 0.02\n";
 
 Strands settled_of_text(const std::string& text) {
-    return settled_of(parse_scene(text, "scene", "."), "cpu");
+    const Scene scene = parse_scene(text, "scene", ".");
+    return settled_of(scene, scene, "cpu");
 }
 
 double largest(const Strands& a, const Strands& b) {
