@@ -31,7 +31,6 @@ struct SimulateOptions : CommonOptions {
 struct EncodeOptions : CommonOptions {
     std::vector<std::string> inputs;  // DRY.h5 WET.h5 pairs, or wet runs for adhesion samples
     std::string output, codec = "strand";
-    bool settled = false;  // dry runs moved to where wet strands come to rest
 };
 struct DatasetOptions : CommonOptions {
     std::string recipe, output, part;  // part: "K/N"
@@ -46,7 +45,7 @@ struct InferOptions : CommonOptions {
     std::string input, model, interpolate, reconstruct, wetness, output;
     int roots = 4;                  // around a new strand: the grid's four, or the three nearest
     bool wet_shape = false;         // of an interpolation: Eq 9 before it
-    bool settled = false;           // the same from a dry run moved to where wet strands come to rest
+    bool settled = false;           // the run is dry, and is moved to where wet strands come to rest
     bool cohesion = false;          // Eq 10 after it
     std::optional<int> passes;      // of Eq 10, in place of the scene's
     std::optional<double> spacing;  // the same [m]

@@ -82,17 +82,11 @@ class MemberRun {
   public:
     MemberRun(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to,
               const std::string& device)
-        : recipe_(recipe),
-          member_(m),
-          to_(to),
-          high_(scene(1, 0)),
-          low_(scene(2, recipe.low_substeps)),
-          reach_(reach_of(high_)) {
+        : recipe_(recipe), member_(m), to_(to), high_(scene(1)), low_(scene(2)), reach_(reach_of(high_)) {
         if (!high_.wetness) throw Misuse(m.name + ": has no [wetness], which is what is to be learned");
         if (high_.flow)
             throw Misuse(m.name + ": its water moves ([wetness.flow]), allowed is wetness that stays");
-        if (recipe.strand && recipe.low == "settled") settled_ = settled_of(scene(2, 0), low_, device);
-        if (recipe.low != "wet") make_dry(low_);
+        if (!recipe.low_is_wet) make_dry(low_);
         // Eq 10 moves what is seen alone, and no network sees it of the low-resolution run.
         leave_out_display(low_);
         if (!recipe.root && !recipe.displayed && !keeps_runs()) leave_out_display(high_);
@@ -108,12 +102,11 @@ class MemberRun {
         std::optional<StrandEncoder> strands;
         if (recipe_.strand) {
             const Strands shape = shape_at_rest(high_);
-            strands.emplace(high_.groom, low_.groom, high_.saturation, &shape, recipe_.low == "wet", reach_,
-                            settled_.count ? &settled_ : nullptr);
+            strands.emplace(high_.groom, low_.groom, high_.saturation, &shape, recipe_.low_is_wet, reach_);
         }
         std::unique_ptr<RunWriter> low_writer, wet_writer;
         if (keeps_runs()) {
-            low_writer = writer("low", low_, *dry_, recipe_.low == "wet" ? "simulated wet" : "simulated dry");
+            low_writer = writer("low", low_, *dry_, recipe_.low_is_wet ? "simulated wet" : "simulated dry");
             wet_writer = writer("wet", high_, *wet_, "simulated wet");
         }
         const float radius = high_.cohesion ? float(high_.cohesion->h_c) : 0;
@@ -165,16 +158,16 @@ class MemberRun {
                                     diverged->strand));
     }
     bool displayed() const { return recipe_.displayed && high_.cohesion; }
-    // substeps 0: the scene's own.
-    Scene scene(int stride, int substeps) const {
+    Scene scene(int stride) const {
         SceneOptions options;
         options.set = member_.set, options.stride = stride;
-        if (substeps) options.set.push_back(fmt::format("integrator.substeps={}", substeps));
+        if (stride > 1 && recipe_.low_substeps)
+            options.set.push_back(fmt::format("integrator.substeps={}", recipe_.low_substeps));
         return parse_scene(member_.text, member_.name, recipe_.folder, options);
     }
     void write_strands(const StrandEncoder& encoder) const {
         PairsWriter out = shard(Codec::strand);
-        out.low(recipe_.low, low_.integrator.substeps);
+        out.low(recipe_.low_is_wet, low_.integrator.substeps);
         StrandPairs run = encoder.begin(int(strand_images_.size()), displayed());
         run.frame = frames_;
         out.begin(run);
@@ -187,7 +180,7 @@ class MemberRun {
     }
     void write_roots(const RootImage& low, const RootImage& high, float radius) const {
         PairsWriter out = shard(Codec::root);
-        out.low(recipe_.low, low_.integrator.substeps);
+        out.low(recipe_.low_is_wet, low_.integrator.substeps);
         out.box(&recipe_.box.lower.x, &recipe_.box.upper.x);
         out.attribute("support_radius", radius);
         out.begin(RootPairs{int(root_images_.size()), low.height(), low.width(), low.mask(), high.mask()});
@@ -207,8 +200,7 @@ class MemberRun {
     const DatasetMember& member_;
     const Folder& to_;
     Scene high_, low_;
-    double reach_;     // of Eq 10, which may be left out of them [m]
-    Strands settled_;  // of the low-resolution run, where it is to be
+    double reach_;  // of Eq 10, which may be left out of them [m]
     std::unique_ptr<Simulation> dry_, wet_;
     std::vector<int> frames_;  // kept
     std::vector<StrandImages> strand_images_;
@@ -350,7 +342,7 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
                 ++runs;
             }
             if (!out) continue;
-            out->low(recipe.low, substeps);
+            out->low(recipe.low_is_wet, substeps);
             if (codec == Codec::root) {
                 out->box(&recipe.box.lower.x, &recipe.box.upper.x);
                 out->attribute("support_radius", radius);

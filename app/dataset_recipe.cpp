@@ -127,10 +127,7 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     root.text("title", "");
     const std::string codecs = root.choice("codecs", "strand", {"strand", "root", "both"});
     r.strand = codecs != "root", r.root = codecs != "strand";
-    r.low = root.choice("low", "dry", low_kinds);
-    if (r.root && r.low == "settled")
-        throw Misuse(path +
-                     ": low = \"settled\" is for codecs = \"strand\"; the paper's takes roots as they are");
+    r.low_is_wet = root.choice("low", "dry", {"dry", "wet"}) == "wet";
     r.low_substeps = int(root.integer("low_substeps", 0, 0, 1'000'000));
     r.displayed = root.boolean("displayed", true);
     r.first = int(root.integer("first", 0, 0, 1 << 20)), r.every = int(root.integer("every", 1, 1, 1 << 20));

@@ -4,8 +4,7 @@
 //   scene = "base.toml"            what all scenes share
 //   seed = 1
 //   codecs = "strand"              strand | root | both
-//   low = "dry"                    what the low-resolution run is: dry | wet | settled, codec strand's: dry,
-//                                  then moved to where wet strands come to rest
+//   low = "dry"                    what the low-resolution run is: dry | wet
 //   low_substeps = 4               its substeps a frame; 0: as many as the scene's
 //   displayed = true               codec strand: the strands after cohesion as targets too
 //   first = 8, every = 3           the frames that are kept as pairs, of each scene's `frames`
@@ -34,7 +33,6 @@
 #include <string>
 #include <vector>
 
-#include "learn/pairs.h"
 #include "learn/root_codec.h"
 
 namespace wetcurl {
@@ -48,8 +46,7 @@ struct DatasetMember {
 
 struct DatasetRecipe {
     bool strand = true, root = false;  // codecs
-    std::string low = "dry";           // of low_kinds
-    bool displayed = true;
+    bool low_is_wet = false, displayed = true;
     int low_substeps = 0;
     int first = 0, every = 1, together = 1;
     std::string runs;  // split whose runs are kept

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
-#include "app/learned_hair.h"
 #include "app/results.h"
 #include "app/run_of_scene.h"
 #include "base/interrupt.h"
@@ -26,7 +25,7 @@ void record_input(PairsWriter& out, size_t run, const std::string& role, const s
     out.attribute(fmt::format("input {:03d} {}", run, role), path + " " + hash_of_file(path));
 }
 
-const char* low_of(const RunPair& pair) { return simulated_wet(pair.dry->header()) ? "wet" : "dry"; }
+std::string low_of(const RunPair& pair) { return simulated_wet(pair.dry->header()) ? "wet" : "dry"; }
 
 // 0 where they are not all the same.
 int low_substeps_of(const std::vector<RunPair>& pairs) {
@@ -74,17 +73,6 @@ double reach_of(const RunHeader& header) {
     return coheres ? support_radius_of(header) : 0;
 }
 
-// How far the dry run's strands are from where wet ones come to rest.
-Strands settled_of_pair(const RunPair& pair) {
-    const RunHeader& wet = pair.wet->header();
-    SceneOptions options;
-    options.stride = pair.dry->header().stride;
-    auto scene = [&] { return parse_scene(wet.scene, pair.wet->path(), wet.scene_folder, options); };
-    const Scene as_wet = scene();
-    options.set.push_back(fmt::format("integrator.substeps={}", substeps_of(pair.dry->header())));
-    return settled_of(as_wet, scene(), "cpu");
-}
-
 // The strands of a run at rest with their water.
 Strands shape_of(const RunHeader& header) {
     const bool curls =
@@ -99,13 +87,8 @@ Json encode_pairs(const EncodeOptions& o, Codec codec) {
     refuse_scene_options(o, "encode of runs");
     const auto pairs = open_pairs(o.inputs);
     PairsWriter out(o.output, codec, pairs[0].wet->header().groom.rest.particles, o.overwrite);
-    const std::string low = low_of(pairs[0]);
-    if (o.settled && codec != Codec::strand)
-        throw Misuse("--settled is for --codec strand; the paper's takes roots as they are");
-    if (o.settled && low == "wet")
-        throw Misuse("--settled: " + pairs[0].dry->path() + " was simulated wet, allowed are dry runs");
-    out.low(o.settled ? "settled" : low, low_substeps_of(pairs));
-    if (low == "wet")
+    out.low(low_of(pairs[0]) == "wet", low_substeps_of(pairs));
+    if (low_of(pairs[0]) == "wet")
         log_warning(pairs[0].dry->path() +
                     ": was simulated wet; a model of these pairs is for wet runs only");
     Json json{{"codec", o.codec}, {"runs", pairs.size()}};
@@ -113,10 +96,8 @@ Json encode_pairs(const EncodeOptions& o, Codec codec) {
         double floor_mm = 0;
         for (const auto& pair : pairs) {
             const Strands shape = shape_of(pair.wet->header());
-            const Strands settled = o.settled ? settled_of_pair(pair) : Strands();
-            floor_mm += encode_strands(pair, out, &shape, reach_of(pair.wet->header()),
-                                       o.settled ? &settled : nullptr) /
-                        double(pairs.size());
+            floor_mm +=
+                encode_strands(pair, out, &shape, reach_of(pair.wet->header())) / double(pairs.size());
         }
         out.attribute("floor_mm", floor_mm);
         json["floor_mm"] = floor_mm;

@@ -67,12 +67,12 @@ class InterpolationMethod final : public Method {
 
 class StrandMethod final : public Method {
   public:
-    // `cohesion`: Eq 10 follows even a network of displayed strands.
-    StrandMethod(std::unique_ptr<LearnedStrands> learned, const std::string& model, bool cohesion,
-                 int strands, int particles)
+    // `settled`: from dry strands moved so; `cohesion`: Eq 10 follows even a network of displayed strands.
+    StrandMethod(std::unique_ptr<LearnedStrands> learned, const std::string& model, bool settled,
+                 bool cohesion, int strands, int particles)
         : learned_(std::move(learned)),
           name_(learned_->card().architecture + " " + std::filesystem::path(model).stem().string() +
-                (cohesion ? ", Eq 10" : "")),
+                (settled ? ", settled" : "") + (cohesion ? ", Eq 10" : "")),
           cohesion_(cohesion),
           out_(strands, particles) {}
     std::string name() const override { return name_; }
@@ -175,19 +175,24 @@ Scene target_scene(const InferOptions& o, const RunHeader& low) {
 
 const std::string& scene_name(const InferOptions& o) { return o.wetness.empty() ? o.input : o.wetness; }
 
+// What strands can be moved to where wet ones come to rest for.
+void require_settling(const InferOptions& o, const ModelCard& card) {
+    if (o.settled && (card.codec != "strand" || card.low != "wet"))
+        throw Misuse("--settled is for models of the strand codec that learned from wet runs; " + o.model +
+                     " learned from " + card.low + " ones, on codec " + card.codec);
+}
+
 // Displayed strands hang together already, only too little: of the scene's passes 8 in 14 give as many
 // neighbours within 4 mm as the reference has, all of them half as many again on the demo.
 int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
 
 std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const RunHeader& low) {
+    if (o.settled && simulated_wet(low))
+        throw Misuse("--settled: " + o.input + " was simulated wet, allowed is a dry run");
+    Strands settled;
+    if (o.settled) settled = settled_of(scene, scene_name(o), substeps_of(low), o.device);
     if (!o.interpolate.empty()) {
-        if (o.settled && simulated_wet(low))
-            throw Misuse("--settled: " + o.input + " was simulated wet, allowed is a dry run");
         const Strands shape = o.wet_shape ? shape_at_rest(scene) : Strands();
-        Strands settled;
-        if (o.settled)
-            settled = settled_of(low_scene_of(scene, scene_name(o)),
-                                 low_scene_of(scene, scene_name(o), substeps_of(low)), o.device);
         return std::make_unique<InterpolationMethod>(o.interpolate, o.roots, scene.groom, low.groom,
                                                      o.wet_shape ? &shape : nullptr, simulated_wet(low),
                                                      o.settled ? &settled : nullptr, o.cohesion);
@@ -195,9 +200,10 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     const ModelCard card = network_module().card(o.model);
     if (card.codec == "adhesion")
         throw Misuse(o.model + ": an adhesion model; it acts in a scene, not on a run: infer SCENE.toml");
-    if (const bool wet = simulated_wet(low); wet != (card.low == "wet"))
+    require_settling(o, card);
+    if (const bool wet = simulated_wet(low) || o.settled; wet != (card.low == "wet"))
         log_warning(fmt::format("{}: was simulated {}; {} learned from {} runs", o.input, wet ? "wet" : "dry",
-                                o.model, wet ? "dry" : "wet"));
+                                o.model, card.low));
     const int found = substeps_of(low);
     if (card.low_substeps && found != card.low_substeps)
         log_warning(
@@ -215,8 +221,9 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
         if (scene.saturation.empty()) scene.saturation = profile_of(card, scene.groom);
         if (o.cohesion && card.target == "displayed")
             scene.cohesion->passes = passes_after_displayed(scene.cohesion->passes);
-        auto learned = learned_strands_of(o.model, scene, scene_name(o), low.groom, o.device, o.threads);
-        return std::make_unique<StrandMethod>(std::move(learned), o.model,
+        auto learned = learned_strands_of(o.model, scene, scene_name(o), low.groom, o.device, o.threads,
+                                          o.settled ? &settled : nullptr);
+        return std::make_unique<StrandMethod>(std::move(learned), o.model, o.settled,
                                               o.cohesion || card.target != "displayed",
                                               scene.groom.rest.count, scene.groom.rest.particles);
     }
@@ -300,8 +307,8 @@ int infer_command(const InferOptions& given) {
         refuse_device(o, "interpolation without --cohesion and --settled");
     if (o.wet_shape && o.interpolate != "rest")
         throw Misuse("--wet-shape is for --interpolate rest, which alone starts from a shape at rest");
-    if (o.settled && o.interpolate != "rest")
-        throw Misuse("--settled is for --interpolate rest; models say themselves what they start from");
+    if (o.settled && !o.interpolate.empty() && o.interpolate != "rest")
+        throw Misuse("--settled is for --interpolate rest and models that learned from wet runs");
     if (o.interpolate == "nearest" && o.roots == 3)
         throw Misuse("--roots 3 is for quad and core; nearest copies the strand of one root");
     check_files(o, o.output, {o.input, o.model, o.wetness});
@@ -316,7 +323,8 @@ int infer_command(const InferOptions& given) {
             const ModelCard card = network_module().card(o.model);
             if (card.codec == "adhesion") return simulate_with(o, low);
             require_solids_for(card, low, o.input);
-            wet = card.low == "wet", substeps = card.low_substeps;
+            require_settling(o, card);
+            wet = card.low == "wet" && !o.settled, substeps = card.low_substeps;
         }
         simulate_low(o, low, wet, substeps);
     } else if (o.wetness.empty()) {

@@ -40,12 +40,19 @@ static Strands at_rest(Scene scene, const std::string& device) {
     return p;
 }
 
-Strands settled_of(const Scene& wet, Scene dry, const std::string& where) {
+Strands settled_of(const Scene& scene, const std::string& scene_file, int dry_substeps,
+                   const std::string& where) {
     // A program built without the solver's CUDA backend may still have a network there.
     const std::string device = names_of_cuda_devices().empty() ? "cpu" : where;
+    SceneOptions options;
+    options.stride = 2 * scene.stride;
+    auto low = [&] { return parse_scene(scene.text, scene_file, scene.folder, options); };
+    const Scene wet = low();
     if (!acts_wet(wet))
-        throw Error(
-            "where wet strands come to rest: nothing in the scene acts on wet hair, needed is [wetness]");
+        throw Error(scene_file +
+                    ": nothing in it acts on wet hair, needed is [wetness] to know where that rests");
+    options.set.push_back(fmt::format("integrator.substeps={}", dry_substeps));
+    Scene dry = low();
     make_dry(dry);
     Strands apart = at_rest(wet, device);
     const Strands from = at_rest(std::move(dry), device);
@@ -53,29 +60,18 @@ Strands settled_of(const Scene& wet, Scene dry, const std::string& where) {
     return apart;
 }
 
-Scene low_scene_of(const Scene& scene, const std::string& scene_file, int substeps) {
-    SceneOptions options;
-    options.stride = 2 * scene.stride;
-    if (substeps) options.set.push_back(fmt::format("integrator.substeps={}", substeps));
-    return parse_scene(scene.text, scene_file, scene.folder, options);
-}
-
 std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
                                                    const std::string& scene_file, const Groom& low,
-                                                   const std::string& device, int threads) {
+                                                   const std::string& device, int threads,
+                                                   const Strands* settled) {
     const ModelCard card = network_module().card(model);
     if (card.codec != "strand")
         throw Error(model + ": found a model of codec " + card.codec + ", allowed is one of codec strand");
     require_solids_for(card, scene, scene_file);
     const Strands shape = shape_at_rest(scene);
-    Strands settled;
-    if (card.low == "settled")
-        settled = settled_of(low_scene_of(scene, scene_file),
-                             low_scene_of(scene, scene_file, card.low_substeps), device);
     auto learned = network_module().load_strands(
         model,
-        StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet", reach_of(scene),
-                    settled.count ? &settled : nullptr),
+        StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet", reach_of(scene), settled),
         low, device, threads);
     if (card.target == "displayed" && scene.has_attached_solid()) {
         HeadShapes head;

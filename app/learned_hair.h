@@ -14,20 +14,19 @@ void require_solids_for(const ModelCard& card, const Scene& scene, const std::st
 // Reach of Eq 10 on what is displayed of the scene [m], 0 without it.
 double reach_of(const Scene& scene);
 
-// How far strands come to rest, wet, from where they do dry: (strands, particles), in the head's frame [m].
-// Both are simulated for it, for as long as their scenes settle, but 1.5 s or longer. The scenes may differ
-// in their substeps; the second is made dry here. Throws Error where nothing in the first acts on wet hair.
-Strands settled_of(const Scene& wet, Scene dry, const std::string& device);
-
-// The low-resolution hair of a scene, `substeps` a frame (0: its own).
-Scene low_scene_of(const Scene& scene, const std::string& scene_file, int substeps = 0);
+// How far the low-resolution strands of a scene come to rest, wet, from where they do dry: (low strands,
+// particles), in the head's frame [m]. Both are simulated for it, for as long as the scene settles, but 1.5 s
+// or longer; dry ones in so many substeps a frame. Throws Error where nothing in it acts on wet hair.
+Strands settled_of(const Scene& scene, const std::string& scene_file, int dry_substeps,
+                   const std::string& device);
 
 // The model of that file with the codec of the scene's hair, kept out of what is attached to the head where
 // it predicts displayed strands. scene: of `scene_file`, at the resolution to predict, its saturation known;
-// low: the groom of the dry run. Where the model's low-resolution strands have settled, that is simulated
-// here. Throws Error where these do not fit, Misuse for a device's name.
+// low: the groom of the low-resolution run; settled: as of a StrandCodec, for a dry run where the model
+// learned from wet ones. Throws Error where these do not fit, Misuse for a device's name.
 std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
                                                    const std::string& scene_file, const Groom& low,
-                                                   const std::string& device, int threads);
+                                                   const std::string& device, int threads,
+                                                   const Strands* settled = nullptr);
 
 }  // namespace wetcurl

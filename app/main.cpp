@@ -169,8 +169,9 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({3, 4}))
         ->capture_default_str();
     c->add_flag("--settled", infer.settled,
-                "for --interpolate rest: from dry strands moved to where wet ones come to rest, which is "
-                "simulated first");
+                "for models of wet runs and --interpolate rest: from a dry run, moved to where wet strands "
+                "come to rest, "
+                "which is simulated first");
     c->add_flag("--wet-shape", infer.wet_shape,
                 "for --interpolate rest: the strand at rest as its water curls it (Eq 9), not as drawn");
     c->add_flag("--cohesion", infer.cohesion,

@@ -59,8 +59,8 @@ static void for_each_frame(const RunPair& pair, const std::string& what, Visit v
 }
 
 StrandEncoder::StrandEncoder(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                             const Strands* shape, bool low_is_wet, double reach, const Strands* settled)
-    : codec_(high, low, saturation, shape, low_is_wet, reach, settled) {}
+                             const Strands* shape, bool low_is_wet, double reach)
+    : codec_(high, low, saturation, shape, low_is_wet, reach) {}
 
 StrandPairs StrandEncoder::begin(int frames, bool displayed) const {
     std::vector<int> all(static_cast<size_t>(frames));
@@ -85,15 +85,14 @@ double StrandEncoder::encode(const Strands& wet, std::vector<float>& target) {
     return 1e3 * sum / double(wet.points.size());
 }
 
-double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape, double reach,
-                      const Strands* settled) {
+double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape, double reach) {
     const RunHeader& wet_header = pair.wet->header();
     if (!pair.wet->frame(0).saturation.empty())
         throw Error(pair.wet->path() +
                     ": its water moves ([wetness.flow]), allowed for the strand codec is "
                     "wetness that stays; --codec root takes each frame's");
     StrandEncoder encoder(wet_header.groom, pair.dry->header().groom, wet_header.saturation, shape,
-                          simulated_wet(pair.dry->header()), reach, settled);
+                          simulated_wet(pair.dry->header()), reach);
     const bool displayed = !pair.wet->frame(0).displayed.points.empty();
     out.begin(encoder.begin(pair.dry->frames(), displayed));
     std::vector<float> target, after;

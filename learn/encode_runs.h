@@ -27,8 +27,7 @@ class StrandEncoder {
   public:
     // As of a StrandCodec.
     StrandEncoder(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                  const Strands* shape, bool low_is_wet = false, double reach = 0,
-                  const Strands* settled = nullptr);
+                  const Strands* shape, bool low_is_wet = false, double reach = 0);
     StrandPairs begin(int frames, bool displayed) const;
     // Every frame of the low-resolution run, in order: world positions.
     void take_up(const Strands& low, const HeadWindow& heads);
@@ -52,10 +51,10 @@ std::vector<float> root_colours(const RootImage& image, const Strands& strands,
 
 // Both throw Interrupted; what was added is in `out`.
 
-// Adds the pair to `out` (codec strand); `shape`, `reach` and `settled` as of a StrandCodec. Returns the mean
-// distance that encoding costs the wet strands before cohesion [mm].
-double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape = nullptr, double reach = 0,
-                      const Strands* settled = nullptr);
+// Adds the pair to `out` (codec strand); `shape` and `reach` as of a StrandCodec. Returns the mean distance
+// that encoding costs the wet strands before cohesion [mm].
+double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape = nullptr,
+                      double reach = 0);
 
 // Adds the pairs to `out` (codec root) with one box for all; `support_radius` h of Eq 16 [m].
 void encode_roots(const std::vector<RunPair>& pairs, float support_radius, PairsWriter& out);

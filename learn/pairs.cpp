@@ -82,8 +82,8 @@ void PairsWriter::add(const std::vector<AdhesionSample>& samples) {
     file_.write(group_ + "/contact", contact);
 }
 
-void PairsWriter::low(const std::string& kind, int substeps) {
-    file_.attribute("low", kind);
+void PairsWriter::low(bool wet, int substeps) {
+    file_.attribute("low", std::string(wet ? "wet" : "dry"));
     if (substeps > 0) file_.attribute("low_substeps", double(substeps));
 }
 
@@ -102,7 +102,7 @@ PairsReader::PairsReader(const std::string& path)
 
 std::string PairsReader::low() const {
     const std::string low = file_.has_attribute("low") ? file_.text("low") : "dry";
-    require_low_kind(low, path());
+    if (low != "dry" && low != "wet") throw Error(path() + ": low: found '" + low + "', allowed dry, wet");
     return low;
 }
 

@@ -1,11 +1,10 @@
 // The pairs file: what training reads. HDF5 "wetcurl pairs", version 4, one group runs/NNN an encoded pair of
 // runs. Ours.
 //
-// Attributes: `codec` (strand | root | adhesion), `particles` a strand, `low` (what the
-// low-resolution runs are: low_kinds of models/model_card.h), `low_substeps` (theirs a frame, where they
-// agree), `floor_mm` (codec strand: mean distance that encoding alone costs), `support_radius` (codec root: h
-// of Eq 16 [m], where they agree, or 0), and the inputs with their hashes ("input 000 dry", "input 000 wet":
-// "FILE HASH").
+// Attributes: `codec` (strand | root | adhesion), `particles` a strand, `low` (dry, or wet where the
+// low-resolution runs were simulated wet too), `low_substeps` (theirs a frame, where they agree), `floor_mm`
+// (codec strand: mean distance that encoding alone costs), `support_radius` (codec root: h of Eq 16 [m],
+// where they agree, or 0), and the inputs with their hashes ("input 000 dry", "input 000 wet": "FILE HASH").
 //
 // codec strand, F frames, (H, W) the high-resolution root grid:
 //   static (85, H, W) f32, dynamic (F, 153, H, W) f32: channels in learn/strand_codec.h; the first 72 of
@@ -24,7 +23,6 @@
 
 #include "base/hdf5.h"
 #include "learn/adhesion_samples.h"
-#include "models/model_card.h"
 
 namespace wetcurl {
 
@@ -69,8 +67,8 @@ class PairsWriter {
     void link(const std::string& file);
     // A group of its own.
     void add(const std::vector<AdhesionSample>& samples);
-    // What the low-resolution runs are, of low_kinds; substeps 0: not all the same.
-    void low(const std::string& kind, int substeps);
+    // What the low-resolution runs are; substeps 0: not all the same.
+    void low(bool wet, int substeps);
     // b_min, b_max of codec root [m].
     void box(const double lower[3], const double upper[3]);
     void attribute(const std::string& name, const std::string& value) { file_.attribute(name, value); }
@@ -97,7 +95,7 @@ class PairsReader {
     int particles() const { return particles_; }
     int runs() const { return runs_; }
     const std::string& path() const { return file_.path(); }
-    // What the low-resolution runs are, of low_kinds.
+    // What the low-resolution runs are: dry | wet.
     std::string low() const;
     int low_substeps() const;  // of theirs a frame, 0: not known, or not all the same
 

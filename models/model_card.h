@@ -2,26 +2,14 @@
 // Ours.
 #pragma once
 
-#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
-
-#include "base/error.h"
 
 namespace wetcurl {
 
 // Of the channel multiplier: below, every layer has its fewest channels; above, no machine here holds it.
 inline constexpr double smallest_width = 1e-3, largest_width = 16;
-
-// What a network's low-resolution strands are: simulated dry, or wet, or dry and moved to where wet ones come
-// to rest.
-inline const std::vector<std::string> low_kinds{"dry", "wet", "settled"};
-// Throws Error, naming the file, for another.
-inline void require_low_kind(const std::string& low, const std::string& file) {
-    if (std::find(low_kinds.begin(), low_kinds.end(), low) == low_kinds.end())
-        throw Error(file + ": low: found '" + low + "', allowed dry, wet, settled");
-}
 
 struct ModelCard {
     std::string codec;         // root | strand | adhesion
@@ -30,7 +18,7 @@ struct ModelCard {
     int input_channels = 0, output_channels = 0;
     int upscale = 1;          // output pixels per input pixel, each way
     std::string target;       // codec strand: "strands", which Eq 10 follows, or "displayed", after it
-    std::string low = "dry";  // what the low-resolution run is, codecs strand and root: of low_kinds
+    std::string low = "dry";  // what the low-resolution run is, codecs strand and root: "dry" or "wet"
     int low_substeps = 0;     // of that run a frame; 0: not known, or not all the same
     int particles = 0;        // of a strand (codec strand), else 0
     long parameters = 0;

@@ -47,7 +47,8 @@ ModelCard card_of(const H5Reader& file) {
     if (card.target != "" && card.target != "strands" && card.target != "displayed")
         throw Error(file.path() + ": target: found '" + card.target + "', allowed strands, displayed");
     if (file.has_attribute("low")) card.low = file.text("low");
-    require_low_kind(card.low, file.path());
+    if (card.low != "dry" && card.low != "wet")
+        throw Error(file.path() + ": low: found '" + card.low + "', allowed dry, wet");
     if (file.has_attribute("low_substeps")) card.low_substeps = count_in(file, "low_substeps", 1, 1'000'000);
     card.recipe = file.text("recipe");
     card.inputs = file.text("inputs");

@@ -175,9 +175,7 @@ class Trainer {
         require_same("architecture", card.architecture, card_.architecture);
         require_same("width", card.width, card_.width);
         require_same("input channels", card.input_channels, card_.input_channels);
-        if (card.low != card_.low)
-            say("--from " + path + ": learned from " + card.low + " low-resolution strands, these are " +
-                card_.low);
+        require_same("low-resolution strands", card.low, card_.low);
         if (codec_ == Codec::root && card.arrays != card_.arrays)
             throw Misuse("train --from " + path + ": its colours are of another box than these pairs'");
         card_.arrays = card.arrays;

@@ -464,49 +464,6 @@ TEST_F(Dataset, a_wet_low_run_is_another_input_for_the_same_strands) {
     EXPECT_LT(largest_difference(wet_strands(dry), wet_strands(wet)), 1e-7);
 }
 
-// A dry run moved to where wet strands come to rest is nearer to the wet run than it was.
-TEST_F(Dataset, a_settled_low_run_lies_between_the_dry_and_the_wet_one) {
-    std::string base = small_base;
-    const std::string steps = "substeps = 2\n";
-    base.replace(base.find(steps), steps.size(), steps + "settle = 1.5\n");
-    scratch.file("base.toml", base);
-    const std::string text = small_recipe + scenes(1, 0, 0);
-    std::map<std::string, std::vector<float>> dynamic;
-    for (const std::string low : {"dry", "wet", "settled"}) {
-        make(options("low = \"" + low + "\"\nruns = \"train\"\n" + text, low));
-        const std::string pairs = scratch.path(low + "/train_strand.h5");
-        EXPECT_EQ(PairsReader(pairs).low(), low);
-        dynamic[low] = pairs_of(pairs).dynamic;
-    }
-    const double dry = largest_difference(dynamic["dry"], dynamic["wet"]),
-                 settled = largest_difference(dynamic["settled"], dynamic["wet"]);
-    EXPECT_GT(settled, 1e-6);
-    EXPECT_LT(settled, 0.7 * dry);
-    EXPECT_EQ(RunReader(scratch.path("settled/runs/train-0000_low.h5")).header().method, "simulated dry");
-    expect_error<Misuse>([&] { read("low = \"settled\"\ncodecs = \"both\"\n" + text); },
-                         {"low = \"settled\"", "codecs"});
-    expect_error<Misuse>([&] { read("low = \"damp\"\n" + text); }, {"damp", "dry", "wet", "settled"});
-
-    // The same from runs.
-    EncodeOptions encode;
-    const std::string kept = scratch.path("dry/runs/train-0000");
-    encode.inputs = {kept + "_low.h5", kept + "_wet.h5"};
-    encode.output = scratch.path("pairs.h5");
-    encode.settled = true;
-    encode_command(encode);
-    EXPECT_EQ(PairsReader(encode.output).low(), "settled");
-    std::vector<float> kept_frames, all = pairs_of(encode.output).dynamic;
-    const size_t frame = all.size() / 7;
-    for (size_t f : {1, 3, 5})
-        kept_frames.insert(kept_frames.end(), all.begin() + long(f * frame),
-                           all.begin() + long((f + 1) * frame));
-    EXPECT_LT(largest_difference(kept_frames, dynamic["settled"]), 1e-5);
-    encode.overwrite = true, encode.codec = "root";
-    expect_error<Misuse>([&] { encode_command(encode); }, {"--settled", "--codec strand"});
-    encode.codec = "strand", encode.inputs[0] = scratch.path("wet/runs/train-0000_low.h5");
-    expect_error<Misuse>([&] { encode_command(encode); }, {"--settled", "wet", "dry runs"});
-}
-
 TEST_F(Dataset, root_shards_open_as_pairs_of_codec_root_and_hold_the_roots) {
     make(options("codecs = \"both\"\nruns = \"train\"\nbox_lower = [-0.5, -0.4, -0.3]\n" + small_recipe +
                      scenes(2, 0, 0),

@@ -7,7 +7,6 @@
 #include "app/commands.h"
 #include "app/learned_hair.h"
 #include "base/run_cache.h"
-#include "learn/network_module.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl {
@@ -22,9 +21,9 @@ const std::string standing =
     "[integrator]\nsubsteps = 4\nsettle = 8\n[stretch]\n[bend]\n[core]\n";
 const std::string wet = standing + "[wetness]\n[cohesion]\nradius = 0.02\n";
 
-Strands settled_of_text(const std::string& text) {
-    const Scene scene = parse_scene(text, "scene", ".");
-    return settled_of(scene, scene, "cpu");
+// Of every second root each way.
+Strands settled_of_text(const std::string& text, int dry_substeps = 4) {
+    return settled_of(parse_scene(text, "scene", "."), "scene", dry_substeps, "cpu");
 }
 
 double largest(const Strands& a, const Strands& b) {
@@ -34,26 +33,33 @@ double largest(const Strands& a, const Strands& b) {
     return most;
 }
 
+// The run of every second root each way, as far as its first frame.
+std::string low_run(const Scratch& scratch, bool dry, int substeps = 4) {
+    SimulateOptions o;
+    o.scene = scratch.file("wet.toml", wet);
+    o.output = scratch.path((dry ? "dry" : "wet") + std::to_string(substeps) + ".h5");
+    o.set = {"integrator.substeps=" + std::to_string(substeps)};
+    o.dry = dry, o.before_cohesion = true, o.strands = 16, o.threads = 1;
+    simulate_command(o);
+    return o.output;
+}
+Strands first_frame(const std::string& run) { return RunReader(run).frame(0).positions; }
+
 TEST(Settled, is_how_far_wet_strands_rest_from_dry_ones) {
-    Scratch scratch;
-    auto first = [&](bool dry) {
-        SimulateOptions o;
-        o.scene = scratch.file("wet.toml", wet);
-        o.output = scratch.path(dry ? "dry.h5" : "wet.h5");
-        o.dry = dry, o.threads = 1;
-        simulate_command(o);
-        return RunReader(o.output).frame(0).positions;
-    };
-    const Strands dry = first(true), drenched = first(false), settled = settled_of_text(wet);
-    Strands apart = drenched;
-    double lower = 0;
-    for (size_t k = 0; k < apart.points.size(); ++k) apart.points[k] -= dry.points[k];
-    EXPECT_LT(largest(settled, apart), 1e-6);
-    for (int s = 0; s < settled.count; ++s) {
-        EXPECT_EQ(norm(settled.at(s, 0)), 0);
-        lower += double(settled.at(s, 24).y) / settled.count;
+    const Scratch scratch;
+    const Strands drenched = first_frame(low_run(scratch, false));
+    for (int substeps : {4, 2}) {
+        const Strands dry = first_frame(low_run(scratch, true, substeps));
+        Strands settled = settled_of_text(wet, substeps);
+        double lower = 0;
+        for (int s = 0; s < settled.count; ++s) {
+            EXPECT_EQ(norm(settled.at(s, 0)), 0);
+            lower += double(settled.at(s, 24).y) / settled.count;
+        }
+        EXPECT_LT(lower, -1e-3);  // water is heavy
+        for (size_t k = 0; k < dry.points.size(); ++k) settled.points[k] += dry.points[k];
+        EXPECT_LT(largest(settled, drenched), 1e-6) << substeps;
     }
-    EXPECT_LT(lower, -1e-3);  // water is heavy
 }
 
 // Gravity is the same all around, and what is said is said in the head's frame. A strand that stands upright
@@ -84,62 +90,48 @@ TEST(Settled, is_found_of_scenes_that_do_not_settle) {
     EXPECT_EQ(largest(settled_of_text(text), settled_of_text(short_time)), 0);
 }
 
-// A network of settled strands adds to the rest shape as they carry it.
-TEST(Settled, a_network_starts_from_there) {
-    Scratch scratch;
-    SimulateOptions simulate;
-    simulate.scene = scratch.file("wet.toml", wet);
-    simulate.output = scratch.path("wet.h5"), simulate.threads = 1;
-    simulate_command(simulate);
-    const std::string high = simulate.output;
-    simulate.output = scratch.path("low.h5"), simulate.dry = true, simulate.strands = 16;
-    simulate_command(simulate);
-
-    EncodeOptions encode;
-    encode.inputs = {simulate.output, high};
-    encode.output = scratch.path("pairs.h5"), encode.settled = true;
-    encode_command(encode);
-    TrainRequest train;
-    train.kind = "sr", train.pairs = {encode.output}, train.output = scratch.path("model.h5");
-    train.set = {"epochs=1", "width=0.1"}, train.threads = 1;
-    network_module().train(train);
-    EXPECT_EQ(network_module().card(train.output).low, "settled");
-
+// A network that learned from wet runs adds to the rest shape as settled strands carry it.
+TEST(Settled, dry_runs_serve_networks_of_wet_ones) {
+    const Scratch scratch;
+    const std::string dry = low_run(scratch, true), drenched = low_run(scratch, false),
+                      weights = WETCURL_SOURCE_DIR "/models/weights/";
     InferOptions o;
-    o.input = simulate.output, o.output = scratch.path("rest.h5"), o.threads = 1;
+    o.input = dry, o.output = scratch.path("rest.h5"), o.threads = 1;
     o.interpolate = "rest", o.settled = true;
     infer_command(o);
     const RunReader rest(o.output);
     EXPECT_EQ(rest.header().method, "rest interpolation, settled");
 
-    const Scene scene = load_scene(simulate.scene);
-    const Groom low = coarsened(scene.groom, 2);
-    const auto learned = learned_strands_of(train.output, scene, simulate.scene, low, "cpu", 1);
-    const RunFrame frame = RunReader(simulate.output).frame(0);
+    const Scene scene = load_scene(scratch.path("wet.toml"));
+    const Strands settled = settled_of_text(wet), low = first_frame(dry);
+    const auto learned = learned_strands_of(weights + "displayed_m_wet.h5", scene, "wet.toml",
+                                            coarsened(scene.groom, 2), "cpu", 1, &settled);
     Strands out = scene.groom.rest;
-    learned->bind(frame.positions.points.data(), out.points.data());
+    learned->bind(low.points.data(), out.points.data());
     learned->run(HeadWindow());
-    EXPECT_LT(largest(learned->base(frame.head), rest.frame(0).positions), 1e-6);
+    EXPECT_LT(largest(learned->base({}), rest.frame(0).positions), 1e-6);
 
-    o.interpolate = "quad", o.overwrite = true;
-    expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "--interpolate rest"});
-    o.interpolate.clear(), o.model = train.output;
-    expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "models say themselves"});
-    // Told of another run, it says so; of the right one it says nothing, and how long it took to find.
-    o.settled = false, o.json = scratch.path("infer.json");
-    auto infer = [&](const std::string& input) {
-        o.input = input;
-        ::testing::internal::CaptureStderr();
-        infer_command(o);
-        return ::testing::internal::GetCapturedStderr();
-    };
-    EXPECT_EQ(infer(simulate.output).find("learned from"), std::string::npos);
+    o.interpolate.clear(), o.model = weights + "displayed_m_wet.h5", o.output = scratch.path("learned.h5");
+    o.json = scratch.path("infer.json"), o.overwrite = true;
+    ::testing::internal::CaptureStderr();
+    infer_command(o);
+    EXPECT_EQ(::testing::internal::GetCapturedStderr().find("learned from wet"), std::string::npos);
     EXPECT_GT(nlohmann::json::parse(testing::bytes_of(o.json))["preparation_seconds"].get<double>(), 0);
-    simulate.dry = false, simulate.overwrite = true;
-    simulate_command(simulate);
-    EXPECT_NE(infer(simulate.output).find("simulated wet"), std::string::npos);
-    o.model.clear(), o.interpolate = "rest", o.settled = true;
+    const RunReader run(o.output);
+    EXPECT_EQ(run.header().method, "strand_depthwise displayed_m_wet, settled");
+    EXPECT_LT(largest(run.frame(0).positions, out), 1e-6);
+    // From a scene the dry run is made first.
+    o.input = scratch.path("wet.toml"), o.output = scratch.path("from_scene.h5");
+    infer_command(o);
+    EXPECT_EQ(largest(first_frame(o.output), run.frame(0).positions), 0);
+    EXPECT_TRUE(RunReader(o.output + ".dry.h5").header().method.starts_with("simulated dry"));
+
+    o.input = drenched;
     expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "simulated wet", "a dry run"});
+    o.input = dry, o.model = weights + "displayed_s.h5";
+    expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "learned from wet runs", "from dry ones"});
+    o.model.clear(), o.interpolate = "quad";
+    expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "--interpolate rest"});
 }
 
 }  // namespace
