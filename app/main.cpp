@@ -114,9 +114,6 @@ int main(int argc, char** argv) {
     c->add_option("--codec", encode.codec, "root | strand | adhesion")
         ->check(CLI::IsMember({"root", "strand", "adhesion"}))
         ->capture_default_str();
-    c->add_flag(
-        "--settled", encode.settled,
-        "for strand: from dry strands moved to where wet ones come to rest, which is simulated first");
 
     DatasetOptions dataset;
     c = command("dataset", "simulate many scenes, dry and wet, into training pairs", dataset,
@@ -168,10 +165,10 @@ int main(int argc, char** argv) {
          "the nearest 3")
         ->check(CLI::IsMember({3, 4}))
         ->capture_default_str();
-    c->add_flag("--settled", infer.settled,
-                "for models of wet runs and --interpolate rest: from a dry run, moved to where wet strands "
-                "come to rest, "
-                "which is simulated first");
+    c->add_flag(
+        "--settled", infer.settled,
+        "for models of wet runs and --interpolate rest: from a dry run, moved to where wet strands come "
+        "to rest, which is simulated first");
     c->add_flag("--wet-shape", infer.wet_shape,
                 "for --interpolate rest: the strand at rest as its water curls it (Eq 9), not as drawn");
     c->add_flag("--cohesion", infer.cohesion,
