@@ -47,7 +47,7 @@ class InterpolationMethod final : public Method {
     // `shape`: how the high strands lie at rest, null: as drawn; `settled`: as of RestCarrier; `cohesion`: Eq
     // 10 follows.
     InterpolationMethod(const std::string& name, int roots, const Groom& high, const Groom& low,
-                        const Strands* shape, bool low_is_wet, const Strands* settled, bool cohesion)
+                        const Strands* shape, bool low_is_wet, const Settled* settled, bool cohesion)
         : name_(name + " interpolation" + suffix_of(roots) + (settled ? ", settled" : "") +
                 (shape ? ", Eq 9" : "") + (cohesion ? ", Eq 10" : "")),
           interpolator_(interpolation_named(name), stencil_of(roots, high, low), high, low, shape, low_is_wet,
@@ -189,7 +189,7 @@ int passes_after_displayed(int passes) { return std::max(1, int(std::lround(pass
 std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const RunHeader& low) {
     if (o.settled && simulated_wet(low))
         throw Misuse("--settled: " + o.input + " was simulated wet, allowed is a dry run");
-    Strands settled;
+    Settled settled;
     if (o.settled) settled = settled_of(scene, scene_name(o), substeps_of(low), o.device);
     if (!o.interpolate.empty()) {
         const Strands shape = o.wet_shape ? shape_at_rest(scene) : Strands();

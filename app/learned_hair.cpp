@@ -40,7 +40,7 @@ static Strands at_rest(Scene scene, const std::string& device) {
     return p;
 }
 
-Strands settled_of(const Scene& scene, const std::string& scene_file, int dry_substeps,
+Settled settled_of(const Scene& scene, const std::string& scene_file, int dry_substeps,
                    const std::string& where) {
     // A program built without the solver's CUDA backend may still have a network there.
     const std::string device = names_of_cuda_devices().empty() ? "cpu" : where;
@@ -54,16 +54,13 @@ Strands settled_of(const Scene& scene, const std::string& scene_file, int dry_su
     options.set.push_back(fmt::format("integrator.substeps={}", dry_substeps));
     Scene dry = low();
     make_dry(dry);
-    Strands apart = at_rest(wet, device);
-    const Strands from = at_rest(std::move(dry), device);
-    for (size_t k = 0; k < apart.points.size(); ++k) apart.points[k] -= from.points[k];
-    return apart;
+    return settled_between(at_rest(std::move(dry), device), at_rest(wet, device));
 }
 
 std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
                                                    const std::string& scene_file, const Groom& low,
                                                    const std::string& device, int threads,
-                                                   const Strands* settled) {
+                                                   const Settled* settled) {
     const ModelCard card = network_module().card(model);
     if (card.codec != "strand")
         throw Error(model + ": found a model of codec " + card.codec + ", allowed is one of codec strand");

@@ -14,10 +14,10 @@ void require_solids_for(const ModelCard& card, const Scene& scene, const std::st
 // Reach of Eq 10 on what is displayed of the scene [m], 0 without it.
 double reach_of(const Scene& scene);
 
-// How far the low-resolution strands of a scene come to rest, wet, from where they do dry: (low strands,
-// particles), in the head's frame [m]. Both are simulated for it, for as long as the scene settles, but 1.5 s
-// or longer; dry ones in so many substeps a frame. Throws Error where nothing in it acts on wet hair.
-Strands settled_of(const Scene& scene, const std::string& scene_file, int dry_substeps,
+// Where the low-resolution strands of a scene would be, were they wet. They are simulated wet and dry until
+// they come to rest, for as long as the scene settles, but 1.5 s or longer; dry ones in so many substeps a
+// frame. Throws Error where nothing in the scene acts on wet hair.
+Settled settled_of(const Scene& scene, const std::string& scene_file, int dry_substeps,
                    const std::string& device);
 
 // The model of that file with the codec of the scene's hair, kept out of what is attached to the head where
@@ -27,6 +27,6 @@ Strands settled_of(const Scene& scene, const std::string& scene_file, int dry_su
 std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
                                                    const std::string& scene_file, const Groom& low,
                                                    const std::string& device, int threads,
-                                                   const Strands* settled = nullptr);
+                                                   const Settled* settled = nullptr);
 
 }  // namespace wetcurl

@@ -3,6 +3,7 @@
 #include "learn/carried_rest.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "base/error.h"
@@ -82,15 +83,33 @@ void RestCarrier::find_own(const Groom& low, const Strands& drawn_cores) {
     }
 }
 
+Settled settled_between(const Strands& dry, const Strands& wet) {
+    constexpr float whole = 0.05f, none = 0.2f;  // how far apart, of a strand's length
+    const int n = wet.particles;
+    Settled out{std::vector<float>(size_t(wet.count)), wet};
+    for (int s = 0; s < wet.count; ++s) {
+        float apart = 0;
+        for (int i = 0; i < n; ++i) {
+            const Vec3f d = wet.at(s, i) - dry.at(s, i);
+            apart += dot(d, d) / float(n);
+        }
+        const float far =
+            std::sqrt(apart) / std::max(float(arc_length(wet.strand(s), n)), tiny_length<float>);
+        out.share[size_t(s)] = std::clamp((none - far) / (none - whole), 0.f, 1.f);
+        for (int i = 0; i < n; ++i) out.more.at(s, i) -= out.share[size_t(s)] * dry.at(s, i);
+    }
+    return out;
+}
+
 // Cores are linear in the strand: that of a strand moved is the sum of both.
-void RestCarrier::start_from(const Strands& settled) {
+void RestCarrier::start_from(const Settled& settled) {
     settled_ = settled;
-    const Strands cores = cores_of(settled);
+    const Strands cores = cores_of(settled.more);
     for (size_t k = 0; k < cores.points.size(); ++k) low_rest_cores_.points[k] -= cores.points[k];
 }
 
 RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, const Strands* shape,
-                         bool low_is_wet, const Strands* settled)
+                         bool low_is_wet, const Settled* settled)
     : particles_(high.rest.particles),
       low_is_wet_(low_is_wet || settled),
       around_(std::move(stencil)),
@@ -107,8 +126,8 @@ RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, c
     if (around_.count() != high.rest.count)
         throw Error("interpolation: found a stencil for " + std::to_string(around_.count()) +
                     " strands, allowed one for all " + std::to_string(high.rest.count));
-    if (settled && size(*settled) != size(low.rest))
-        throw Error("interpolation: found " + size(*settled) +
+    if (settled && size(settled->more) != size(low.rest))
+        throw Error("interpolation: found " + size(settled->more) +
                     " that have settled, allowed all low-resolution " + size(low.rest));
     const Strands drawn_cores = cores_of(high.rest), curled_cores = cores_of(curled);
     weigh(drawn_cores);
@@ -170,8 +189,9 @@ void RestCarrier::apply(const Strands& low, const Pose& head, Strands& out) {
     for (int s = 0; s < low.count; ++s) {
         Vec3f* moved = moved_.strand(s);
         const Vec3f* rest = low_rest_cores_.strand(s);
+        const float share = settled_.share.empty() ? 1 : settled_.share[size_t(s)];
         for (int i = n - 1; i >= 0; --i)
-            moved[i] = rotate(to_head, moved[i] - moved[0]) - (rest[i] - rest[0]);
+            moved[i] = share * rotate(to_head, moved[i] - moved[0]) - (rest[i] - rest[0]);
     }
 #pragma omp parallel for schedule(static)
     for (int s = 0; s < low.count; ++s) {
@@ -219,7 +239,7 @@ void RestCarrier::apply(const Strands& low, const Pose& head, Strands& out) {
         const Quatf to_root{q.w[lane], q.x[lane], q.y[lane], q.z[lane]};
         for (int i = 0; i < n; ++i) {
             Vec3f x = rotate(to_head, low.at(s, i) - low.at(s, 0));
-            if (settled_.count) x += settled_.at(s, i);
+            if (!settled_.share.empty()) x = settled_.share[size_t(s)] * x + settled_.more.at(s, i);
             out.at(twin, i) = rotate(to_root, x);
         }
     }

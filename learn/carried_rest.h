@@ -65,15 +65,24 @@ WETCURL_HD float lost_of_edge(const Vec3f& own, int strand, const Beside& beside
     return count > 0 ? dot(own, (1.f / float(count)) * sum - step(strand)) : 0.f;
 }
 
+// Where dry low-resolution strands would be, were they wet: `share` (low strands) of their offsets from the
+// root, and `more` (low strands, particles) [m], both in the head's frame.
+struct Settled {
+    std::vector<float> share;
+    Strands more;
+};
+// Of how strands come to rest dry and wet, offsets in the head's frame: at rest they are where wet ones are.
+// Where these are far from the dry ones, on another side of the head, they move less with them.
+Settled settled_between(const Strands& dry, const Strands& wet);
+
 class RestCarrier {
   public:
     // `shape` (high strands): how they lie at rest in the head's frame, null: as drawn. Throws Error where it
     // does not fit.
     // `low_is_wet`: the low-resolution strands are curled and shortened by their water too, and are kept as
-    // they are. `settled` (low strands): they are dry ones, and this is how far wet ones come to rest from
-    // them, in the head's frame [m]; moved so they are taken for wet.
+    // they are. `settled`: they are dry ones, and taken for wet where it puts them.
     RestCarrier(Stencil stencil, const Groom& high, const Groom& low, const Strands* shape,
-                bool low_is_wet = false, const Strands* settled = nullptr);
+                bool low_is_wet = false, const Settled* settled = nullptr);
     // low (low strands): world positions [m]; out (high strands): offsets in the root frames [m]. Throws
     // Error for other strands.
     void apply(const Strands& low, const Pose& head, Strands& out);
@@ -84,7 +93,7 @@ class RestCarrier {
     RestParticle<float> rest(int strand, int particle) const;
     const std::vector<Beside>& beside() const { return beside_; }  // (low strand)
     const Strands& own() const { return own_; }                    // (low strand, edge) in the head's frame
-    const Strands& settled() const { return settled_; }            // (low strands), empty: as they are
+    const Settled& settled() const { return settled_; }            // empty: as they are
     // (high strand, width) [1/m^2]: what a strand loses of its own is the sum of these by what low-resolution
     // strands lose of theirs, but at least 0 and at most 1.
     const std::vector<float>& lost_weight() const { return lost_weight_; }
@@ -93,7 +102,7 @@ class RestCarrier {
     using S = Pack<float>;
     void weigh(const Strands& drawn_cores);
     void find_own(const Groom& low, const Strands& drawn_cores);
-    void start_from(const Strands& settled);
+    void start_from(const Settled& settled);
 
     int particles_;
     bool low_is_wet_;
@@ -102,8 +111,9 @@ class RestCarrier {
     std::vector<float> lost_weight_;
     std::vector<RestParticle<S>> rest_;  // (block of lanes, particle)
     std::vector<Quat<S>> to_root_;       // (block): head's frame to the root frames
-    Strands low_rest_cores_;             // less how far the strands have settled
-    Strands own_, settled_;
+    Strands low_rest_cores_;             // less those of Settled::more
+    Strands own_;
+    Settled settled_;
     Strands moved_;            // (low strands) how far their cores are from rest, in the head's frame [m]
     std::vector<float> lost_;  // (low strands) of their own [m^2]
 };

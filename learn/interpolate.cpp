@@ -18,7 +18,7 @@ Interpolation interpolation_named(const std::string& name) {
 }
 
 Interpolator::Interpolator(Interpolation kind, Stencil stencil, const Groom& high, const Groom& low,
-                           const Strands* shape, bool low_is_wet, const Strands* settled)
+                           const Strands* shape, bool low_is_wet, const Settled* settled)
     : kind_(kind), stencil_(std::move(stencil)), roots_(root_frames(high)) {
     if (kind_ == Interpolation::core) cores_ = Strands(low.rest.count, low.rest.particles);
     if (kind_ == Interpolation::rest) carrier_.emplace(stencil_, high, low, shape, low_is_wet, settled);

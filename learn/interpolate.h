@@ -27,7 +27,7 @@ class Interpolator {
     // `shape` (high strands), for `rest` alone: how they lie at rest in the head's frame, where that is not
     // as drawn. `low_is_wet`, `settled`: as of RestCarrier.
     Interpolator(Interpolation kind, Stencil stencil, const Groom& high, const Groom& low,
-                 const Strands* shape = nullptr, bool low_is_wet = false, const Strands* settled = nullptr);
+                 const Strands* shape = nullptr, bool low_is_wet = false, const Settled* settled = nullptr);
     const Stencil& stencil() const { return stencil_; }
     const RootFrames& roots() const { return roots_; }
     // low (low strands) world positions [m], `head` the pose of the frame; out: (high strands), world.

@@ -37,7 +37,7 @@ static float root_spacing(const Groom& groom, int pixel) {
 }
 
 StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                         const Strands* shape, bool low_is_wet, double reach, const Strands* settled)
+                         const Strands* shape, bool low_is_wet, double reach, const Settled* settled)
     : grid_(high.grid),
       pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
       dct_(high.rest.particles),

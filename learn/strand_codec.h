@@ -62,7 +62,7 @@ class StrandCodec {
     // [m], 0 without it; settled: as of RestCarrier. Throws Error where these do not fit.
     StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
                 const Strands* shape = nullptr, bool low_is_wet = false, double reach = 0,
-                const Strands* settled = nullptr);
+                const Settled* settled = nullptr);
 
     int height() const { return grid_.height; }
     int width() const { return grid_.width; }

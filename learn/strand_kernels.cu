@@ -15,13 +15,13 @@ unsigned blocks_of(int count, int size = threads) { return unsigned((count + siz
 
 void check_launch(const char* what) { check_cuda(cudaGetLastError(), what); }
 
-__global__ void depart_kernel(const HeadState* head, const Vec3f* p, const Vec3f* rest, int low, int n,
-                              float* x) {
+__global__ void depart_kernel(const HeadState* head, const Vec3f* p, const float* share, const Vec3f* rest,
+                              int low, int n, float* x) {
     const int k = int(blockIdx.x) * threads + int(threadIdx.x);
     if (k >= low * n) return;
     const int s = k % low, i = k / low;
     const size_t at = size_t(s) * n;
-    const Vec3f d = rotate(conjugate(head->rotation), p[at + i] - p[at]) - rest[at + i];
+    const Vec3f d = share[s] * rotate(conjugate(head->rotation), p[at + i] - p[at]) - rest[at + i];
     const size_t plane = size_t(n) * low;
     x[k] = d.x, x[plane + k] = d.y, x[2 * plane + k] = d.z;
 }
@@ -246,7 +246,9 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     for (int s = 0; s < low_; ++s)
         for (int i = n_ - 1; i >= 0; --i) low_rest[size_t(s) * n + i] = low.rest.at(s, i) - low.rest.at(s, 0);
     if (low_is_wet_) low_rest_ = DeviceBuffer<Vec3f>(low_rest);
-    for (size_t k = 0; k < carrier.settled().points.size(); ++k) low_rest[k] -= carrier.settled().points[k];
+    const Settled& settled = carrier.settled();
+    for (size_t k = 0; k < settled.more.points.size(); ++k) low_rest[k] -= settled.more.points[k];
+    share_ = DeviceBuffer<float>(settled.share.empty() ? std::vector<float>(size_t(low_), 1) : settled.share);
     low_start_ = DeviceBuffer<Vec3f>(low_rest);
 
     const Stencil& around = carrier.around();
@@ -353,8 +355,8 @@ void StrandKernels::take_head(cudaStream_t stream) const {
 }
 
 void StrandKernels::depart(const Vec3f* low, cudaStream_t stream) const {
-    depart_kernel<<<blocks_of(low_ * n_), threads, 0, stream>>>(head_.data(), low, low_start_.data(), low_,
-                                                                n_, departed_.data());
+    depart_kernel<<<blocks_of(low_ * n_), threads, 0, stream>>>(
+        head_.data(), low, share_.data(), low_start_.data(), low_, n_, departed_.data());
     check_launch("departure from rest");
 }
 

@@ -68,7 +68,8 @@ class StrandKernels {
     PinnedBuffer<HeadState> head_host_{1};
     DeviceBuffer<HeadState> head_{1};
     DeviceBuffer<Vec3f> low_rest_;            // (low, n) offsets from the root, in the head's frame
-    DeviceBuffer<Vec3f> low_start_;           // the same, less how far strands have settled
+    DeviceBuffer<Vec3f> low_start_;           // the same, less Settled::more
+    DeviceBuffer<float> share_;               // (low): Settled::share, else 1
     DeviceBuffer<float> rest_;                // (n, 13, S): RestParticle
     DeviceBuffer<int> from_;                  // (width, S)
     DeviceBuffer<float> weight_;              // (width, S)

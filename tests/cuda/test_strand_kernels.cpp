@@ -55,10 +55,10 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     const Groom low = coarsened(high, 2);
     std::vector<float> saturation(high.rest.points.size(), 0.7f);
     const std::string kind = GetParam();
-    Strands settled = low.rest;
-    for (int s = 0; s < settled.count; ++s)
-        for (int i = 0; i < settled.particles; ++i)
-            settled.at(s, i) = {1e-3f * float(i), -2e-3f * float(i), 1e-4f * float(i * s)};
+    Settled settled{std::vector<float>(size_t(low.rest.count), 0.9f), low.rest};
+    for (int s = 0; s < low.rest.count; ++s)
+        for (int i = 0; i < low.rest.particles; ++i)
+            settled.more.at(s, i) = {1e-3f * float(i), -2e-3f * float(i), 1e-4f * float(i * s)};
     StrandCodec codec(high, low, saturation, nullptr, /*low_is_wet=*/kind == "wet", /*reach=*/0,
                       kind == "settled" ? &settled : nullptr);
     StrandKernels kernels(codec, low);

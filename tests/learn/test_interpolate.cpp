@@ -391,19 +391,23 @@ TEST(Interpolation, rest_from_wet_strands_shortens_none_twice) {
     EXPECT_LT(farthest(true), 2e-6);
 }
 
-// Dry strands, told how far wet ones come to rest from them, are taken for wet ones there.
+// Dry strands, put where they would be, were they wet, are taken for wet ones there.
 TEST(Interpolation, rest_from_settled_strands_is_rest_from_wet_ones_where_they_are) {
     const Groom groom = curly_groom({});
     const Groom low = coarsened(groom, 2);
     const Stencil stencil = quad_stencil(groom, low);
     const Pose pose = some_pose(5);
-    Strands settled(low.rest.count, low.rest.particles), wet = low.rest;
-    for (int s = 0; s < settled.count; ++s)
-        for (int i = 1; i < settled.particles; ++i) {
-            settled.at(s, i) = {2e-3f * float(std::sin(0.4 * i + s)), -1e-3f * float(i),
-                                1e-3f * float(s % 3)};
-            wet.at(s, i) += settled.at(s, i);
+    Settled settled{std::vector<float>(size_t(low.rest.count)), Strands(low.rest.count, low.rest.particles)};
+    Strands wet = low.rest;
+    for (int s = 0; s < wet.count; ++s) {
+        settled.share[size_t(s)] = 0.8f + 0.01f * float(s);
+        for (int i = 1; i < wet.particles; ++i) {
+            settled.more.at(s, i) = {2e-3f * float(std::sin(0.4 * i + s)), -1e-3f * float(i),
+                                     1e-3f * float(s % 3)};
+            wet.at(s, i) = wet.at(s, 0) + settled.share[size_t(s)] * (wet.at(s, i) - wet.at(s, 0)) +
+                           settled.more.at(s, i);
         }
+    }
     Strands from_dry, from_wet;
     Interpolator(Interpolation::rest, stencil, groom, low, nullptr, false, &settled)
         .apply(moved(low.rest, pose), pose, from_dry);
@@ -411,9 +415,29 @@ TEST(Interpolation, rest_from_settled_strands_is_rest_from_wet_ones_where_they_a
         .apply(moved(wet, pose), pose, from_wet);
     EXPECT_LT(largest_distance(from_dry, from_wet), 2e-6);
     EXPECT_GT(largest_distance(from_dry, moved(groom.rest, pose)), 1e-2);
-    settled.count = 3;
+    settled.more.count = 3;
     expect_error([&] { Interpolator(Interpolation::rest, stencil, groom, low, nullptr, false, &settled); },
                  {"3 strands", "settled", "all low-resolution 16"});
+}
+
+// At rest they are where wet ones are; those near go with the dry strand, those far by no means.
+TEST(Settled, strands_that_fall_to_another_side_move_less_with_the_dry_ones) {
+    Strands dry(3, 5), wet(3, 5);
+    for (int s = 0; s < 3; ++s)
+        for (int i = 0; i < 5; ++i) dry.at(s, i) = wet.at(s, i) = {0, -0.05f * float(i), 0};
+    for (int i = 1; i < 5; ++i) {
+        wet.at(0, i).x += 1e-3f;                  // 0.005 of the length
+        wet.at(1, i).x += 0.025f;                 // 0.11
+        wet.at(2, i) = {0.05f * float(i), 0, 0};  // to the side
+    }
+    const Settled settled = settled_between(dry, wet);
+    EXPECT_EQ(settled.share[0], 1);
+    EXPECT_NEAR(settled.share[1], (0.2 - 0.025 * std::sqrt(0.8) / arc_length(wet.strand(1), 5)) / 0.15, 1e-5);
+    EXPECT_EQ(settled.share[2], 0);
+    for (int s = 0; s < 3; ++s)
+        for (int i = 0; i < 5; ++i)
+            EXPECT_LT(norm(settled.share[size_t(s)] * dry.at(s, i) + settled.more.at(s, i) - wet.at(s, i)),
+                      1e-7);
 }
 
 TEST(Interpolation, a_shape_of_other_strands_is_an_error) {
