@@ -189,6 +189,7 @@ int passes_after_displayed(int passes) { return std::max(1, int(std::lround(pass
 std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const RunHeader& low) {
     if (o.settled && simulated_wet(low))
         throw Misuse("--settled: " + o.input + " was simulated wet, allowed is a dry run");
+    if (o.interpolate.empty()) require_settling(o, network_module().card(o.model));
     Settled settled;
     if (o.settled) settled = settled_of(scene, scene_name(o), substeps_of(low), o.device);
     if (!o.interpolate.empty()) {
@@ -200,7 +201,6 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     const ModelCard card = network_module().card(o.model);
     if (card.codec == "adhesion")
         throw Misuse(o.model + ": an adhesion model; it acts in a scene, not on a run: infer SCENE.toml");
-    require_settling(o, card);
     if (const bool wet = simulated_wet(low) || o.settled; wet != (card.low == "wet"))
         log_warning(fmt::format("{}: was simulated {}; {} learned from {} runs", o.input, wet ? "wet" : "dry",
                                 o.model, card.low));

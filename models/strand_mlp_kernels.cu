@@ -9,36 +9,40 @@ namespace wetcurl {
 
 namespace {
 
-constexpr int tile = 32;  // pixels and channels, turned over in shared memory
+constexpr int tile = 32, tile_rows = 8;  // pixels and channels, turned over in shared memory
 
 __global__ void normalise_kernel(int area, int inputs, int channels, const float* __restrict__ image,
                                  const float* __restrict__ mean, const float* __restrict__ deviation,
                                  float most, __half* __restrict__ rows, __half* __restrict__ mask) {
     __shared__ float turned[tile][tile + 1];
-    __shared__ int any[tile];
+    __shared__ bool part[tile_rows][tile];
     const int first = int(blockIdx.x) * tile, lane = int(threadIdx.x);
     const size_t from = size_t(blockIdx.y) * inputs * area, to = size_t(blockIdx.y) * area;
-    if (threadIdx.y == 0) any[lane] = 0;
+    bool any = false;
     for (int c0 = 0; c0 < channels; c0 += tile) {
         __syncthreads();
-        for (int k = int(threadIdx.y); k < tile; k += int(blockDim.y)) {
+        for (int k = int(threadIdx.y); k < tile; k += tile_rows) {
             const int c = c0 + k, p = first + lane;
             float x = 0;
             if (c < inputs && p < area) {
                 x = image[from + size_t(c) * area + p];
-                if (x != 0) any[lane] = 1;  // whoever writes it writes the same
+                any |= x != 0;
                 x = (x - mean[c]) / deviation[c];
             }
             turned[k][lane] = fminf(fmaxf(x, -most), most);
         }
         __syncthreads();
-        for (int k = int(threadIdx.y); k < tile; k += int(blockDim.y)) {
+        for (int k = int(threadIdx.y); k < tile; k += tile_rows) {
             const int c = c0 + lane, p = first + k;
             if (c < channels && p < area) rows[(to + p) * channels + c] = __float2half_rn(turned[lane][k]);
         }
     }
+    if (!mask) return;
+    part[threadIdx.y][lane] = any;
     __syncthreads();
-    if (mask && threadIdx.y == 0 && first + lane < area) mask[to + first + lane] = __int2half_rn(any[lane]);
+    if (threadIdx.y > 0 || first + lane >= area) return;
+    for (int k = 1; k < tile_rows; ++k) any |= part[k][lane];
+    mask[to + first + lane] = __float2half_rn(any ? 1.f : 0.f);
 }
 
 __global__ void activate_kernel(size_t pairs, int channels, const __half2* __restrict__ x,
@@ -120,7 +124,7 @@ static unsigned blocks(size_t count, int size) { return unsigned((count + size -
 void launch_normalise(const GridOfRows& grid, int inputs, const float* image, const float* mean,
                       const float* deviation, float most, void* rows, void* mask, cudaStream_t stream) {
     const int area = grid.height * grid.width;
-    normalise_kernel<<<dim3(blocks(area, tile), unsigned(grid.images)), dim3(tile, 8), 0, stream>>>(
+    normalise_kernel<<<dim3(blocks(area, tile), unsigned(grid.images)), dim3(tile, tile_rows), 0, stream>>>(
         area, inputs, grid.channels, image, mean, deviation, most, static_cast<__half*>(rows),
         static_cast<__half*>(mask));
     check_cuda(cudaGetLastError(), "inputs of a strand network");
