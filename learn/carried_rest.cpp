@@ -21,6 +21,16 @@ static Vec3f edge_of(const Strands& strands, int strand, int i) {
     return strands.at(strand, i + 1) - strands.at(strand, i);
 }
 
+// Mean square of how far two strands lie apart, seen from their roots [m^2].
+static float square_apart(const Vec3f* a, const Vec3f* b, int n) {
+    float sum = 0;
+    for (int i = 0; i < n; ++i) {
+        const Vec3f d = (a[i] - a[0]) - (b[i] - b[0]);
+        sum += dot(d, d) / float(n);
+    }
+    return sum;
+}
+
 // Of the strands around one those that are drawn as it is count most; a hundredth of its length apart is as
 // good as not.
 void RestCarrier::weigh(const Strands& drawn_cores) {
@@ -34,12 +44,7 @@ void RestCarrier::weigh(const Strands& drawn_cores) {
         const float least = alike * float(arc_length(core, n));
         float sum = 0;
         for (int k = 0; k < width; ++k) {
-            float apart = 0;
-            const Vec3f* other = low_rest_cores_.strand(from[k]);
-            for (int i = 0; i < n; ++i) {
-                const Vec3f d = (core[i] - core[0]) - (other[i] - other[0]);
-                apart += dot(d, d) / float(n);
-            }
+            const float apart = square_apart(core, low_rest_cores_.strand(from[k]), n);
             weight[k] /= std::max(least * least + apart, tiny_length<float>);
             sum += weight[k];
         }
@@ -88,13 +93,8 @@ Settled settled_between(const Strands& dry, const Strands& wet) {
     const int n = wet.particles;
     Settled out{std::vector<float>(size_t(wet.count)), wet};
     for (int s = 0; s < wet.count; ++s) {
-        float apart = 0;
-        for (int i = 0; i < n; ++i) {
-            const Vec3f d = wet.at(s, i) - dry.at(s, i);
-            apart += dot(d, d) / float(n);
-        }
-        const float far =
-            std::sqrt(apart) / std::max(float(arc_length(wet.strand(s), n)), tiny_length<float>);
+        const float far = std::sqrt(square_apart(wet.strand(s), dry.strand(s), n)) /
+                          std::max(float(arc_length(wet.strand(s), n)), tiny_length<float>);
         out.share[size_t(s)] = std::clamp((none - far) / (none - whole), 0.f, 1.f);
         for (int i = 0; i < n; ++i) out.more.at(s, i) -= out.share[size_t(s)] * dry.at(s, i);
     }
