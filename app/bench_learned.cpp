@@ -29,13 +29,28 @@ Scene low_scene_of(const Workload& w, const ModelCard& card) {
     return low;
 }
 
+// What of a frame is timed: the network, the run before it too, and Eq 10 after it, at every particle or
+// every 10 mm.
+enum class Part { network, with_run, with_cohesion, with_thinned_cohesion };
+
+// As `infer` shows it.
+Scene high_scene_of(const Workload& w, const ModelCard& card, Part part) {
+    std::vector<std::string> set;
+    if (part == Part::with_thinned_cohesion) set.push_back("cohesion.spacing=0.01");
+    Scene high = scene_of(w, true, set);
+    if (card.target == "displayed") high.cohesion->passes = passes_after_displayed(high.cohesion->passes);
+    return high;
+}
+
 // A network on the workload's hair, in and out where it computes.
 class LearnedHair {
   public:
-    LearnedHair(const Workload& w, const std::string& model, const std::string& device, int threads)
-        : high_(scene_of(w, true)),
+    LearnedHair(const Workload& w, const std::string& model, const std::string& device, int threads,
+                Part part)
+        : high_(high_scene_of(w, network_module().card(model), part)),
           low_(low_scene_of(w, network_module().card(model))),
           device_(device),
+          part_(part),
           learned_(learned_strands_of(model, high_, high_.title, low_.groom, device, threads)) {}
 
     const Strands& high() const { return high_.groom.rest; }
@@ -50,13 +65,13 @@ class LearnedHair {
         bind(low);
         return repeated([&] { return [&] { learned_->run(HeadWindow()); }; });
     }
-    // Of strands that are simulated before each frame: read where they are. `shown`: Eq 10 follows.
-    Times simulated(bool shown) {
+    // Of strands that are simulated before each frame: read where they are.
+    Times simulated() {
         const auto simulation = make_simulation_on(device_, low_, "float");
         RunFrame frame;
         simulation->snapshot(frame);
         low_points_ = frame.positions.points;
-        if (shown) display_.emplace(device_, high_), shown_ = high();
+        if (part_ != Part::with_run) display_.emplace(device_, high_), shown_ = high();
         bind(on_device() ? simulation->positions_on_device() : low_points_.data());
         return repeated([&] {
             return [&] {
@@ -101,6 +116,7 @@ class LearnedHair {
 
     Scene high_, low_;
     std::string device_;
+    Part part_;
     std::unique_ptr<LearnedStrands> learned_;
     std::optional<DisplayOn> display_;  // where Eq 10 follows
     Strands shown_;
@@ -110,12 +126,9 @@ class LearnedHair {
 #endif
 };
 
-// What of a frame is timed: the network, the run before it too, and Eq 10 after it.
-enum class Part { network, with_run, with_run_and_cohesion };
-
 Line learned_frame(const Workload& w, const std::string& model, const std::string& name,
                    const std::string& device, int threads, Part part) {
-    LearnedHair hair(w, model, device, threads);
+    LearnedHair hair(w, model, device, threads, part);
     const Strands& shape = hair.high();
     Line line;
     line.name = name, line.series = name.substr(0, name.find(',')) + name.substr(name.rfind(','));
@@ -123,8 +136,7 @@ Line learned_frame(const Workload& w, const std::string& model, const std::strin
     line.bytes = sizeof(Vec3f) * (line.items + double(hair.low().groom.rest.points.size()));
     line.operations = 2.0 * double(hair.parameters()) * shape.count;
     line.strands = shape.count, line.particles = shape.particles;
-    line.seconds =
-        part == Part::network ? hair.at_rest() : hair.simulated(part == Part::with_run_and_cohesion);
+    line.seconds = part == Part::network ? hair.at_rest() : hair.simulated();
     return line;
 }
 
@@ -160,8 +172,9 @@ std::vector<Entry> learned_entries(const std::vector<std::string>& models, const
                 add("simulated and learned frame", Part::with_run);
             } else {
                 add("learned frame before cohesion", Part::network);
+                add("simulated and learned frame with Eq 10", Part::with_cohesion);
             }
-            add("simulated and learned frame with Eq 10", Part::with_run_and_cohesion);
+            add("simulated and learned frame with Eq 10 every 10 mm", Part::with_thinned_cohesion);
         }
     return out;
 }

@@ -182,10 +182,6 @@ void require_settling(const InferOptions& o, const ModelCard& card) {
                      " learned from " + card.low + " ones, on codec " + card.codec);
 }
 
-// Displayed strands hang together already, only too little: of the scene's passes 8 in 14 give as many
-// neighbours within 4 mm as the reference has, all of them half as many again on the demo.
-int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
-
 std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const RunHeader& low) {
     if (o.settled && simulated_wet(low))
         throw Misuse("--settled: " + o.input + " was simulated wet, allowed is a dry run");

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/device.h"
 #include "base/error.h"
@@ -25,6 +26,8 @@ void require_solids_for(const ModelCard& card, const Scene& scene, const std::st
 }
 
 double reach_of(const Scene& scene) { return scene.cohesion ? scene.cohesion->h_c : 0; }
+
+int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
 
 // Offsets from the roots, in the head's frame.
 static Strands at_rest(Scene scene, const std::string& device) {
@@ -74,6 +77,10 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
         HeadShapes head;
         for (const Solid& solid : scene.solids) head.shapes.push_back(solid.shape);
         head.depth = rest_depths_of(scene);
+        const Strands& rest = scene.groom.rest;
+        for (int s = 0; s < rest.count; ++s)
+            for (int i = 0; i < rest.particles; ++i)
+                head.edge.push_back(i == 0 ? 0 : norm(rest.at(s, i) - rest.at(s, i - 1)));
         learned->keep_outside(head);
     }
     return learned;

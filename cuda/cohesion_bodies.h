@@ -49,6 +49,7 @@ struct alignas(16) Displaced {
 struct alignas(16) ShownPoint {
     float x, y, z, length;
     WETCURL_HD Vec3f position() const { return {x, y, z}; }
+    WETCURL_HD void put(const Vec3f& p) { x = p.x, y = p.y, z = p.z; }
 };
 // Lists are made for so many at a time that follow each other in the order of cells.
 constexpr int list_block = 128;
@@ -205,21 +206,9 @@ struct CohesionBodies {
     // A strand x (particle), root to tip: no edge is longer than the term allows.
     WETCURL_HD void within_lengths(ShownPoint* x) const {
         for (int i = 1; i < thinning.particles; ++i) {
-            const Vec3f p = term.within_length(x[i - 1].position(), x[i].position(), x[i].length);
-            x[i].x = p.x, x[i].y = p.y, x[i].z = p.z;
+            x[i].put(term.within_length(x[i - 1].position(), x[i].position(), x[i].length));
         }
     }
 };
-
-// Pushed out of solids, as far as `allowed` for what is attached to the head.
-template <class Solids>
-WETCURL_HD Vec3f pushed_out(const Solids& solids, Vec3f x, float allowed) {
-    for (const auto& solid : solids) {
-        const auto d = distance_in_world(solid, cast<typename std::decay_t<decltype(solid)>::Number>(x));
-        const float depth = (solid.attached ? allowed : 0.f) - float(d.phi);
-        if (depth > 0) x += depth * cast<float>(d.normal);
-    }
-    return x;
-}
 
 }  // namespace wetcurl

@@ -105,25 +105,51 @@ __global__ void __launch_bounds__(pass_threads)
     b.move_strands(Team<Block>{Block{}, int(threadIdx.x), int(blockDim.x)}, first, strands, room);
 }
 
-// Shared memory: (strand, particle).
+constexpr int show_threads = 4 * warp, most_shown = 16;  // of a block, strands at most
+
+// Whole strands a block: particles by all its threads, what goes along a strand by one. Shared memory:
+// (strand, row_of(particles)).
+__host__ __device__ int row_of(int particles) { return particles | 1; }  // strands lie in different banks
 template <class T>
-__global__ void __launch_bounds__(most_strands* warp)
-    show(const CohesionBodies b, int strands, const Vec3f* simulated, const float* rest_depth,
-         const SubstepMotion<T>* motion, Vec3f* displayed) {
+__global__ void __launch_bounds__(show_threads)
+    show(const CohesionBodies b, int strands, int strands_of_block, const Vec3f* simulated,
+         const float* rest_depth, const SubstepMotion<T>* motion, Vec3f* displayed) {
     extern __shared__ ShownPoint shown[];
-    const int strand = strand_of_warp(), lane = int(threadIdx.x) % warp, n = b.thinning.particles;
-    if (strand >= strands) return;
-    const uint32_t root = uint32_t(strand) * uint32_t(n);
-    ShownPoint* const x = shown + int(threadIdx.x) / warp * n;
-    for (int i = lane; i < n; i += warp) x[i] = b.shown(strand, i, simulated);
-    __syncwarp();
-    if (lane == 0) b.within_lengths(x);
-    __syncwarp();
-    for (int i = lane; i < n; i += warp) {
-        const uint32_t id = root + uint32_t(i);
-        const Vec3f p = x[i].position();
-        displayed[id] = i == 0 ? p : pushed_out(*motion, p, rest_depth ? rest_depth[id] : 0.f);
+    const int n = b.thinning.particles, first = int(blockIdx.x) * strands_of_block,
+              count = min(strands_of_block, strands - first), thread = int(threadIdx.x);
+    auto strand = [&](int s) { return shown + s * row_of(n); };
+    auto out = [&](int s, int i) {
+        return [&, id = size_t(first + s) * size_t(n) + size_t(i)](const Vec3f& p) {
+            return pushed_out(*motion, p, rest_depth ? rest_depth[id] : 0.f);
+        };
+    };
+    auto for_each_particle = [&](int begin, auto f) {
+        for (int s = thread / warp; s < count; s += show_threads / warp)
+            for (int i = begin + thread % warp; i < n; i += warp) f(s, i);
+        __syncthreads();
+    };
+    for_each_particle(0, [&](int s, int i) { strand(s)[i] = b.shown(first + s, i, simulated); });
+    if (thread < count) b.within_lengths(strand(thread));
+    __syncthreads();
+    for_each_particle(1, [&](int s, int i) {
+        ShownPoint& x = strand(s)[i];
+        x.put(out(s, i)(x.position()));
+    });
+    bool torn = false;
+    for_each_particle(1, [&](int s, int i) {
+        const ShownPoint* x = strand(s) + i;
+        torn |= is_torn(x->position() - x[-1].position(), b.term.longest(x->length));
+    });
+    if (__syncthreads_or(torn)) {
+        ShownPoint* const x = strand(thread);
+        for (int i = 1; thread < count && i < n; ++i)
+            x[i].put(led_around(x[i - 1].position(), x[i].position(), b.term.longest(x[i].length),
+                                out(thread, i)));
+        __syncthreads();
     }
+    for_each_particle(0, [&](int s, int i) {
+        displayed[size_t(first + s) * size_t(n) + size_t(i)] = strand(s)[i].position();
+    });
 }
 
 std::vector<float> wet_volumes_of(const std::vector<float>& volume, const std::vector<float>& saturation) {
@@ -170,11 +196,11 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
                "attribute");
     // A processor holds 2048 threads; twice as many still leave none of it to wait for the longest lists.
     threads_a_list_ = who_.size() * threads_of_few <= size_t(processors) * 2 * 2048 ? threads_of_few : 1;
-    const size_t strand_bytes = size_t(thinning.particles) * sizeof(ShownPoint);
+    const size_t strand_bytes = size_t(row_of(thinning.particles)) * sizeof(ShownPoint);
     if (strand_bytes > size_t(most_shared))
         throw Error("cohesion on a CUDA device: found strands of " + std::to_string(thinning.particles) +
                     " particles, allowed at most " +
-                    std::to_string(size_t(most_shared) / sizeof(ShownPoint)));
+                    std::to_string((size_t(most_shared) / sizeof(ShownPoint) - 1) | 1));
     // Eight blocks a processor, four in its memory where they fit; a warp smooths eight strands' coordinates.
     keeps_ = bytes_to_move(1, particles, true) <= size_t(most_shared);
     const size_t of_a_strand = bytes_to_move(1, particles, keeps_);
@@ -183,7 +209,8 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
     blocks_ = unsigned((strands + strands_of_block_ - 1) / strands_of_block_);
     threads_ = std::min((strands_of_block_ * particles + warp - 1) / warp * warp, pass_threads);
     shared_bytes_ = bytes_to_move(strands_of_block_, particles, keeps_);
-    shown_of_block_ = int(std::min<size_t>(most_strands, size_t(most_shared) / strand_bytes));
+    shown_of_block_ = std::clamp(
+        std::min(strands / (8 * processors), int(size_t(most_shared) / strand_bytes)), 1, most_shown);
     allow_shared_memory(move_strands), allow_shared_memory(show<float>), allow_shared_memory(show<double>);
     // What a pass reads again shall be near: it shares nothing else.
     for (auto pass : {displace<1>, displace<threads_of_few>})
@@ -234,9 +261,10 @@ void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T
             b, places);
         move_strands<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_, keeps_);
     }
-    show<<<blocks_for(size_t(strands_), shown_of_block_), unsigned(shown_of_block_ * warp),
-           size_t(shown_of_block_ * thinning_.particles) * sizeof(ShownPoint), stream>>>(
-        b, strands_, simulated, rest_depth_.size() ? rest_depth_.data() : nullptr, motion, displayed);
+    show<<<blocks_for(size_t(strands_), shown_of_block_), show_threads,
+           size_t(shown_of_block_ * row_of(thinning_.particles)) * sizeof(ShownPoint), stream>>>(
+        b, strands_, shown_of_block_, simulated, rest_depth_.size() ? rest_depth_.data() : nullptr, motion,
+        displayed);
     check_cuda(cudaGetLastError(), "launch of the cohesion passes");
 }
 template void CohesionDevice::launch_passes(const Vec3f*, const SubstepMotion<float>*, Vec3f*, cudaStream_t);

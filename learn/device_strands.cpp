@@ -39,15 +39,11 @@ class OnDevice final : public LearnedStrands {
         model_->body = half ? torch::kHalf : torch::kFloat;
         model_->whole_grid = kernels_->high_strands() == kernels_->pixels();
         model_->freeze();
-        const long n = kernels_->particles(), S = kernels_->pixels(), l = kernels_->low_strands();
+        const long n = kernels_->particles(), l = kernels_->low_strands();
         cores_ = view(kernels_->cores(), {1, n, n}, device_).expand({3, n, n});
-        amplitudes_ = view(kernels_->amplitudes(), {1, dct_kept, n}, device_).expand({3, dct_kept, n});
         departed_ = view(kernels_->departed(), {3, n, l}, device_);
         moved_ = view(kernels_->moved(), {3, n, l}, device_);
-        base_ = view(kernels_->base(), {3, n, S}, device_);
         image_ = view(kernels_->image(), {1, static_channels + dynamic_channels, height_, width_}, device_);
-        base_amplitudes_ =
-            image_.view({-1, S}).narrow(0, static_channels, strand_coefficients).view({3, dct_kept, S});
     }
 
     const ModelCard& card() const override { return card_; }
@@ -131,7 +127,6 @@ class OnDevice final : public LearnedStrands {
         kernels_->depart(low_, stream_);
         torch::bmm_out(moved_, cores_, departed_);
         kernels_->carry(stream_);
-        torch::bmm_out(base_amplitudes_, amplitudes_, base_);
         kernels_->describe(stream_);
         answer_ = to_rows(model_->forward(image_)).contiguous();  // (S, 72)
         kernels_->place(answer_.data_ptr<float>(), out_, stream_);
@@ -143,7 +138,7 @@ class OnDevice final : public LearnedStrands {
     std::optional<StrandKernels> kernels_;
     ModelCard card_;
     std::shared_ptr<Model> model_;
-    Tensor cores_, amplitudes_, departed_, moved_, base_, image_, base_amplitudes_, answer_;
+    Tensor cores_, departed_, moved_, image_, answer_;
     const Vec3f *low_ = nullptr, *host_low_ = nullptr;
     Vec3f *out_ = nullptr, *host_out_ = nullptr;
     DeviceBuffer<Vec3f> own_low_, own_out_;

@@ -32,11 +32,11 @@ void require_finite(const Vec3f* low, size_t count, int particles) {
                         " at no finite position, allowed are finite ones");
 }
 
-void require_depths(const HeadShapes& head, size_t particles) {
-    if (head.depth.size() != particles)
-        throw Error(
-            "learned strands: found " + std::to_string(head.depth.size()) +
-            " depths in what is attached to the head, allowed one a particle: " + std::to_string(particles));
+void require_each(const HeadShapes& head, size_t particles) {
+    if (head.depth.size() != particles || head.edge.size() != particles)
+        throw Error("learned strands: found " + std::to_string(head.depth.size()) +
+                    " depths in what is attached to the head and " + std::to_string(head.edge.size()) +
+                    " edges, allowed one a particle: " + std::to_string(particles));
 }
 
 namespace {
@@ -54,8 +54,10 @@ class OnHost final : public LearnedStrands {
     }
     const ModelCard& card() const override { return network_->card(); }
     void keep_outside(const HeadShapes& head) override {
-        require_depths(head, size_t(codec_.roots().count()) * codec_.particles());
+        require_each(head, size_t(codec_.roots().count()) * codec_.particles());
         head_ = head;
+        views_.clear();
+        for (const Shape& shape : head_.shapes) views_.push_back(view_of(shape));
     }
     void bind(const Vec3f* low, Vec3f* out, bool on_device) override {
         if (on_device)
@@ -69,28 +71,38 @@ class OnHost final : public LearnedStrands {
         network_->run(input_.data(), {1, static_channels + dynamic_channels, codec_.height(), codec_.width()},
                       answer_.data());
         codec_.decode(answer_.data(), heads.now, to_);
-        for (const Shape& shape : head_.shapes) push_out_of(view_of(shape), heads.now);
+        if (!head_.shapes.empty()) push_out(heads.now);
     }
     void restart() override { codec_.restart(); }
     Strands base(const Pose& head) override { return codec_.base(head); }
 
   private:
-    void push_out_of(const ShapeView& shape, const Pose& head) {
+    void push_out(const Pose& head) {
         const Quatf turn = cast<float>(head.rotation), back = conjugate(turn);
         const Vec3f place = cast<float>(head.translation);
-        const size_t n = size_t(codec_.particles());
+        // That of its particles, where it is pushed.
+        auto out_of_shapes = [&](size_t k) {
+            return [&, depth = head_.depth[k]](const Vec3f& world) {
+                const Vec3f from = rotate(back, world - place);
+                Vec3f x = from;
+                for (const ShapeView& shape : views_) x = pushed_out(x, distance(shape, x), depth);
+                return norm(x - from) > 0 ? place + rotate(turn, x) : world;
+            };
+        };
+        const int n = codec_.particles();
 #pragma omp parallel for schedule(static)
-        for (size_t k = 0; k < head_.depth.size(); ++k) {
-            if (k % n == 0) continue;
-            const Vec3f x = rotate(back, to_[k] - place),
-                        out = pushed_out(x, distance(shape, x), head_.depth[k]);
-            if (norm(out - x) > 0) to_[k] = place + rotate(turn, out);
+        for (int s = 0; s < codec_.roots().count(); ++s) {
+            const size_t root = size_t(s) * size_t(n);
+            for (size_t k = root + 1; k < root + size_t(n); ++k) to_[k] = out_of_shapes(k)(to_[k]);
+            for (size_t k = root + 1; k < root + size_t(n); ++k)
+                to_[k] = led_around(to_[k - 1], to_[k], head_.edge[k], out_of_shapes(k));
         }
     }
 
     std::unique_ptr<Network> network_;
     StrandCodec codec_;
     HeadShapes head_;
+    std::vector<ShapeView> views_;  // of its shapes
     std::vector<float> input_, answer_;
     Strands low_;
     const Vec3f* from_ = nullptr;

@@ -12,11 +12,11 @@
 
 namespace wetcurl {
 
-// What is attached to the head, in its frame, and how deep each particle may lie in it, (high strand,
-// particle) [m]: 0 or as deep as at rest, below 0.
+// What is attached to the head, in its frame; how deep each particle may lie in it, 0 or as deep as at rest,
+// below 0; and how long the edge to it is at rest. (high strand, particle) [m].
 struct HeadShapes {
     std::vector<Shape> shapes;
-    std::vector<float> depth;
+    std::vector<float> depth, edge;
 };
 
 class LearnedStrands {
@@ -24,7 +24,7 @@ class LearnedStrands {
     virtual ~LearnedStrands() = default;
     virtual const ModelCard& card() const = 0;
     // From now on strands are moved out of these; roots stay. For networks of displayed strands: after others
-    // Eq 10 follows, and moves them out itself. Throws Error where the depths are not one a particle.
+    // Eq 10 follows, and moves them out itself. Throws Error where depths and edges are not one a particle.
     virtual void keep_outside(const HeadShapes& head) = 0;
     // Where the frames lie: low (low strands, particles) world positions of the dry low-resolution strands
     // [m], out (high strands, particles) the wet ones; both in the host's memory, or both in that of the CUDA
@@ -45,8 +45,8 @@ class LearnedStrands {
 // On the CPU; the network alone may run elsewhere. Throws Error where network and codec do not fit.
 std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec);
 
-// Throws Error unless there is a depth for each of so many particles.
-void require_depths(const HeadShapes& head, size_t particles);
+// Throws Error unless there is a depth and an edge for each of so many particles.
+void require_each(const HeadShapes& head, size_t particles);
 // Throws Error unless the card's network takes what the codec gives.
 void require_fit(const ModelCard& card, const StrandCodec& codec);
 // Throws Error, naming strand and particle, where one of `count` positions is not finite.

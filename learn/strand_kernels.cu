@@ -1,5 +1,7 @@
 // The strand codec on a CUDA device.
 // Ours.
+#include <cuda_pipeline.h>
+
 #include <algorithm>
 
 #include "learn/strand_kernels.h"
@@ -15,15 +17,25 @@ unsigned blocks_of(int count, int size = threads) { return unsigned((count + siz
 
 void check_launch(const char* what) { check_cuda(cudaGetLastError(), what); }
 
-__global__ void depart_kernel(const HeadState* head, const Vec3f* p, const float* share, const Vec3f* rest,
-                              int low, int n, float* x) {
-    const int k = int(blockIdx.x) * threads + int(threadIdx.x);
-    if (k >= low * n) return;
-    const int s = k % low, i = k / low;
-    const size_t at = size_t(s) * n;
-    const Vec3f d = share[s] * rotate(conjugate(head->rotation), p[at + i] - p[at]) - rest[at + i];
-    const size_t plane = size_t(n) * low;
-    x[k] = d.x, x[plane + k] = d.y, x[2 * plane + k] = d.z;
+// A block: `tile` strands by `tile` particles, turned over in shared memory.
+__global__ void __launch_bounds__(tile* tile_rows)
+    depart_kernel(const HeadState* head, const Vec3f* __restrict__ p, const float* __restrict__ share,
+                  const Vec3f* __restrict__ rest, int low, int n, float* __restrict__ x) {
+    __shared__ float turned[3][tile][tile + 1];
+    const int lane = int(threadIdx.x), first = int(blockIdx.x) * tile, begin = int(blockIdx.y) * tile,
+              mine = begin + lane;
+    const Quatf to_head = conjugate(head->rotation);
+    for (int k = int(threadIdx.y); k < tile && first + k < low; k += tile_rows) {
+        if (mine >= n) continue;
+        const size_t at = size_t(first + k) * n;
+        const Vec3f d = share[first + k] * rotate(to_head, p[at + mine] - p[at]) - rest[at + mine];
+        turned[0][lane][k] = d.x, turned[1][lane][k] = d.y, turned[2][lane][k] = d.z;
+    }
+    __syncthreads();
+    if (first + lane >= low) return;
+    for (int i = int(threadIdx.y); i < tile && begin + i < n; i += tile_rows)
+        for (int axis = 0; axis < 3; ++axis)
+            x[(size_t(axis) * n + begin + i) * low + first + lane] = turned[axis][i][lane];
 }
 
 constexpr int lost_strands = 32, lost_parts = 8;
@@ -54,14 +66,22 @@ __global__ void lost_kernel(int low, int n, const Beside* __restrict__ beside, c
     lost[s] = sum;
 }
 
-constexpr int carriers = 64;
+constexpr int carriers = 32, stages = 4;
 
-// A strand goes along its particles one by one: what the next one needs is on its way meanwhile.
-__global__ void carry_kernel(int pixels, int low, int n, int width, const int* __restrict__ strand,
-                             const float* __restrict__ rest, const int* __restrict__ from,
-                             const float* __restrict__ weight, const float* __restrict__ lost_weight,
-                             const float* __restrict__ lost, const Quatf* __restrict__ turn,
-                             const float* __restrict__ moved, float* __restrict__ base) {
+// Where wet low-resolution strands are kept as they are, that of a pixel.
+struct Kept {
+    const int* low;         // (pixel): low-resolution strand or -1; null: none is kept
+    const float *rest, *x;  // (3, n, low): offsets from the root at rest; how far from there
+};
+
+// A strand goes along its particles one by one. Its amplitudes add up, `unit` (n, 24) those of unit offsets.
+__global__ void __launch_bounds__(carriers)
+    carry_kernel(int pixels, int low, int n, int width, const int* __restrict__ strand,
+                 const float* __restrict__ rest, const int* __restrict__ from,
+                 const float* __restrict__ weight, const float* __restrict__ lost_weight,
+                 const float* __restrict__ lost, const Quatf* __restrict__ turn,
+                 const float* __restrict__ moved, const Kept kept, const float* __restrict__ unit,
+                 float* __restrict__ base, float* __restrict__ amplitudes) {
     constexpr int most = 4;  // of a stencil
     const int s = int(blockIdx.x) * carriers + int(threadIdx.x);
     if (s >= pixels || strand[s] < 0) return;
@@ -74,146 +94,216 @@ __global__ void carry_kernel(int pixels, int low, int n, int width, const int* _
     }
     const Quatf to_root = conjugate(turn[s]);
     const size_t plane = size_t(n) * low, out = size_t(n) * pixels;
-    struct Rest {
-        float number[rest_numbers];
-    };
-    struct Moved {
-        Vec3f of[most];
-    };
-    const auto rest_of = [&](int i) {
-        Rest out;
-        const float* r = rest + size_t(min(i, n - 1)) * rest_numbers * pixels + s;
+    const int twin = kept.low ? kept.low[s] : -1;
+    // What the next particles need is on its way: a ring of them, (number, lane) each.
+    __shared__ float ring[stages][rest_numbers + 3 * most][carriers];
+    const int lane = int(threadIdx.x);
+    const auto fetch = [&](int i) {
+        auto& to = ring[i % stages];
+        const float* r = rest + size_t(i) * rest_numbers * pixels + s;
+        const float* m = moved + size_t(i) * low;
+        if (i < n) {
 #pragma unroll
-        for (int k = 0; k < rest_numbers; ++k) out.number[k] = r[size_t(k) * pixels];
-        return out;
-    };
-    const auto moved_of = [&](int i) {
-        Moved out;
-        const float* m = moved + size_t(min(i, n - 1)) * low;
+            for (int k = 0; k < rest_numbers; ++k)
+                __pipeline_memcpy_async(&to[k][lane], r + size_t(k) * pixels, sizeof(float));
 #pragma unroll
-        for (int k = 0; k < most; ++k)
-            out.of[k] = {m[neighbour[k]], m[plane + neighbour[k]], m[2 * plane + neighbour[k]]};
-        return out;
+            for (int k = 0; k < 3 * most; ++k)
+                __pipeline_memcpy_async(&to[rest_numbers + k][lane],
+                                        m + size_t(k % 3) * plane + neighbour[k / 3], sizeof(float));
+        }
+        __pipeline_commit();
     };
-    Rest next_rest = rest_of(0);
-    Moved next_moved = moved_of(0);
+    for (int i = 0; i < stages; ++i) fetch(i);
+    Vec3f amplitude[dct_kept] = {};
     carry_rest<float>(
         n, fminf(fmaxf(lost_here, 0), 1),
         [&](int i) {
-            const Rest r = next_rest;
-            next_rest = rest_of(i + 1);
-            return RestParticle<float>{{r.number[0], r.number[1], r.number[2]},
-                                       r.number[3],
-                                       {r.number[4], r.number[5], r.number[6]},
-                                       {r.number[7], r.number[8], r.number[9]},
-                                       {r.number[10], r.number[11], r.number[12]}};
+            const auto& r = ring[i % stages];
+            auto vector = [&](int k) { return Vec3f{r[k][lane], r[k + 1][lane], r[k + 2][lane]}; };
+            return RestParticle<float>{vector(0), r[3][lane], vector(4), vector(7), vector(10)};
         },
+        // Asked for in order, before that particle's rest and after the one before's, whose place is free.
         [&](int i) {
-            const Moved m = next_moved;
-            next_moved = moved_of(i + 1);
+            if (i > 0) fetch(i - 1 + stages);
+            __pipeline_wait_prior(stages - 1);
+            const auto& m = ring[i % stages];
             Vec3f sum{0, 0, 0};
 #pragma unroll
-            for (int k = 0; k < most; ++k) sum += share[k] * m.of[k];
+            for (int k = 0; k < most; ++k) {
+                const int at = rest_numbers + 3 * k;
+                sum += share[k] * Vec3f{m[at][lane], m[at + 1][lane], m[at + 2][lane]};
+            }
             return rotate(to_root, sum);
         },
-        [&](int i, const Vec3f& x) {
+        [&](int i, Vec3f x) {
+            if (twin >= 0) {
+                const size_t k = size_t(i) * low + twin;
+                x = rotate(to_root, Vec3f{kept.rest[k] + kept.x[k], kept.rest[plane + k] + kept.x[plane + k],
+                                          kept.rest[2 * plane + k] + kept.x[2 * plane + k]});
+            }
             const size_t at = size_t(i) * pixels + s;
             base[at] = x.x, base[out + at] = x.y, base[2 * out + at] = x.z;
+            const float4* of_unit = reinterpret_cast<const float4*>(unit + i * dct_kept);
+#pragma unroll
+            for (int m = 0; m < dct_kept; m += 4) {
+                const float4 u = __ldg(of_unit + m / 4);
+                amplitude[m] += u.x * x, amplitude[m + 1] += u.y * x;
+                amplitude[m + 2] += u.z * x, amplitude[m + 3] += u.w * x;
+            }
         });
+#pragma unroll
+    for (int m = 0; m < dct_kept; ++m) {
+        float* to = amplitudes + size_t(m) * pixels + s;
+        to[0] = amplitude[m].x, to[size_t(dct_kept) * pixels] = amplitude[m].y;
+        to[size_t(2 * dct_kept) * pixels] = amplitude[m].z;
+    }
 }
 
-// Wet low-resolution strands are their twins' base as they are.
-__global__ void keep_kernel(int pixels, int low, int n, const int* twin, const Quatf* turn, const Vec3f* rest,
-                            const float* departed, float* base) {
-    const int k = int(blockIdx.x) * threads + int(threadIdx.x);
-    if (k >= low * n) return;
-    const int s = k % low, i = k / low, pixel = twin[s];
-    const size_t plane = size_t(n) * low, out = size_t(n) * pixels, at = size_t(i) * pixels + pixel;
-    const Vec3f d{departed[k], departed[plane + k], departed[2 * plane + k]};
-    const Vec3f x = rotate(conjugate(turn[pixel]), rest[size_t(s) * n + i] + d);
-    base[at] = x.x, base[out + at] = x.y, base[2 * out + at] = x.z;
-}
-
-__global__ void describe_kernel(const HeadState* head, int pixels, const int* strand, const Quatf* turn,
-                                const Vec3f* root, float* past, float* dynamic) {
-    const int s = int(blockIdx.x) * threads + int(threadIdx.x);
+// A block of strands describes one number of their history, or, as the last, gravity and their motion.
+__global__ void describe_kernel(const HeadState* head, int pixels, const int* __restrict__ strand,
+                                const Quatf* __restrict__ turn, const Vec3f* __restrict__ root, float* past,
+                                float* dynamic) {
+    const int s = int(blockIdx.x) * threads + int(threadIdx.x), m = int(blockIdx.y);
     if (s >= pixels || strand[s] < 0) return;
-    const Quatf to_root = conjugate(turn[s]);
-    const Vec3f x = root[s];
-    const Vec3f g = rotate(to_root, head->gravity), w = rotate(to_root, head->turning),
-                a = rotate(to_root, head->pull + x.x * head->pull_x[0] + x.y * head->pull_x[1] +
-                                        x.z * head->pull_x[2]);
-    const float moves[6] = {w.x, w.y, w.z, a.x, a.y, a.z};
-    float* at = dynamic + size_t(strand_coefficients) * pixels + s;
-    auto put = [&](float value) {
-        *at = value;
-        at += pixels;
-    };
-    put(g.x), put(g.y), put(g.z);
-    for (float m : moves) put(m);
-    // A ring of the last frames: `slot` holds this one.
-    auto then = [&](int slot, int m) -> float& {
-        return past[(size_t(slot) * history_numbers + m) * pixels + s];
-    };
-    for (int m = 0; m < history_numbers; ++m) {
-        const float now = m < modes
-                              ? dynamic[size_t(m / history_modes * dct_kept + m % history_modes) * pixels + s]
-                              : moves[m - modes];
-        for (int k = 0; head->first && k < slots; ++k) then(k, m) = now;
-        then(head->slot, m) = now;
-        constexpr int lags[] = {history_lags[0], history_lags[1], history_lags[2], history_lags[3]};
-        static_assert(sizeof lags / sizeof lags[0] == history_lags.size());
-        for (int l = 0; l < int(sizeof lags / sizeof lags[0]); ++l) {
-            const float before = then((head->slot + slots - lags[l]) % slots, m);
-            const int channel = strand_coefficients + motion_channels + l * history_numbers + m;
-            dynamic[size_t(channel) * pixels + s] = m < modes ? now - before : before;
+    float moves[6] = {};
+    if (m >= modes) {
+        const Quatf to_root = conjugate(turn[s]);
+        const Vec3f x = root[s];
+        const Vec3f g = rotate(to_root, head->gravity), w = rotate(to_root, head->turning),
+                    a = rotate(to_root, head->pull + x.x * head->pull_x[0] + x.y * head->pull_x[1] +
+                                            x.z * head->pull_x[2]);
+        moves[0] = w.x, moves[1] = w.y, moves[2] = w.z, moves[3] = a.x, moves[4] = a.y, moves[5] = a.z;
+        if (m == history_numbers) {
+            float* at = dynamic + size_t(strand_coefficients) * pixels + s;
+            for (float value : {g.x, g.y, g.z, w.x, w.y, w.z, a.x, a.y, a.z}) *at = value, at += pixels;
+            return;
         }
+    }
+    // A ring of the last frames: `slot` holds this one.
+    auto then = [&](int slot) -> float& { return past[(size_t(slot) * history_numbers + m) * pixels + s]; };
+    const float now = m < modes
+                          ? dynamic[size_t(m / history_modes * dct_kept + m % history_modes) * pixels + s]
+                          : moves[m - modes];
+    for (int k = 0; head->first && k < slots; ++k) then(k) = now;
+    then(head->slot) = now;
+    constexpr int lags[] = {history_lags[0], history_lags[1], history_lags[2], history_lags[3]},
+                  count = int(history_lags.size());
+    static_assert(sizeof lags / sizeof lags[0] == count);
+    float before[count];
+    for (int l = 0; l < count; ++l) before[l] = then((head->slot + slots - lags[l]) % slots);
+    for (int l = 0; l < count; ++l) {
+        const int channel = strand_coefficients + motion_channels + l * history_numbers + m;
+        dynamic[size_t(channel) * pixels + s] = m < modes ? now - before[l] : before[l];
     }
 }
 
-// A block: `tile` strands of a row of the grid by `tile` particles, turned over in shared memory so that both
-// sides are read and written in order. `offsets` (n, 24): of unit amplitudes.
-__global__ void __launch_bounds__(tile* tile_rows)
-    place_kernel(const HeadState* head, int pixels, int n, const int* strand, const Quatf* turn,
-                 const Vec3f* root, const float* base, const float* offsets, const float* answer,
-                 const ShapeView* shapes, int shape_count, const float* depth, Vec3f* out) {
-    __shared__ float near[tile][3 * tile + 1];
-    __shared__ float rise[tile][dct_kept];
-    const int first = int(blockIdx.x) * tile, s = first + int(threadIdx.x), begin = int(blockIdx.y) * tile;
-    const size_t plane = size_t(n) * pixels;
-    for (int k = int(threadIdx.y) * tile + int(threadIdx.x); k < tile * dct_kept; k += tile * tile_rows)
-        rise[k / dct_kept][k % dct_kept] = begin + k / dct_kept < n ? offsets[begin * dct_kept + k] : 0;
+// What strands are kept out of, and where each may lie in it.
+struct Outside {
+    const ShapeView* shapes;
+    int count;
+    const float *depth, *edge;  // (particle, pixel)
+    unsigned char* torn;        // (pixel)
+
+    // x in the head's frame.
+    __device__ Vec3f pushed(Vec3f x, float allowed) const {
+        for (int h = 0; h < count; ++h) x = pushed_out(x, distance(shapes[h], x), allowed);
+        return x;
+    }
+};
+
+constexpr int axes = 3, place_rows = axes * tile_rows;
+
+// A block: `tile` strands of a row of the grid by up to `tile` particles, turned over in shared memory so
+// that both sides are read and written in order. `offsets` (n, 24): of unit amplitudes.
+__global__ void __launch_bounds__(tile* place_rows)
+    place_kernel(const HeadState* head, int pixels, int n, int particles, const int* __restrict__ strand,
+                 const Quatf* __restrict__ turn, const Vec3f* __restrict__ root,
+                 const float* __restrict__ base, const float* __restrict__ offsets,
+                 const float* __restrict__ answer, const Outside outside, Vec3f* __restrict__ out) {
+    __shared__ float near[tile][axes * (tile + 1)];  // the particle before them first
+    __shared__ __align__(16) float rise[tile + 1][dct_kept];
+    __shared__ float amplitudes[tile][strand_coefficients + 1];
+    const int first = int(blockIdx.x) * tile, column = int(threadIdx.x), s = first + column,
+              row = int(threadIdx.y), thread = row * tile + column, begin = int(blockIdx.y) * particles,
+              end = min(begin + particles, n), before = max(begin - 1, 0);
+    for (int k = thread; k < (end - before) * dct_kept; k += tile * place_rows)
+        rise[k / dct_kept][k % dct_kept] = offsets[before * dct_kept + k];
+    for (int k = thread; k < min(tile, pixels - first) * strand_coefficients; k += tile * place_rows)
+        amplitudes[k / strand_coefficients][k % strand_coefficients] =
+            answer ? answer[size_t(first) * strand_coefficients + k] : 0;
     __syncthreads();
-    if (s < pixels && strand[s] >= 0) {
-        const Quatf to_head = turn[s];
-        float amplitude[strand_coefficients] = {};
-        if (answer)
+    const bool there = s < pixels && strand[s] >= 0;
+    if (there) {  // offsets, an axis a thread
+        const int axis = row % axes;
+        const float* of_axis = base + size_t(axis) * n * pixels + s;
+        float amplitude[dct_kept];
 #pragma unroll
-            for (int k = 0; k < strand_coefficients; ++k)
-                amplitude[k] = answer[size_t(s) * strand_coefficients + k];
-        for (int i = int(threadIdx.y); i < tile && begin + i < n; i += tile_rows) {
-            const size_t k = size_t(begin + i) * pixels + s;
-            Vec3f offset{0, 0, 0};
+        for (int m = 0; m < dct_kept; ++m) amplitude[m] = amplitudes[column][axis * dct_kept + m];
+#pragma unroll 4
+        for (int i = before + row / axes; i < end; i += tile_rows) {
+            float offset = 0;
 #pragma unroll
-            for (int m = 0; m < dct_kept; ++m)
-                offset +=
-                    rise[i][m] * Vec3f{amplitude[m], amplitude[dct_kept + m], amplitude[2 * dct_kept + m]};
-            offset += Vec3f{base[k], base[plane + k], base[2 * plane + k]};
-            Vec3f x = root[s] + rotate(to_head, offset);
-            for (int h = 0; h < shape_count && begin + i > 0; ++h)
-                x = pushed_out(x, distance(shapes[h], x), depth[k]);
-            const Vec3f p = head->translation + rotate(head->rotation, x);
-            float* to = &near[threadIdx.x][3 * i];
-            to[0] = p.x, to[1] = p.y, to[2] = p.z;
+            for (int m = 0; m < dct_kept; ++m) offset += rise[i - before][m] * amplitude[m];
+            near[column][axes * (i - before) + axis] = offset + of_axis[size_t(i) * pixels];
         }
     }
     __syncthreads();
-    const int floats = 3 * (n - begin < tile ? n - begin : tile);
-    for (int row = int(threadIdx.y); row < tile && first + row < pixels; row += tile_rows) {
-        const int to = strand[first + row];
+    if (there) {  // positions
+        const Quatf to_head = turn[s];
+        const Vec3f from = root[s];
+        for (int i = before + row; i < end; i += place_rows) {
+            float* p = &near[column][axes * (i - before)];
+            Vec3f x = from + rotate(to_head, Vec3f{p[0], p[1], p[2]});
+            if (outside.count > 0 && i > 0) x = outside.pushed(x, outside.depth[size_t(i) * pixels + s]);
+            x = head->translation + rotate(head->rotation, x);
+            p[0] = x.x, p[1] = x.y, p[2] = x.z;
+        }
+    }
+    __syncthreads();
+    for (int i = before + 1 + row; outside.count > 0 && there && i < end; i += place_rows) {
+        const float* p = &near[column][axes * (i - before)];
+        if (is_torn({p[0] - p[-3], p[1] - p[-2], p[2] - p[-1]}, outside.edge[size_t(i) * pixels + s]))
+            outside.torn[s] = 1;
+    }
+    for (int k = row; k < tile && first + k < pixels; k += place_rows) {
+        const int to = strand[first + k];
         if (to < 0) continue;
         float* p = &out[size_t(to) * n + begin].x;
-        for (int k = int(threadIdx.x); k < floats; k += tile) p[k] = near[row][k];
+        for (int l = column; l < axes * (end - begin); l += tile) p[l] = near[k][axes * (begin - before) + l];
+    }
+}
+
+// Torn strands, a warp each; all its lanes go along the strand, whose next 32 particles they hold.
+__global__ void lead_kernel(const HeadState* head, int pixels, int n, const int* __restrict__ strand,
+                            const Outside outside, Vec3f* out) {
+    const int s = int(blockIdx.x) * threads + int(threadIdx.x), lane = int(threadIdx.x) % tile;
+    constexpr unsigned all = ~0u;
+    const bool torn = s < pixels && outside.torn[s];
+    if (torn) outside.torn[s] = 0;
+    const Quatf back = conjugate(head->rotation);
+    for (unsigned left = __ballot_sync(all, torn); left; left &= left - 1) {
+        const int pixel = s - lane + __ffs(int(left)) - 1;
+        Vec3f* const x = out + size_t(strand[pixel]) * n;
+        Vec3f before{0, 0, 0};
+        for (int begin = 0; begin < n; begin += tile) {
+            const int mine = min(begin + lane, n - 1);
+            Vec3f own = x[mine];
+            const float depth = outside.depth[size_t(mine) * pixels + pixel],
+                        edge = outside.edge[size_t(mine) * pixels + pixel];
+            for (int k = 0; k < tile && begin + k < n; ++k) {
+                Vec3f p{__shfl_sync(all, own.x, k), __shfl_sync(all, own.y, k), __shfl_sync(all, own.z, k)};
+                const float allowed = __shfl_sync(all, depth, k), length = __shfl_sync(all, edge, k);
+                if (begin + k > 0)
+                    p = led_around(before, p, length, [&](const Vec3f& world) {
+                        const Vec3f from = rotate(back, world - head->translation),
+                                    to = outside.pushed(from, allowed);
+                        return norm(to - from) > 0 ? head->translation + rotate(head->rotation, to) : world;
+                    });
+                if (lane == k) own = p;
+                before = p;
+            }
+            if (begin + lane < n) x[mine] = own;
+        }
     }
 }
 
@@ -237,15 +327,24 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
       low_(low.rest.count),
       high_(codec.roots().count()),
       pixels_(int(codec.pixels())),
-      width_(codec.carrier().around().width),
-      low_is_wet_(codec.carrier().low_is_wet()) {
+      width_(codec.carrier().around().width) {
     const size_t n = size_t(n_), S = size_t(pixels_), width = size_t(width_);
     head() = {};
     const RestCarrier& carrier = codec.carrier();
+    // (low, n) to (3, n, low).
+    auto in_planes = [&](const std::vector<Vec3f>& of_particles) {
+        const size_t plane = of_particles.size();
+        std::vector<float> out(3 * plane);
+        for (size_t k = 0; k < plane; ++k) {
+            float* at = out.data() + k % n * size_t(low_) + k / n;
+            at[0] = of_particles[k].x, at[plane] = of_particles[k].y, at[2 * plane] = of_particles[k].z;
+        }
+        return out;
+    };
     std::vector<Vec3f> low_rest(low.rest.points);
     for (int s = 0; s < low_; ++s)
         for (int i = n_ - 1; i >= 0; --i) low_rest[size_t(s) * n + i] = low.rest.at(s, i) - low.rest.at(s, 0);
-    if (low_is_wet_) low_rest_ = DeviceBuffer<Vec3f>(low_rest);
+    if (carrier.low_is_wet()) low_rest_ = DeviceBuffer<float>(in_planes(low_rest));
     const Settled& settled = carrier.settled();
     for (size_t k = 0; k < settled.more.points.size(); ++k) low_rest[k] -= settled.more.points[k];
     share_ = DeviceBuffer<float>(settled.share.empty() ? std::vector<float>(size_t(low_), 1) : settled.share);
@@ -272,26 +371,20 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
             for (size_t k = 0; k < rest_numbers; ++k) rest[(i * rest_numbers + k) * S + pixel] = numbers[k];
         }
     }
-    std::vector<int> twin;
-    for (int s : around.twin) twin.push_back(codec.pixel_of()[size_t(s)]);
-    twin_ = DeviceBuffer<int>(twin);
+    if (carrier.low_is_wet()) {
+        std::vector<int> kept(S, -1);
+        for (int s = 0; s < low_; ++s) kept[size_t(codec.pixel_of()[size_t(around.twin[size_t(s)])])] = s;
+        kept_ = DeviceBuffer<int>(kept);
+    }
     rest_ = DeviceBuffer<float>(rest), weight_ = DeviceBuffer<float>(weight);
     lost_weight_ = DeviceBuffer<float>(lost_weight), beside_ = DeviceBuffer<Beside>(carrier.beside());
-    const size_t own_plane = n * size_t(low_);
-    std::vector<float> own(3 * own_plane);
-    for (size_t s = 0; s < size_t(low_); ++s)
-        for (size_t i = 0; i < n; ++i) {
-            const Vec3f& e = carrier.own().at(int(s), int(i));
-            float* at = own.data() + i * size_t(low_) + s;
-            at[0] = e.x, at[own_plane] = e.y, at[2 * own_plane] = e.z;
-        }
-    own_ = DeviceBuffer<float>(own), lost_ = DeviceBuffer<float>(size_t(low_));
+    own_ = DeviceBuffer<float>(in_planes(carrier.own().points)), lost_ = DeviceBuffer<float>(size_t(low_));
     from_ = DeviceBuffer<int>(from), strand_ = DeviceBuffer<int>(strand);
     turn_ = DeviceBuffer<Quatf>(turn), root_ = DeviceBuffer<Vec3f>(root);
     past_ = DeviceBuffer<float>(size_t(slots) * history_numbers * S);
 
-    // What unit strands give, column by column.
-    std::vector<float> cores(n * n, 0), amplitudes(dct_kept * n, 0), offsets(n * dct_kept, 0);
+    // What unit strands give, by particle.
+    std::vector<float> cores(n * n, 0), amplitudes(n * dct_kept, 0), offsets(n * dct_kept, 0);
     for (size_t j = 0; j < n; ++j) {
         std::vector<Vec3f> unit(n, Vec3f{0, 0, 0}), core(n);
         unit[j].x = 1;
@@ -301,7 +394,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
         }
         float c[strand_coefficients];
         codec.dct().encode(unit.data(), c);
-        for (size_t k = 0; k < dct_kept; ++k) amplitudes[k * n + j] = c[k];
+        std::copy_n(c, dct_kept, amplitudes.begin() + long(j * dct_kept));
     }
     for (size_t k = 0; k < dct_kept; ++k) {
         std::vector<Vec3f> rise(n);
@@ -320,7 +413,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
 }
 
 void StrandKernels::keep_outside(const HeadShapes& head) {
-    require_depths(head, size_t(high_) * n_);
+    require_each(head, size_t(high_) * n_);
     grids_.clear();
     std::vector<ShapeView> shapes;
     for (const Shape& shape : head.shapes) {
@@ -334,12 +427,16 @@ void StrandKernels::keep_outside(const HeadShapes& head) {
     shapes_ = DeviceBuffer<ShapeView>(shapes);
     std::vector<int> strand(size_t(pixels_), -1);
     strand_.download(strand.data());
-    std::vector<float> depth(size_t(n_) * pixels_, 0);
-    for (int i = 0; i < n_; ++i)
-        for (int s = 0; s < pixels_; ++s)
-            if (strand[size_t(s)] >= 0)
-                depth[size_t(i) * pixels_ + s] = head.depth[size_t(strand[size_t(s)]) * n_ + i];
-    depth_ = DeviceBuffer<float>(depth);
+    auto by_pixels = [&](const std::vector<float>& of_particles) {
+        std::vector<float> out(size_t(n_) * pixels_, 0);
+        for (int i = 0; i < n_; ++i)
+            for (int s = 0; s < pixels_; ++s)
+                if (strand[size_t(s)] >= 0)
+                    out[size_t(i) * pixels_ + s] = of_particles[size_t(strand[size_t(s)]) * n_ + i];
+        return DeviceBuffer<float>(out);
+    };
+    depth_ = by_pixels(head.depth), edge_ = by_pixels(head.edge);
+    torn_ = DeviceBuffer<unsigned char>(std::vector<unsigned char>(size_t(pixels_), 0));
 }
 
 void StrandKernels::begin_frame(const HeadWindow& heads, bool first) {
@@ -355,7 +452,7 @@ void StrandKernels::take_head(cudaStream_t stream) const {
 }
 
 void StrandKernels::depart(const Vec3f* low, cudaStream_t stream) const {
-    depart_kernel<<<blocks_of(low_ * n_), threads, 0, stream>>>(
+    depart_kernel<<<dim3(blocks_of(low_, tile), blocks_of(n_, tile)), dim3(tile, tile_rows), 0, stream>>>(
         head_.data(), low, share_.data(), low_start_.data(), low_, n_, departed_.data());
     check_launch("departure from rest");
 }
@@ -366,27 +463,29 @@ void StrandKernels::carry(cudaStream_t stream) const {
     check_launch("what strands lose of their own");
     carry_kernel<<<blocks_of(pixels_, carriers), carriers, 0, stream>>>(
         pixels_, low_, n_, width_, strand_.data(), rest_.data(), from_.data(), weight_.data(),
-        lost_weight_.data(), lost_.data(), turn_.data(), moved_.data(), base_.data());
+        lost_weight_.data(), lost_.data(), turn_.data(), moved_.data(),
+        Kept{kept_.data(), low_rest_.data(), departed_.data()}, amplitudes_.data(), base_.data(), dynamic());
     check_launch("rest shapes carried");
-    if (!low_is_wet_) return;
-    keep_kernel<<<blocks_of(low_ * n_), threads, 0, stream>>>(
-        pixels_, low_, n_, twin_.data(), turn_.data(), low_rest_.data(), departed_.data(), base_.data());
-    check_launch("wet strands kept");
 }
 
 void StrandKernels::describe(cudaStream_t stream) const {
-    describe_kernel<<<blocks_of(pixels_), threads, 0, stream>>>(
-        head_.data(), pixels_, strand_.data(), turn_.data(), root_.data(), past_.data(),
-        image_.data() + size_t(static_channels) * pixels_);
+    describe_kernel<<<dim3(blocks_of(pixels_), history_numbers + 1), threads, 0, stream>>>(
+        head_.data(), pixels_, strand_.data(), turn_.data(), root_.data(), past_.data(), dynamic());
     check_launch("features of motion");
 }
 
 void StrandKernels::place(const float* answer, Vec3f* out, cudaStream_t stream, bool within_shapes) const {
-    const dim3 blocks(unsigned((pixels_ + tile - 1) / tile), unsigned((n_ + tile - 1) / tile));
-    place_kernel<<<blocks, dim3(tile, tile_rows), 0, stream>>>(
-        head_.data(), pixels_, n_, strand_.data(), turn_.data(), root_.data(), base_.data(), offsets_.data(),
-        answer, shapes_.data(), within_shapes ? 0 : int(shapes_.size()), depth_.data(), out);
+    const Outside outside{shapes_.data(), within_shapes ? 0 : int(shapes_.size()), depth_.data(),
+                          edge_.data(), torn_.data()};
+    const unsigned parts = blocks_of(n_, tile);  // of a strand
+    place_kernel<<<dim3(blocks_of(pixels_, tile), parts), dim3(tile, place_rows), 0, stream>>>(
+        head_.data(), pixels_, n_, int(blocks_of(n_, int(parts))), strand_.data(), turn_.data(), root_.data(),
+        base_.data(), offsets_.data(), answer, outside, out);
     check_launch("placement in the world");
+    if (outside.count == 0) return;
+    lead_kernel<<<blocks_of(pixels_), threads, 0, stream>>>(head_.data(), pixels_, n_, strand_.data(),
+                                                            outside, out);
+    check_launch("strands led around the head");
 }
 
 }  // namespace wetcurl

@@ -1,6 +1,6 @@
 // The strand codec on a CUDA device, what of it is no matrix product. No torch here.
-// Ours. The same formulas as learn/carried_rest.h and learn/strand_codec.cpp; what is linear there (cores,
-// amplitudes) is left to matrix products between the kernels: cores = F X, amplitudes = E B.
+// Ours. The same formulas as learn/carried_rest.h and learn/strand_codec.cpp; cores, which are linear in the
+// strands, are left to a matrix product between the kernels, F X.
 //
 // A strand is a pixel of the root grid, S of them; one that holds none has only zeros. Interleaved:
 // neighbours in memory are neighbours on the grid.
@@ -35,14 +35,11 @@ class StrandKernels {
     int high_strands() const { return high_; }
     int pixels() const { return pixels_; }
 
-    // Of the matrix products, on the device: F (n, n), E (24, n), row-major.
+    // Of the matrix product, on the device: F (n, n), row-major.
     const float* cores() const { return cores_.data(); }
-    const float* amplitudes() const { return amplitudes_.data(); }
     // X (3, n, low): how far the low strands are from rest; M (3, n, low) = F X: how far their cores are.
     float* departed() const { return departed_.data(); }
     float* moved() const { return moved_.data(); }
-    // B (3, n, S): the base, offsets in root frames.
-    float* base() const { return base_.data(); }
     // (238, S): the network's input, its static channels filled.
     float* image() const { return image_.data(); }
     // Before each frame.
@@ -52,8 +49,9 @@ class StrandKernels {
     // Strands are moved out of these from now on.
     void keep_outside(const HeadShapes& head);
 
-    // In this order, all on `stream`: the head to the device; X from world positions; (M = F X); B; (E B into
-    // the image); the other dynamic channels; (the network); world positions (high, n).
+    // In this order, all on `stream`: the head to the device; X from world positions; (M = F X); the base B,
+    // offsets in root frames, and its amplitudes in the image; the other dynamic channels; (the network);
+    // world positions (high, n).
     void take_head(cudaStream_t stream) const;
     void depart(const Vec3f* low, cudaStream_t stream) const;
     void carry(cudaStream_t stream) const;
@@ -63,12 +61,14 @@ class StrandKernels {
     void place(const float* answer, Vec3f* out, cudaStream_t stream, bool within_shapes = false) const;
 
   private:
+    float* dynamic() const { return image_.data() + size_t(static_channels) * pixels_; }
+
     int n_, low_, high_, pixels_, width_;
-    bool low_is_wet_;
     PinnedBuffer<HeadState> head_host_{1};
     DeviceBuffer<HeadState> head_{1};
-    DeviceBuffer<Vec3f> low_rest_;            // (low, n) offsets from the root, in the head's frame
-    DeviceBuffer<Vec3f> low_start_;           // the same, less Settled::more
+    DeviceBuffer<Vec3f> low_start_;           // (low, n) offsets at rest from the root, less Settled::more
+    DeviceBuffer<int> kept_;                  // (S): low-resolution strand that is kept as it is, or -1
+    DeviceBuffer<float> low_rest_;            // (3, n, low): of those, offsets at rest, in the head's frame
     DeviceBuffer<float> share_;               // (low): Settled::share, else 1
     DeviceBuffer<float> rest_;                // (n, 13, S): RestParticle
     DeviceBuffer<int> from_;                  // (width, S)
@@ -80,12 +80,16 @@ class StrandKernels {
     DeviceBuffer<Quatf> turn_;                // (S): root frame to the head's
     DeviceBuffer<Vec3f> root_;                // (S): in the head's frame
     DeviceBuffer<int> strand_;                // (S): of the pixel, or -1
-    DeviceBuffer<int> twin_;                  // (low): pixel
     std::vector<DeviceBuffer<float>> grids_;  // of level sets
     DeviceBuffer<ShapeView> shapes_;          // attached to the head
-    DeviceBuffer<float> depth_;               // (n, S)
+    DeviceBuffer<float> depth_, edge_;        // (n, S), as of HeadShapes
+    DeviceBuffer<unsigned char> torn_;        // (S)
     DeviceBuffer<float> past_;                // (9, 18, S)
-    DeviceBuffer<float> cores_, amplitudes_, offsets_, departed_, moved_, base_, image_;
+    DeviceBuffer<float> cores_;               // F
+    DeviceBuffer<float> amplitudes_;          // (n, 24): of unit offsets
+    DeviceBuffer<float> offsets_;             // (n, 24): of unit amplitudes
+    DeviceBuffer<float> departed_, moved_, image_;
+    DeviceBuffer<float> base_;  // (3, n, S): B
 };
 
 }  // namespace wetcurl

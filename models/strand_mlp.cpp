@@ -52,10 +52,27 @@ Tensor StrandMlp::mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor&
 // A block adds W2 h + b2 to x. The bias is left out of x, so that the product adds to it where it lies: after
 // block k `shift` (k + 1) is what x lacks, and whoever reads x adds it.
 struct StrandMlp::Frozen {
-    Tensor mean, deviation, shift;  // (C), (C), (blocks + 1, channels)
-    Tensor first, first_bias;       // inputs filled up to a multiple of 8, as tensor cores want them
+    Tensor mean, share, shift;  // (C), (C) of a deviation, (blocks + 1, channels)
+    Tensor lift;                // (blocks, channels): what a shift comes to where a pixel sees all around it
+    Tensor first, first_bias;   // inputs filled up to a multiple of 8, as tensor cores want them
     std::vector<Tensor> in, in_bias, out, taps;  // of blocks; matrices (inputs, outputs)
     Tensor last, last_bias;                      // times `scale`
+};
+
+// Products of single precision are of 10 bits of each number meanwhile, summed up in single precision, by
+// tensor cores: what the body hands over has no more.
+class TensorFloat32 {
+  public:
+    TensorFloat32() { at::globalContext().setFloat32MatmulPrecision("high"); }
+    ~TensorFloat32() {
+        using Precision = at::Float32MatmulPrecision;
+        at::globalContext().setFloat32MatmulPrecision(before_ == Precision::HIGHEST ? "highest"
+                                                      : before_ == Precision::HIGH  ? "high"
+                                                                                    : "medium");
+    }
+
+  private:
+    const at::Float32MatmulPrecision before_ = at::globalContext().float32MatmulPrecision();
 };
 
 void StrandMlp::freeze() {
@@ -63,10 +80,11 @@ void StrandMlp::freeze() {
     if (body == torch::kHalf && mean_.is_cuda()) {
         auto half = [](const Tensor& x) { return x.to(torch::kHalf).contiguous(); };
         auto frozen = std::make_shared<Frozen>();
-        frozen->mean = mean_.contiguous(), frozen->deviation = deviation_.contiguous();
+        frozen->mean = mean_.contiguous(), frozen->share = deviation_.reciprocal();
         const long inputs = mean_.size(0);
         frozen->first = half(torch::constant_pad_nd(first_->weight, {0, (8 - inputs % 8) % 8})).t();
         frozen->first_bias = half(first_->bias);
+        const long channels = first_->bias.size(0);
         std::vector<Tensor> shifts{torch::zeros_like(first_->bias)};
         for (size_t i = 0; i < blocks_.size(); i += 2) {
             const auto &in = blocks_[i], &out = blocks_[i + 1];
@@ -76,8 +94,13 @@ void StrandMlp::freeze() {
             frozen->out.push_back(half(out->weight).t());
             shifts.push_back(shifts.back() + out->bias);
         }
-        for (const auto& mixer : mixers_) frozen->taps.push_back(half(mixer->weight));
+        for (const auto& mixer : mixers_)
+            frozen->taps.push_back(half(mixer->weight.view({channels, kernel * kernel}).t()));
         frozen->shift = torch::stack(shifts);
+        std::vector<Tensor> lifts;
+        for (size_t k = 0; k < mixers_.size(); ++k)
+            lifts.push_back(shifts[k] * (1 + frozen->taps[k].to(torch::kFloat).sum(0)));
+        if (!lifts.empty()) frozen->lift = torch::stack(lifts);
         frozen->last = (last_->weight * scale_.view({-1, 1})).t(), frozen->last_bias = last_->bias * scale_;
         frozen_ = frozen;
     }
@@ -94,19 +117,21 @@ Tensor StrandMlp::run(const Frozen& frozen, const Tensor& input) const {
                  mask = whole_grid || mixers_.empty() ? Tensor() : torch::empty({pixels}, in_half);
     void* const there = mask.defined() ? mask.data_ptr() : nullptr;
     launch_normalise(grid, int(image.size(1)), image.data_ptr<float>(), frozen.mean.data_ptr<float>(),
-                     frozen.deviation.data_ptr<float>(), half_reach, rows.data_ptr(), there, stream);
+                     frozen.share.data_ptr<float>(), half_reach, rows.data_ptr(), there, stream);
     Tensor x = torch::addmm(frozen.first_bias, rows, frozen.first);  // (P, channels)
     grid.channels = int(x.size(1));
     const Tensor around = mixers_.empty() ? x : torch::empty_like(x);
     for (size_t k = 0; k < frozen.in.size(); ++k) {
         if (!mixers_.empty())
             launch_mix(grid, x.data_ptr(), there, frozen.taps[k].data_ptr(),
-                       frozen.shift[long(k)].data_ptr<float>(), around.data_ptr(), stream);
+                       frozen.shift[long(k)].data_ptr<float>(), frozen.lift[long(k)].data_ptr<float>(),
+                       around.data_ptr(), stream);
         x.addmm_(at::_addmm_activation(frozen.in_bias[k], around, frozen.in[k]), frozen.out[k]);
     }
     const Tensor seen = torch::empty(x.sizes(), image.options());
     launch_activate(pixels, grid.channels, x.data_ptr(),
                     frozen.shift[long(frozen.in.size())].data_ptr<float>(), seen.data_ptr<float>(), stream);
+    const TensorFloat32 products;
     return from_rows(torch::addmm(frozen.last_bias, seen, frozen.last), input);
 }
 #else

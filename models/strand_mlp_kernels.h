@@ -7,22 +7,22 @@
 namespace wetcurl {
 
 struct GridOfRows {
-    int images, height, width, channels;  // channels: even
+    int images, height, width, channels;  // channels: a multiple of 8
 };
 
-// All on the current device; sums in single precision, results are rounded once. Throw Error where the launch
-// fails.
+// All on the current device; sums in single precision but those of up to 15 taps, results are rounded once.
+// Throw Error where the launch fails.
 
-// rows (B H W, channels) in half precision = (image - mean) / deviation, at most `most` either way; image (B,
-// inputs, H, W), mean and deviation (inputs) in single precision; inputs <= channels, beyond them 0. mask (B
+// rows (B H W, channels) in half precision = (image - mean) share, at most `most` either way; image (B,
+// inputs, H, W), mean and share (inputs) in single precision; inputs <= channels, beyond them 0. mask (B
 // H W) or null: 0 where all of a pixel's inputs are 0, else 1.
 void launch_normalise(const GridOfRows& grid, int inputs, const float* image, const float* mean,
-                      const float* deviation, float most, void* rows, void* mask, cudaStream_t stream);
+                      const float* share, float most, void* rows, void* mask, cudaStream_t stream);
 
-// out = y + depthwise 5x5 of (y mask) with y = x + shift: x, out (B H W, C), mask (B H W) or null, taps (C,
-// 5, 5) in half precision, shift (C) in single precision.
+// out = y + depthwise 5x5 of (y mask) with y = x + shift: x, out (B H W, C), mask (B H W) or null, taps (5,
+// 5, C) in half precision, shift (C) and lift (C) = shift (1 + sum of taps) in single precision.
 void launch_mix(const GridOfRows& grid, const void* x, const void* mask, const void* taps, const float* shift,
-                void* out, cudaStream_t stream);
+                const float* lift, void* out, cudaStream_t stream);
 
 // out = relu(x + shift): x (count, C) in half precision, shift (C) and out in single precision.
 void launch_activate(long count, int channels, const void* x, const float* shift, float* out,

@@ -15,7 +15,12 @@ Display::Display(const Scene& scene, const std::vector<float>& saturation, doubl
       volume_(volumes_of(scene)),
       rest_depth_(rest_depths_of(scene)),
       cohesion_(*scene.cohesion, scene.groom.rest.count, Thinning(scene.groom.rest, scene.cohesion->spacing),
-                volume_, saturation, float(reach)) {}
+                volume_, saturation, float(reach)) {
+    for (const Solid& solid : scene.solids)
+        shapes_.push_back(solid.deformation ? ShapeView{ShapeView::Kind::moving_grid, {}, {}, {}}
+                                            : view_of(solid.shape));
+    solids_.resize(shapes_.size());
+}
 
 void Display::take_up_water(const std::vector<double>& dry_mass) {
     for (size_t k = 0; k < volume_.size(); ++k)
@@ -24,25 +29,22 @@ void Display::take_up_water(const std::vector<double>& dry_mass) {
 
 void Display::apply(Strands& p, const Pose& head, double time, const MovingGrid* surfaces) {
     const double begin = omp_get_wtime();
-    cohesion_.apply(p);
-    auto project = [&](const auto* shape, const Solid& solid) {
+    for (size_t k = 0; k < shapes_.size(); ++k) {
+        const Solid& solid = scene_.solids[k];
+        if (solid.deformation) shapes_[k].grid = *surfaces++;
         const Pose pose = solid.at(time, head);
-        const PosedSolid<float, std::decay_t<decltype(*shape)>> posed{
-            shape, cast<float>(pose.rotation), cast<float>(pose.translation), {}, {}, 0.f, solid.attached};
-#pragma omp parallel for schedule(static)
-        for (size_t k = 0; k < p.points.size(); ++k) {
-            if (k % size_t(p.particles) == 0) continue;
-            Vec3f& x = p.points[k];
-            const auto d = distance_in_world(posed, x);
-            const float allowed = solid.attached ? rest_depth_[k] : 0.f;
-            x = pushed_out(x, d, allowed);
-        }
-    };
-    for (const auto& solid : scene_.solids)
-        if (solid.deformation)
-            project(surfaces++, solid);
-        else
-            project(&solid.shape, solid);
+        solids_[k] = {&shapes_[k],   cast<float>(pose.rotation), cast<float>(pose.translation), {}, {}, 0.f,
+                      solid.attached};
+    }
+    cohesion_.apply(p, [&](int s, Vec3f* x, const float* edges) {
+        if (solids_.empty()) return;
+        const float* depth = rest_depth_.empty() ? nullptr : &rest_depth_[size_t(s) * size_t(p.particles)];
+        auto out = [&](int i) {
+            return [&, i](const Vec3f& at) { return pushed_out(solids_, at, depth ? depth[i] : 0.f); };
+        };
+        for (int i = 1; i < p.particles; ++i) x[i] = out(i)(x[i]);
+        for (int i = 1; i < p.particles; ++i) x[i] = led_around(x[i - 1], x[i], edges[i], out(i));
+    });
     if (lends_) cohesion_.show_at(p);
     seconds_ = omp_get_wtime() - begin;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "solver/passes/cohesion.h"
+#include "solver/passes/contact.h"
 #include "solver/scene.h"
 
 namespace wetcurl {
@@ -36,6 +37,8 @@ class Display {
     const std::vector<float>& saturation_;
     const bool lends_;
     std::vector<float> volume_, rest_depth_;  // (strand, particle)
+    std::vector<ShapeView> shapes_;           // (solid)
+    std::vector<PosedSolid<float, ShapeView>> solids_;
     CohesionPass cohesion_;
     double seconds_ = 0;
 };

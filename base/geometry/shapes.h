@@ -118,6 +118,24 @@ WETCURL_HD inline Vec3f pushed_out(const Vec3f& x, const DistanceSample<float>& 
     return d.phi < allowed ? x + (allowed - d.phi) * d.normal : x;
 }
 
+// Of a strand whose particles were pushed out each by itself, two in a row may lie on either side of a solid:
+// the edge between them is torn, `length` [m] being its own.
+constexpr float torn_lengths = 2;
+WETCURL_HD inline bool is_torn(const Vec3f& edge, float length) { return norm(edge) > torn_lengths * length; }
+// Then x, which follows the particle `before`, is led around from there, as far as an edge that is not torn
+// reaches. out(x) pushes out.
+template <class Out>
+WETCURL_HD Vec3f led_around(const Vec3f& before, const Vec3f& x, float length, Out out) {
+    constexpr int turns = 4;  // each leaves more of the edge along the surface
+    if (!is_torn(x - before, length)) return x;
+    Vec3f to = x;
+    for (int turn = 0; turn < turns; ++turn) {
+        const Vec3f edge = to - before;
+        to = out(before + (torn_lengths * length / maximum(norm(edge), tiny_length<float>)) * edge);
+    }
+    return to;
+}
+
 // For drawing: round shapes with `around` corners a turn, inscribed; a plane as a quad of 1 m; a level set as
 // the mesh that it was made from. Triangles turn anticlockwise seen from outside.
 Mesh triangulated(const Shape& shape, int around = 48);

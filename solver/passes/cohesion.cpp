@@ -75,7 +75,7 @@ void CohesionPass::build_lists(const Strands& p, const Strands& whole) {
     std::memcpy(&sums_[first], &all, sizeof all);
 }
 
-void CohesionPass::apply(Strands& p) {
+void CohesionPass::draw_together(const Strands& p) {
     if (water_) {
 #pragma omp parallel for schedule(static)
         for (int s = 0; s < strands_; ++s)
@@ -88,15 +88,14 @@ void CohesionPass::apply(Strands& p) {
         for (long c = 0; c < clusters; ++c) add_up(size_t(c));
         move_strands();
     }
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < strands_; ++s) show(s, p.strand(s));
 }
 
-void CohesionPass::show(int strand, Vec3f* x) const {
+void CohesionPass::show(int strand, Vec3f* x, float* edges) const {
     const PointQuads& now = grid_.points();
     const uint32_t* rank = &rank_[size_t(strand) * size_t(particles_)];
     auto moved = [&](int j) { return now.at(rank[j]) - thinned_.at(strand, j); };
     Vec3f before = x[0];
+    edges[0] = 0;
     for (int i = 1; i < thinning_.particles; ++i) {
         Vec3f end;
         if (!water_) {
@@ -108,6 +107,7 @@ void CohesionPass::show(int strand, Vec3f* x) const {
         const float length = norm(x[i] - before);
         before = x[i];
         x[i] = term_.within_length(x[i - 1], end, length);
+        edges[i] = term_.longest(length);
     }
 }
 
@@ -168,7 +168,8 @@ size_t CohesionPass::bytes() const {
     const size_t thinned = water_ ? 3 * water_->volume.capacity() * sizeof(float) : 0;
     return thinned + thinned_.points.capacity() * sizeof(Vec3f) + floats * sizeof(float) +
            rank_.capacity() * sizeof(uint32_t) + sums_.capacity() * sizeof sums_[0] +
-           moved_.size() * size_t(particles_) * sizeof(Moved) + grid_.bytes() + list_.bytes();
+           moved_.size() * size_t(particles_) * sizeof(Moved) +
+           edges_.size() * size_t(thinning_.particles) * sizeof(float) + grid_.bytes() + list_.bytes();
 }
 
 }  // namespace wetcurl

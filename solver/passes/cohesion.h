@@ -2,6 +2,8 @@
 // Gathers only; each particle writes its own slot, so the result is the same for any number of threads.
 #pragma once
 
+#include <omp.h>
+
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -22,8 +24,26 @@ class CohesionPass {
     CohesionPass(const Cohesion& term, int strands, const Thinning& thinning,
                  const std::vector<float>& volume, const std::vector<float>& saturation, float reach = 0);
 
-    // Positions p become displayed positions p^w. Roots stay.
-    void apply(Strands& p);
+    // Positions p become displayed positions p^w. Roots stay. finish(strand, x, edges) has the last word on a
+    // strand's x (particle); edges (particle): how long the one to each may show [m], 0 at the root.
+    template <class Finish>
+    void apply(Strands& p, Finish finish) {
+        draw_together(p);
+        edges_.resize(size_t(omp_get_max_threads()));
+#pragma omp parallel
+        {
+            std::vector<float>& edges = edges_[size_t(omp_get_thread_num())];
+            edges.resize(size_t(p.particles));
+#pragma omp for schedule(static)
+            for (int s = 0; s < strands_; ++s) {
+                show(s, p.strand(s), edges.data());
+                finish(s, p.strand(s), edges.data());
+            }
+        }
+    }
+    void apply(Strands& p) {
+        apply(p, [](int, Vec3f*, const float*) {});
+    }
 
     // The grid's points become p, what is seen in the end: for those who read the lists.
     void show_at(const Strands& p);
@@ -38,8 +58,10 @@ class CohesionPass {
     void build_lists(const Strands& p, const Strands& whole);
     void add_up(size_t c);
     void move_strands();
-    // After the last pass: a strand's x (particle) become p^w, with its edges held.
-    void show(int strand, Vec3f* x) const;
+    // All passes.
+    void draw_together(const Strands& p);
+    // After the last one: a strand's x (particle) become p^w, with its edges held, of which `edges` tells.
+    void show(int strand, Vec3f* x, float* edges) const;
     Cohesion term_;
     Thinning thinning_;
     int strands_, particles_;  // for whom Eq 10 is asked
@@ -61,6 +83,7 @@ class CohesionPass {
         Pack<float> weight, own;
     };
     std::vector<std::vector<Moved>> moved_;
+    std::vector<std::vector<float>> edges_;  // (thread, particle)
     double list_seconds_ = 0;
 };
 

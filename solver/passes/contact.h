@@ -46,6 +46,17 @@ WETCURL_HD Vec3<S> velocity_at(const PosedSolid<Plain<S>, Body>& solid, const Ve
     return v;
 }
 
+// x pushed out of each, as far as `allowed` for what is attached to the head.
+template <class Solids>
+WETCURL_HD Vec3f pushed_out(const Solids& solids, Vec3f x, float allowed) {
+    for (const auto& solid : solids) {
+        const auto d = distance_in_world(solid, cast<typename std::decay_t<decltype(solid)>::Number>(x));
+        const float depth = (solid.attached ? allowed : 0.f) - float(d.phi);
+        if (depth > 0) x += depth * cast<float>(d.normal);
+    }
+    return x;
+}
+
 // Which of two solids counts: the nearer one, the earlier where both are as near.
 struct Nearer {
     template <class S>

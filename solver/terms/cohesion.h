@@ -66,12 +66,17 @@ struct Cohesion {
         for (int k = 1; length > 0 && k * length < h_c; ++k) sum += 2 * kernel_shape(k * length, h_c);
         return sum;
     }
+    // How long an edge of that simulated length may show.
+    template <class S>
+    WETCURL_HD S longest(const S& length) const {
+        return S(1 + stretch) * length;
+    }
     // The displayed end of an edge from x to `end`, whose simulated length is given: hair that is drawn to
     // two clumps at once must not show as a stretched line.
     template <class S>
     WETCURL_HD Vec3<S> within_length(const Vec3<S>& x, const Vec3<S>& end, const S& length) const {
         const Vec3<S> e = end - x;
-        const S most = S(1 + stretch) * length, now = norm(e);
+        const S most = longest(length), now = norm(e);
         return select(now > most, x + (most / maximum(now, S(tiny_length<S>))) * e, end);
     }
     // p_i^w - p_i, `own` the particle's volume times its strand's own_weight.

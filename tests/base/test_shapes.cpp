@@ -144,6 +144,39 @@ double area_of(const Mesh& mesh) {
     return sum;
 }
 
+// Straight through a ball, past its centre: each particle comes out on its own side.
+TEST(LedAround, a_strand_goes_around_what_it_would_cross_at_no_more_than_twice_its_length) {
+    const ShapeView ball = view_of(Sphere{0.1});
+    auto out = [&](const Vec3f& x) { return pushed_out(x, distance(ball, x), 0.f); };
+    constexpr int n = 60;
+    constexpr float length = 0.01f;
+    std::vector<Vec3f> straight, strand;
+    for (int i = 0; i < n; ++i) straight.push_back({0.02f, 0, 0.2f - length * float(i)});
+    for (const Vec3f& x : straight) strand.push_back(out(x));
+    float torn = 0;
+    for (int i = 1; i < n; ++i) torn = std::max(torn, norm(strand[i] - strand[i - 1]));
+    ASSERT_GT(torn, 4 * length);
+    const std::vector<Vec3f> pushed = strand;
+    for (int i = 1; i < n; ++i) strand[i] = led_around(strand[i - 1], strand[i], length, out);
+    int led = 0;
+    for (int i = 1; i < n; ++i) {
+        EXPECT_LT(norm(strand[i] - strand[i - 1]), 1.01f * torn_lengths * length) << i;
+        EXPECT_GT(norm(strand[i]), norm(pushed[i]) < 0.1001f ? 0.0999f : 0.f) << i;
+        if (norm(strand[i] - pushed[i]) == 0) continue;
+        EXPECT_LT(norm(strand[i]), 0.12f) << i;
+        EXPECT_GT(norm(strand[i] - strand[i - 1]), 0.99f * torn_lengths * length) << i;
+        ++led;
+    }
+    EXPECT_GT(led, 3);
+    EXPECT_LT(led, 20);
+    EXPECT_EQ(norm(strand[n - 1] - pushed[n - 1]), 0);  // it catches up
+    // What is not torn stays to the bit.
+    for (int i = 1; i < n; ++i)
+        EXPECT_EQ(norm(led_around(straight[i - 1], straight[i], length, out) - straight[i]), 0);
+    // Through the centre no way is the shorter one.
+    EXPECT_LT(norm(led_around({0, 0, 0.1f}, {0, 0, -0.1f}, length, out)), 0.1001f);
+}
+
 TEST(Triangulated, vertices_lie_on_the_surface) {
     for (const Shape& shape : analytic_shapes())
         for (const Vec3f& v : triangulated(shape).vertices)

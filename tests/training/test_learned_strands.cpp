@@ -96,7 +96,10 @@ TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
     learned->run(hair.take(0));
     EXPECT_EQ(testing::largest_distance(hair.out, shown[0]), 0);
     // Out of what is attached to the head, roots apart.
-    const HeadShapes head{{Sphere{0.12}}, std::vector<float>(hair.high.rest.points.size(), 0)};
+    // No edge is long beside 10 cm.
+    const size_t particles = hair.high.rest.points.size();
+    const HeadShapes head{
+        {Sphere{0.12}}, std::vector<float>(particles, 0), std::vector<float>(particles, 0.1f)};
     learned->keep_outside(head);
     const HeadWindow heads = hair.take(1);
     learned->run(heads);
@@ -108,7 +111,22 @@ TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
             held += away < 0.12 + 1e-5;
         }
     EXPECT_GT(held, 100);
-    expect_error([&] { learned->keep_outside({{Sphere{0.1}}, {0, 0}}); }, {"2 depths", "3200"});
+    // What is torn is led: here all, as edges are said to be shorter than they are.
+    HeadShapes shorter = head;
+    shorter.edge.assign(particles, 1e-3f);
+    learned->keep_outside(shorter);
+    learned->run(hair.take(1));
+    for (int s = 0; s < hair.out.count; ++s)
+        for (int i = 1; i < hair.out.particles; ++i) {
+            EXPECT_GT(norm(heads.now.inverse(cast<double>(hair.out.at(s, i)))), 0.12 - 1e-5);
+            if (i == 1) continue;  // from a root within the ball
+            EXPECT_LT(norm(hair.out.at(s, i) - hair.out.at(s, i - 1)), 1.05 * torn_lengths * 1e-3);
+        }
+    expect_error(
+        [&] {
+            learned->keep_outside({{Sphere{0.1}}, {0, 0}, {0}});
+        },
+        {"2 depths", "1 edges", "3200"});
     expect_error([&] { learned->bind(nullptr, nullptr, true); }, {"CUDA", "CPU"});
     expect_error(
         [&] {
