@@ -138,12 +138,12 @@ __global__ void __launch_bounds__(show_threads)
     bool torn = false;
     for_each_particle(1, [&](int s, int i) {
         const ShownPoint* x = strand(s) + i;
-        torn |= is_torn(x->position() - x[-1].position(), b.term.longest(x->length));
+        torn |= is_torn(x->position() - x[-1].position(), b.term.torn_beyond(x->length));
     });
     if (__syncthreads_or(torn)) {
         ShownPoint* const x = strand(thread);
         for (int i = 1; thread < count && i < n; ++i)
-            x[i].put(led_around(x[i - 1].position(), x[i].position(), b.term.longest(x[i].length),
+            x[i].put(led_around(x[i - 1].position(), x[i].position(), b.term.torn_beyond(x[i].length),
                                 out(thread, i)));
         __syncthreads();
     }
@@ -210,7 +210,7 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
     threads_ = std::min((strands_of_block_ * particles + warp - 1) / warp * warp, pass_threads);
     shared_bytes_ = bytes_to_move(strands_of_block_, particles, keeps_);
     shown_of_block_ = std::clamp(
-        std::min(strands / (8 * processors), int(size_t(most_shared) / strand_bytes)), 1, most_shown);
+        std::min(strands / (8 * processors), int(size_t(most_shared) / 8 / strand_bytes)), 1, most_shown);
     allow_shared_memory(move_strands), allow_shared_memory(show<float>), allow_shared_memory(show<double>);
     // What a pass reads again shall be near: it shares nothing else.
     for (auto pass : {displace<1>, displace<threads_of_few>})

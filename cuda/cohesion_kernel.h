@@ -55,7 +55,7 @@ class CohesionDevice {
 
     // Positions (strand, particle) -> neighbour lists.
     void launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream);
-    // -> displayed positions, pushed out of the motion's solids.
+    // -> displayed positions, pushed out of the motion's solids and led around them.
     template <class T>
     void launch_passes(const Vec3f* simulated, const SubstepMotion<T>* motion, Vec3f* displayed,
                        cudaStream_t stream);

@@ -80,7 +80,6 @@ class OnHost final : public LearnedStrands {
     void push_out(const Pose& head) {
         const Quatf turn = cast<float>(head.rotation), back = conjugate(turn);
         const Vec3f place = cast<float>(head.translation);
-        // That of its particles, where it is pushed.
         auto out_of_shapes = [&](size_t k) {
             return [&, depth = head_.depth[k]](const Vec3f& world) {
                 const Vec3f from = rotate(back, world - place);
@@ -95,7 +94,7 @@ class OnHost final : public LearnedStrands {
             const size_t root = size_t(s) * size_t(n);
             for (size_t k = root + 1; k < root + size_t(n); ++k) to_[k] = out_of_shapes(k)(to_[k]);
             for (size_t k = root + 1; k < root + size_t(n); ++k)
-                to_[k] = led_around(to_[k - 1], to_[k], head_.edge[k], out_of_shapes(k));
+                to_[k] = led_around(to_[k - 1], to_[k], torn_lengths * head_.edge[k], out_of_shapes(k));
         }
     }
 

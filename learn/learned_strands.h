@@ -23,8 +23,9 @@ class LearnedStrands {
   public:
     virtual ~LearnedStrands() = default;
     virtual const ModelCard& card() const = 0;
-    // From now on strands are moved out of these; roots stay. For networks of displayed strands: after others
-    // Eq 10 follows, and moves them out itself. Throws Error where depths and edges are not one a particle.
+    // From now on strands are moved out of these and led around them, edges of more than about twice their
+    // length shortened to that; roots stay. For networks of displayed strands: after others Eq 10 follows,
+    // and does the same. Throws Error where depths and edges are not one a particle.
     virtual void keep_outside(const HeadShapes& head) = 0;
     // Where the frames lie: low (low strands, particles) world positions of the dry low-resolution strands
     // [m], out (high strands, particles) the wet ones; both in the host's memory, or both in that of the CUDA

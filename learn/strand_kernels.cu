@@ -262,7 +262,8 @@ __global__ void __launch_bounds__(tile* place_rows)
     __syncthreads();
     for (int i = before + 1 + row; outside.count > 0 && there && i < end; i += place_rows) {
         const float* p = &near[column][axes * (i - before)];
-        if (is_torn({p[0] - p[-3], p[1] - p[-2], p[2] - p[-1]}, outside.edge[size_t(i) * pixels + s]))
+        if (is_torn({p[0] - p[-3], p[1] - p[-2], p[2] - p[-1]},
+                    torn_lengths * outside.edge[size_t(i) * pixels + s]))
             outside.torn[s] = 1;
     }
     for (int k = row; k < tile && first + k < pixels; k += place_rows) {
@@ -294,7 +295,7 @@ __global__ void lead_kernel(const HeadState* head, int pixels, int n, const int*
                 Vec3f p{__shfl_sync(all, own.x, k), __shfl_sync(all, own.y, k), __shfl_sync(all, own.z, k)};
                 const float allowed = __shfl_sync(all, depth, k), length = __shfl_sync(all, edge, k);
                 if (begin + k > 0)
-                    p = led_around(before, p, length, [&](const Vec3f& world) {
+                    p = led_around(before, p, torn_lengths * length, [&](const Vec3f& world) {
                         const Vec3f from = rotate(back, world - head->translation),
                                     to = outside.pushed(from, allowed);
                         return norm(to - from) > 0 ? head->translation + rotate(head->rotation, to) : world;

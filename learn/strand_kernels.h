@@ -46,7 +46,7 @@ class StrandKernels {
     void begin_frame(const HeadWindow& heads, bool first);
     HeadState& head() const { return head_host_[0]; }
 
-    // Strands are moved out of these from now on.
+    // Strands are moved out of these and led around them from now on.
     void keep_outside(const HeadShapes& head);
 
     // In this order, all on `stream`: the head to the device; X from world positions; (M = F X); the base B,

@@ -5,6 +5,8 @@
 #ifdef WETCURL_MODEL_KERNELS
 #include <c10/cuda/CUDAStream.h>
 
+#include <mutex>
+
 #include "models/strand_mlp_kernels.h"
 #endif
 
@@ -60,7 +62,7 @@ struct StrandMlp::Frozen {
 };
 
 // Products of single precision are of 10 bits of each number meanwhile, summed up in single precision, by
-// tensor cores: what the body hands over has no more.
+// tensor cores: the body's numbers have no more. The setting is the process's, so one at a time.
 class TensorFloat32 {
   public:
     TensorFloat32() { at::globalContext().setFloat32MatmulPrecision("high"); }
@@ -72,6 +74,8 @@ class TensorFloat32 {
     }
 
   private:
+    static inline std::mutex mutex_;
+    const std::lock_guard<std::mutex> one_{mutex_};
     const at::Float32MatmulPrecision before_ = at::globalContext().float32MatmulPrecision();
 };
 

@@ -18,7 +18,7 @@ __global__ void __launch_bounds__(warp* chunk_rows)
     normalise_kernel(int area, int inputs, int channels, const float* __restrict__ image,
                      const float* __restrict__ mean, const float* __restrict__ share, float most,
                      __half2* __restrict__ rows, __half* __restrict__ mask) {
-    __shared__ __half turned[warp][chunk + 2];  // pixels lie in different banks
+    __shared__ __align__(4) __half turned[warp][chunk + 2];  // pixels lie in different banks
     __shared__ bool part[chunk_rows][warp];
     const int lane = int(threadIdx.x), row = int(threadIdx.y), first = int(blockIdx.x) * warp,
               p = first + lane;

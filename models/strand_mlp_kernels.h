@@ -10,8 +10,8 @@ struct GridOfRows {
     int images, height, width, channels;  // channels: a multiple of 8
 };
 
-// All on the current device; sums in single precision but those of up to 15 taps, results are rounded once.
-// Throw Error where the launch fails.
+// All on the current device; sums in single precision but those of up to 15 taps, results are rounded once,
+// and so is what a look around sees where it is masked or ends. Throw Error where the launch fails.
 
 // rows (B H W, channels) in half precision = (image - mean) share, at most `most` either way; image (B,
 // inputs, H, W), mean and share (inputs) in single precision; inputs <= channels, beyond them 0. mask (B

@@ -43,14 +43,16 @@ void Display::apply(Strands& p, const Pose& head, double time, const MovingGrid*
             return [&, i](const Vec3f& at) { return pushed_out(solids_, at, depth ? depth[i] : 0.f); };
         };
         for (int i = 1; i < p.particles; ++i) x[i] = out(i)(x[i]);
-        for (int i = 1; i < p.particles; ++i) x[i] = led_around(x[i - 1], x[i], edges[i], out(i));
+        for (int i = 1; i < p.particles; ++i)
+            x[i] = led_around(x[i - 1], x[i], scene_.cohesion->torn_beyond(edges[i]), out(i));
     });
     if (lends_) cohesion_.show_at(p);
     seconds_ = omp_get_wtime() - begin;
 }
 
 size_t Display::bytes() const {
-    return cohesion_.bytes() + (volume_.capacity() + rest_depth_.capacity()) * sizeof(float);
+    return cohesion_.bytes() + (volume_.capacity() + rest_depth_.capacity()) * sizeof(float) +
+           shapes_.capacity() * sizeof shapes_[0] + solids_.capacity() * sizeof solids_[0];
 }
 
 }  // namespace wetcurl

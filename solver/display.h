@@ -1,5 +1,6 @@
-// What is seen of wet hair: p^w, strands drawn together (Eq 10) and projected out of solids. The simulation
-// shows its frames through it, and so does whoever puts learned strands in its place.
+// What is seen of wet hair: p^w, strands drawn together (Eq 10), projected out of solids and led around those
+// that they would cross. The simulation shows its frames through it, and so does whoever puts learned strands
+// in its place.
 #pragma once
 
 #include <memory>

@@ -118,20 +118,20 @@ WETCURL_HD inline Vec3f pushed_out(const Vec3f& x, const DistanceSample<float>& 
     return d.phi < allowed ? x + (allowed - d.phi) * d.normal : x;
 }
 
-// Of a strand whose particles were pushed out each by itself, two in a row may lie on either side of a solid:
-// the edge between them is torn, `length` [m] being its own.
+// Of a strand whose particles were pushed out each by itself, two in a row may lie on either side of a solid.
+// The edge between them is torn: longer than `most` [m], here often so many times its length at rest.
 constexpr float torn_lengths = 2;
-WETCURL_HD inline bool is_torn(const Vec3f& edge, float length) { return norm(edge) > torn_lengths * length; }
-// Then x, which follows the particle `before`, is led around from there, as far as an edge that is not torn
-// reaches. out(x) pushes out.
+WETCURL_HD inline bool is_torn(const Vec3f& edge, float most) { return norm(edge) > most; }
+// Then x is led around from `before`, the particle before it, as far as `most`; the last push may make the
+// edge somewhat longer. Wherever an edge is so long, that is, whatever made it so. out(x) pushes out.
 template <class Out>
-WETCURL_HD Vec3f led_around(const Vec3f& before, const Vec3f& x, float length, Out out) {
+WETCURL_HD Vec3f led_around(const Vec3f& before, const Vec3f& x, float most, Out out) {
     constexpr int turns = 4;  // each leaves more of the edge along the surface
-    if (!is_torn(x - before, length)) return x;
+    if (!is_torn(x - before, most)) return x;
     Vec3f to = x;
     for (int turn = 0; turn < turns; ++turn) {
         const Vec3f edge = to - before;
-        to = out(before + (torn_lengths * length / maximum(norm(edge), tiny_length<float>)) * edge);
+        to = out(before + (most / maximum(norm(edge), tiny_length<float>)) * edge);
     }
     return to;
 }

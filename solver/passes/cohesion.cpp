@@ -104,10 +104,9 @@ void CohesionPass::show(int strand, Vec3f* x, float* edges) const {
             const Thinning::Place at = thinning_.place(strand, i);
             end = x[i] + ((1 - at.after) * moved(at.before) + at.after * moved(at.before + 1));
         }
-        const float length = norm(x[i] - before);
+        edges[i] = norm(x[i] - before);
         before = x[i];
-        x[i] = term_.within_length(x[i - 1], end, length);
-        edges[i] = term_.longest(length);
+        x[i] = term_.within_length(x[i - 1], end, edges[i]);
     }
 }
 

@@ -25,7 +25,7 @@ class CohesionPass {
                  const std::vector<float>& volume, const std::vector<float>& saturation, float reach = 0);
 
     // Positions p become displayed positions p^w. Roots stay. finish(strand, x, edges) has the last word on a
-    // strand's x (particle); edges (particle): how long the one to each may show [m], 0 at the root.
+    // strand's x (particle); edges (particle): how long the one to each is in p [m], 0 at the root.
     template <class Finish>
     void apply(Strands& p, Finish finish) {
         draw_together(p);

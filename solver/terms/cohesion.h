@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "base/geometry/kernels.h"
+#include "base/geometry/shapes.h"
 #include "base/parameters.h"
 
 namespace wetcurl {
@@ -24,7 +25,7 @@ struct Cohesion {
         {"coherence", &Cohesion::coherence, "m", 0.01, 0, 1,
          "length along the strand over which the displacement is smoothed (ours)"},
         {"stretch", &Cohesion::stretch, "1", 0.05, 0, 1000,
-         "most that a displayed edge is longer than the simulated one (ours)"},
+         "most that a displayed edge is longer than the simulated one, around a solid 1 or more (ours)"},
         {"strength", &Cohesion::strength, "1/s^2", 0, 0, 1e12,
          "Sec. VI.A.2, of forces in every substep beside what is displayed; 0: none (ours)"},
         {"spacing", &Cohesion::spacing, "m", 0, 0, 1,
@@ -66,17 +67,16 @@ struct Cohesion {
         for (int k = 1; length > 0 && k * length < h_c; ++k) sum += 2 * kernel_shape(k * length, h_c);
         return sum;
     }
-    // How long an edge of that simulated length may show.
-    template <class S>
-    WETCURL_HD S longest(const S& length) const {
-        return S(1 + stretch) * length;
+    // How long an edge of that simulated length may show where a solid tears it (base/geometry/shapes.h).
+    WETCURL_HD float torn_beyond(float length) const {
+        return maximum(torn_lengths, float(1 + stretch)) * length;
     }
     // The displayed end of an edge from x to `end`, whose simulated length is given: hair that is drawn to
     // two clumps at once must not show as a stretched line.
     template <class S>
     WETCURL_HD Vec3<S> within_length(const Vec3<S>& x, const Vec3<S>& end, const S& length) const {
         const Vec3<S> e = end - x;
-        const S most = longest(length), now = norm(e);
+        const S most = S(1 + stretch) * length, now = norm(e);
         return select(now > most, x + (most / maximum(now, S(tiny_length<S>))) * e, end);
     }
     // p_i^w - p_i, `own` the particle's volume times its strand's own_weight.

@@ -157,7 +157,7 @@ TEST(LedAround, a_strand_goes_around_what_it_would_cross_at_no_more_than_twice_i
     for (int i = 1; i < n; ++i) torn = std::max(torn, norm(strand[i] - strand[i - 1]));
     ASSERT_GT(torn, 4 * length);
     const std::vector<Vec3f> pushed = strand;
-    for (int i = 1; i < n; ++i) strand[i] = led_around(strand[i - 1], strand[i], length, out);
+    for (int i = 1; i < n; ++i) strand[i] = led_around(strand[i - 1], strand[i], torn_lengths * length, out);
     int led = 0;
     for (int i = 1; i < n; ++i) {
         EXPECT_LT(norm(strand[i] - strand[i - 1]), 1.01f * torn_lengths * length) << i;
@@ -172,9 +172,10 @@ TEST(LedAround, a_strand_goes_around_what_it_would_cross_at_no_more_than_twice_i
     EXPECT_EQ(norm(strand[n - 1] - pushed[n - 1]), 0);  // it catches up
     // What is not torn stays to the bit.
     for (int i = 1; i < n; ++i)
-        EXPECT_EQ(norm(led_around(straight[i - 1], straight[i], length, out) - straight[i]), 0);
+        EXPECT_EQ(norm(led_around(straight[i - 1], straight[i], torn_lengths * length, out) - straight[i]),
+                  0);
     // Through the centre no way is the shorter one.
-    EXPECT_LT(norm(led_around({0, 0, 0.1f}, {0, 0, -0.1f}, length, out)), 0.1001f);
+    EXPECT_LT(norm(led_around({0, 0, 0.1f}, {0, 0, -0.1f}, torn_lengths * length, out)), 0.1001f);
 }
 
 TEST(Triangulated, vertices_lie_on_the_surface) {

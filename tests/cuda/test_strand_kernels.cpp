@@ -1,5 +1,5 @@
-// The strand codec on the device against the one on the host. Its matrix products, which LibTorch computes
-// there, are computed here on the host in between. Ours.
+// The strand codec on the device against the one on the host. Its matrix product, which LibTorch computes
+// there, is computed here on the host in between. Ours.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -159,8 +159,9 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
             for (int i = 1; i < wanted.particles; ++i) wanted.at(s, i) = out_of_ball(wanted.at(s, i));
             for (int i = 1; i < wanted.particles; ++i) {
                 const Vec3f x = wanted.at(s, i);
-                wanted.at(s, i) = led_around(wanted.at(s, i - 1), x,
-                                             head.edge[size_t(s * wanted.particles + i)], out_of_ball);
+                wanted.at(s, i) =
+                    led_around(wanted.at(s, i - 1), x,
+                               torn_lengths * head.edge[size_t(s * wanted.particles + i)], out_of_ball);
                 led += norm(wanted.at(s, i) - x) > 1e-3;
             }
         }

@@ -403,8 +403,7 @@ TEST(Display, leads_strands_around_what_they_cross) {
     for (int s = 0; s < p.count; ++s)
         for (int i = 1; i < p.particles; ++i) {
             EXPECT_GT(norm(p.at(s, i)), 0.09f - 1e-5f);
-            EXPECT_LT(norm(p.at(s, i) - p.at(s, i - 1)), 1.02f * torn_lengths * 1.05f * length)
-                << s << " " << i;
+            EXPECT_LT(norm(p.at(s, i) - p.at(s, i - 1)), 1.02f * torn_lengths * length) << s << " " << i;
             apart += norm(crossing.at(s, i)) < 0.08f;
         }
     EXPECT_GT(apart, 100);
