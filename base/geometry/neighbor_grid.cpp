@@ -61,28 +61,28 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
     float side = radius;
     const double most = std::max<double>(4096, double(count));
     auto cells_along = [&](float extent) { return double(std::floor(extent / side)) + 1; };
-    while (cells_along(high.y - low.y) * cells_along(high.z - low.z) > most) side *= 1.25f;
+    while (cells_along(high.x - low.x) * cells_along(high.z - low.z) > most) side *= 1.25f;
     inverse_ = 1 / side;
-    ny_ = cell(high.y, low.y) + 1;
+    nx_ = cell(high.x, low.x) + 1;
     nz_ = cell(high.z, low.z) + 1;
-    const float width = std::max(radius / 8, 1.001f * (high.x - low.x) / most_columns);
+    const float width = std::max(radius / 8, 1.001f * (high.y - low.y) / most_columns);
     per_column_ = 1 / width;
     reach_ = int(std::ceil(radius / width)) + 1;
 
     points_.resize(count);
     // The first sort's order waits in the place of the points' numbers.
     counting_sort(
-        count, size_t(column(high.x)) + 1, start_, next_, [&](size_t i) { return size_t(column(p[i].x)); },
+        count, size_t(column(high.y)) + 1, start_, next_, [&](size_t i) { return size_t(column(p[i].y)); },
         [&](size_t i, uint32_t k) { points_.number(k) = std::bit_cast<float>(uint32_t(i)); });
     const auto by_column = [&](size_t k) { return std::bit_cast<uint32_t>(points_.number(k)); };
     order_.resize(count), column_.resize(count);
     counting_sort(
-        count, size_t(ny_) * size_t(nz_), start_, next_, [&](size_t i) { return row_of(p[by_column(i)]); },
+        count, size_t(nx_) * size_t(nz_), start_, next_, [&](size_t i) { return row_of(p[by_column(i)]); },
         [&](size_t i, uint32_t k) { order_[k] = by_column(i); });
 #pragma omp parallel for schedule(static)
     for (size_t k = 0; k < count; ++k) {
         points_.set(k, p[order_[k]]);
-        column_[k] = uint16_t(column(points_.at(k).x));
+        column_[k] = uint16_t(column(points_.at(k).y));
     }
 }
 

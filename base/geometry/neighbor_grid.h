@@ -55,8 +55,9 @@ class PointQuads {
 };
 
 // Points in the order of their rows; `order[k]` is the index of sorted point k in the input. A row is a
-// square of the grid across y and z; within it points go by x, but for less than a column's width. Buffers
-// keep their memory from one build to the next.
+// square of the grid across x and z; within it points go by y, along which hair hangs, so that those of a
+// lock follow each other, but for less than a column's width. Buffers keep their memory from one build to the
+// next.
 class NeighborGrid {
   public:
     // `positions` (count) [m]; a row is `radius` [m] wide at least. Numbers are left to the caller.
@@ -73,7 +74,7 @@ class NeighborGrid {
     // within the radius (the caller tests the distance). x may lie anywhere.
     template <class Visit>
     void rows(const Vec3f& x, Visit visit) const {
-        const int c = column(x.x);
+        const int c = column(x.y);
         for_each_row(x, [&](uint32_t begin, uint32_t end) {
             begin = first_at(begin, end, c - reach_);
             end = first_at(begin, end, c + reach_ + 1);
@@ -120,7 +121,7 @@ class NeighborGrid {
         };
         void start(const Vec3f& x) {
             count_ = 0;
-            const int first = grid_.column(x.x) - grid_.reach_;
+            const int first = grid_.column(x.y) - grid_.reach_;
             grid_.for_each_row(x, [&](uint32_t begin, uint32_t end) {
                 const uint32_t from = grid_.first_at(begin, end, first);
                 range_[count_++] = {from, from, end};
@@ -138,9 +139,9 @@ class NeighborGrid {
         return !(cell >= -2) ? -2 : cell > float(most) ? most : int(cell);
     }
     int cell(float x, float origin) const { return whole(std::floor((x - origin) * inverse_), 1 << 20); }
-    int column(float x) const { return whole(std::floor((x - origin_.x) * per_column_), most_columns); }
+    int column(float y) const { return whole(std::floor((y - origin_.y) * per_column_), most_columns); }
     size_t row_of(const Vec3f& p) const {
-        return size_t(cell(p.z, origin_.z)) * size_t(ny_) + size_t(cell(p.y, origin_.y));
+        return size_t(cell(p.z, origin_.z)) * size_t(nx_) + size_t(cell(p.x, origin_.x));
     }
     // The first of sorted points begin .. end - 1, of one row, that lies in `column` or beyond.
     uint32_t first_at(uint32_t begin, uint32_t end, int column) const {
@@ -155,10 +156,10 @@ class NeighborGrid {
     }
     template <class Visit>
     void for_each_row(const Vec3f& x, Visit visit) const {
-        const int cy = cell(x.y, origin_.y), cz = cell(x.z, origin_.z);
+        const int cx = cell(x.x, origin_.x), cz = cell(x.z, origin_.z);
         for (int z = cz > 0 ? cz - 1 : 0; z <= cz + 1 && z < nz_; ++z)
-            for (int y = cy > 0 ? cy - 1 : 0; y <= cy + 1 && y < ny_; ++y) {
-                const size_t row = size_t(z) * size_t(ny_) + size_t(y);
+            for (int across = cx > 0 ? cx - 1 : 0; across <= cx + 1 && across < nx_; ++across) {
+                const size_t row = size_t(z) * size_t(nx_) + size_t(across);
                 if (start_[row] < start_[row + 1]) visit(start_[row], start_[row + 1]);
             }
     }
@@ -166,7 +167,7 @@ class NeighborGrid {
     static constexpr int most_columns = 1 << 16;
     Vec3f origin_{0, 0, 0};
     float inverse_ = 1, per_column_ = 1;
-    int reach_ = 0, ny_ = 0, nz_ = 0;      // reach: columns that hold the radius
+    int reach_ = 0, nx_ = 0, nz_ = 0;      // reach: columns that hold the radius
     std::vector<uint32_t> start_, order_;  // start: (row and one)
     std::vector<uint32_t> next_;           // of a sort: (thread, bin)
     std::vector<uint16_t> column_;         // of sorted points
