@@ -63,25 +63,17 @@ TEST_F(DisplayOnDevice, is_the_hosts_wherever_the_head_is) {
     }
 }
 
-// Strands as straight lines from their roots through the head, past its middle.
 TEST_F(DisplayOnDevice, leads_strands_around_what_they_cross_as_the_host_does) {
-    const Scene scene = scene_of(
-        dry_scene + "[wetness]\n[cohesion]\nradius = 0.004\n[[solid]]\nradius = 0.09\nattached = \"head\"\n",
-        {"groom.grid=[9, 5]"});
-    Strands p = scene.groom.rest;
-    constexpr float length = 0.01f;
-    for (int s = 0; s < p.count; ++s) {
-        const Vec3f root = p.at(s, 0), way = Vec3f{0.03f, 0, 0} - root;
-        for (int i = 0; i < p.particles; ++i) p.at(s, i) = root + (length * float(i) / norm(way)) * way;
-    }
-    Strands host = p, device = p;
+    const Scene scene = scene_of(crossed_scene, {"groom.grid=[9, 5]"});
+    Strands host = crossing(scene), device = host;
     Display(scene).apply(host, Pose(), 0);
     make_cuda_display(scene, 0)->apply(device, Pose(), 0);
     int led = 0;
-    for (int s = 0; s < p.count; ++s)
-        for (int i = 1; i < p.particles; ++i) {
-            EXPECT_LT(norm(host.at(s, i) - host.at(s, i - 1)), 1.02f * torn_lengths * length);
-            led += norm(host.at(s, i) - host.at(s, i - 1)) > 0.99f * torn_lengths * length;
+    for (int s = 0; s < host.count; ++s)
+        for (int i = 1; i < host.particles; ++i) {
+            const float edge = norm(host.at(s, i) - host.at(s, i - 1));
+            EXPECT_LT(edge, 1.02f * torn_lengths * crossing_edge);
+            led += edge > 0.99f * torn_lengths * crossing_edge;
         }
     EXPECT_GT(led, 100);
     EXPECT_LT(farthest(device, host), 1e-4);

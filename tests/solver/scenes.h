@@ -49,6 +49,21 @@ time = 0.3
 translation = [0, -0.02, 0.01]
 )";
 
+// Hair of which `crossing` makes straight lines from the roots through the head, past its middle, of such
+// edges.
+inline const std::string crossed_scene =
+    dry_scene + "[wetness]\n[cohesion]\nradius = 0.004\n[[solid]]\nradius = 0.09\nattached = \"head\"\n";
+inline constexpr float crossing_edge = 0.01f;  // [m]
+inline Strands crossing(const Scene& scene) {
+    Strands p = scene.groom.rest;
+    for (int s = 0; s < p.count; ++s) {
+        const Vec3f root = p.at(s, 0), way = Vec3f{0.03f, 0, 0} - root;
+        for (int i = 0; i < p.particles; ++i)
+            p.at(s, i) = root + (crossing_edge * float(i) / norm(way)) * way;
+    }
+    return p;
+}
+
 // The wet scene's strands, which touch, in a spray until `spray_ends` [s] and over a surface that rises from
 // `rises` on for 0.2 s.
 inline std::string flowing_scene(double rises, double spray_ends) {

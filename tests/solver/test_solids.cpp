@@ -384,29 +384,20 @@ TEST(SolidTree, stands_where_solids_are_many) {
 
 // --- what is seen
 
-// Strands as straight lines from their roots through the head, past its middle.
 TEST(Display, leads_strands_around_what_they_cross) {
-    const Scene scene = scene_of(dry_scene +
-                                 "[wetness]\n[cohesion]\nradius = 0.004\n[[solid]]\nradius = 0.09\n"
-                                 "attached = \"head\"\n");
-    const Strands& rest = scene.groom.rest;
-    Strands p = rest;
-    constexpr float length = 0.01f;
-    const Vec3f aim{0.03f, 0, 0};
-    for (int s = 0; s < p.count; ++s) {
-        const Vec3f root = rest.at(s, 0), along = (1 / norm(aim - root)) * (aim - root);
-        for (int i = 0; i < p.particles; ++i) p.at(s, i) = root + (length * float(i)) * along;
-    }
-    const Strands crossing = p;
+    const Scene scene = scene_of(crossed_scene);
+    const Strands through = crossing(scene);
+    Strands p = through;
     Display(scene).apply(p, Pose(), 0);
-    int apart = 0;
+    int inside = 0;
     for (int s = 0; s < p.count; ++s)
         for (int i = 1; i < p.particles; ++i) {
             EXPECT_GT(norm(p.at(s, i)), 0.09f - 1e-5f);
-            EXPECT_LT(norm(p.at(s, i) - p.at(s, i - 1)), 1.02f * torn_lengths * length) << s << " " << i;
-            apart += norm(crossing.at(s, i)) < 0.08f;
+            EXPECT_LT(norm(p.at(s, i) - p.at(s, i - 1)), 1.02f * torn_lengths * crossing_edge)
+                << s << " " << i;
+            inside += norm(through.at(s, i)) < 0.08f;
         }
-    EXPECT_GT(apart, 100);
+    EXPECT_GT(inside, 100);
 }
 
 }  // namespace

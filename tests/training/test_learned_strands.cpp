@@ -95,8 +95,7 @@ TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
     learned->restart();
     learned->run(hair.take(0));
     EXPECT_EQ(testing::largest_distance(hair.out, shown[0]), 0);
-    // Out of what is attached to the head, roots apart.
-    // No edge is long beside 10 cm.
+    // Out of what is attached to the head, roots apart. No edge is longer than 10 cm: none is torn.
     const size_t particles = hair.high.rest.points.size();
     const HeadShapes head{
         {Sphere{0.12}}, std::vector<float>(particles, 0), std::vector<float>(particles, 0.1f)};
