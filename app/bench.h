@@ -71,12 +71,13 @@ std::vector<Entry> network_entries(const std::string& device, int threads);
 // The fixed workload at one size: the demo's curls on a head that turns, 24 frames a second, ten substeps,
 // ten passes of Eq 10.
 struct Workload {
-    int across, along;    // strands, the groom's grid
-    double radius;        // [m] of Eq 10; 30 to 40 neighbours of hair that hangs
-    double settle;        // [s] before the frames that are measured
-    int frames = 24;      // 3 or more, frame 0 among them
-    int particles = 100;  // a strand
-    double angle = 25;    // [degrees] by which the head turns to either side; 0: it rests
+    int across, along;      // strands, the groom's grid
+    double radius;          // [m] of Eq 10; 30 to 40 neighbours of hair that hangs
+    double settle;          // [s] before the frames that are measured
+    int frames = 24;        // 3 or more, frame 0 among them
+    int particles = 100;    // a strand
+    double angle = 25;      // [degrees] by which the head turns to either side; 0: it rests
+    double relaxation = 1;  // of those passes
     int strands() const { return across * along; }
 };
 // Every `stride`-th root each way.

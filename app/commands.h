@@ -43,12 +43,13 @@ struct TrainOptions : CommonOptions {
 };
 struct InferOptions : CommonOptions {
     std::string input, model, interpolate, reconstruct, wetness, output;
-    int roots = 4;                  // around a new strand: the grid's four, or the three nearest
-    bool wet_shape = false;         // of an interpolation: Eq 9 before it
-    bool settled = false;           // the run is dry, and is moved to where wet strands come to rest
-    bool cohesion = false;          // Eq 10 after it
-    std::optional<int> passes;      // of Eq 10, in place of the scene's
-    std::optional<double> spacing;  // the same [m]
+    int roots = 4;           // around a new strand: the grid's four, or the three nearest
+    bool wet_shape = false;  // of an interpolation: Eq 9 before it
+    bool settled = false;    // the run is dry, and is moved to where wet strands come to rest
+    bool cohesion = false;   // Eq 10 after it
+    // Of Eq 10, in place of the scene's.
+    std::optional<int> passes;
+    std::optional<double> spacing, relaxation;  // [m], [1]
 };
 struct CompareOptions : CommonOptions {
     std::string reference;

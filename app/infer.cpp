@@ -340,11 +340,14 @@ int infer_command(const InferOptions& given) {
     const auto method = method_of(o, scene, low);
     require_nested(scene.groom, low.groom);
     std::optional<DisplayOn> display;
-    if ((o.passes || o.spacing) && !(method->before_cohesion() && scene.cohesion))
-        throw Misuse(std::string(o.passes ? "--passes" : "--spacing") +
+    if ((o.passes || o.spacing || o.relaxation) && !(method->before_cohesion() && scene.cohesion))
+        throw Misuse(std::string(o.passes    ? "--passes"
+                                 : o.spacing ? "--spacing"
+                                             : "--relaxation") +
                      ": no Eq 10 follows here, whose this could be; --cohesion adds it");
     if (o.passes) scene.cohesion->passes = *o.passes;
     if (o.spacing) scene.cohesion->spacing = *o.spacing;
+    if (o.relaxation) scene.cohesion->relaxation = *o.relaxation;
     if (method->before_cohesion() && scene.cohesion) display.emplace(o.device, scene);
 
     RunHeader header = low;

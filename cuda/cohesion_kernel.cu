@@ -253,10 +253,11 @@ void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, c
 template <class T>
 void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T>* motion, Vec3f* displayed,
                                    cudaStream_t stream) {
-    const CohesionBodies b = bodies();
+    CohesionBodies b = bodies();
     const uint32_t places = uint32_t(who_.size());
     const auto displace_by = threads_a_list_ == 1 ? displace<1> : displace<threads_of_few>;
-    for (int pass = 0; pass < term_.passes; ++pass) {
+    for (int sweep = 0; sweep < term_.sweeps(); ++sweep) {
+        b.term = term_.of_sweep(sweep);
         displace_by<<<blocks_for(places * size_t(threads_a_list_), pass_threads), pass_threads, 0, stream>>>(
             b, places);
         move_strands<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_, keeps_);

@@ -83,10 +83,10 @@ void CohesionPass::draw_together(const Strands& p) {
     }
     build_lists(water_ ? thinned_ : p, p);
     const long clusters = long(list_.clusters());
-    for (int pass = 0; pass < term_.passes; ++pass) {
+    for (int sweep = 0; sweep < term_.sweeps(); ++sweep) {
 #pragma omp parallel for schedule(dynamic, 256)
         for (long c = 0; c < clusters; ++c) add_up(size_t(c));
-        move_strands();
+        move_strands(term_.of_sweep(sweep));
     }
 }
 
@@ -116,7 +116,7 @@ void CohesionPass::show_at(const Strands& p) {
 }
 
 // By the pass at hand, smoothed: exponentially along each strand, tip and back, twice. A root does not move.
-void CohesionPass::move_strands() {
+void CohesionPass::move_strands(const Cohesion& sweep) {
     const size_t n = size_t(particles_);
     PointQuads& now = grid_.points();
     moved_.resize(size_t(omp_get_max_threads()));
@@ -147,7 +147,7 @@ void CohesionPass::move_strands() {
             }
             u[0].by = cast<S>(Vec3f{0, 0, 0});
             for (size_t i = 1; i < n; ++i)
-                u[i].by = term_.displacement(Cohesion::Sums<S>{u[i].by, u[i].weight}, u[i].own * own_weight);
+                u[i].by = sweep.displacement(Cohesion::Sums<S>{u[i].by, u[i].weight}, u[i].own * own_weight);
             auto by = [&](int i) -> Vec3<S>& { return u[size_t(i)].by; };
             if (term_.coherence > 0) smooth_along(particles_, beta, by);
             for (int lane = 0; lane < lanes; ++lane) {

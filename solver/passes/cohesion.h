@@ -57,8 +57,8 @@ class CohesionPass {
   private:
     void build_lists(const Strands& p, const Strands& whole);
     void add_up(size_t c);
-    void move_strands();
-    // All passes.
+    void move_strands(const Cohesion& sweep);
+    // All sweeps.
     void draw_together(const Strands& p);
     // After the last one: a strand's x (particle) become p^w, with its edges held, of which `edges` tells.
     void show(int strand, Vec3f* x, float* edges) const;

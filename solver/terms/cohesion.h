@@ -4,9 +4,12 @@
 // It holds the particle's own strand, taken as straight: the particle alone is too little where segments are
 // short beside h. The displacement is then smoothed along the strand over `coherence`, since a few passes of
 // Eq 10 alone draw curls into knots of particles: strands come together whole and keep their curl. 0 leaves
-// Eq 10 as it is. Such a displacement may be asked for at some particles of a strand alone (`spacing`).
+// Eq 10 as it is. Such a displacement may be asked for at some particles of a strand alone (`spacing`), and
+// fewer, over-relaxed passes may stand for all (`relaxation`).
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <type_traits>
 
 #include "base/geometry/kernels.h"
@@ -17,7 +20,7 @@ namespace wetcurl {
 
 struct Cohesion {
     static constexpr const char *name = "cohesion", *table = "cohesion";
-    double h_c, lambda, coherence, stretch, strength, spacing = 0;
+    double h_c, lambda, coherence, stretch, strength, spacing = 0, relaxation = 1;
     int passes = 10;
     static constexpr Parameter<Cohesion> parameters[] = {
         {"radius", &Cohesion::h_c, "m", 0.012, 1e-6, 1, "Eq 10, h: support of W"},
@@ -32,7 +35,32 @@ struct Cohesion {
          "about how far apart along a strand Eq 10 is asked for, with what is between interpolated; 0: at "
          "each "
          "particle (ours)"},
+        {"relaxation", &Cohesion::relaxation, "1", 1, 1, 3,
+         "about how many passes an over-relaxed sweep stands for; 1: each is taken (ours)"},
     };
+
+    // Sweeps that stand for the passes: in pairs, where that makes fewer of them.
+    int sweeps() const {
+        const int paired = 2 * int(std::ceil(passes / (2 * relaxation)));
+        return paired < passes ? paired : passes;
+    }
+    // By how much more than a pass the k-th of them moves. A pass takes modes of what is linear to 1 - x of
+    // themselves, 0 <= x <= lambda < 1, and a pair of sweeps that stand for n passes to a polynomial P(x) of
+    // degree two with P(0) = 1, P'(0) = -n and the least |P| elsewhere (Young 1954, Chebyshev's second):
+    // below 1 up to n = 8, where strands would begin to swap places. The shorter sweep comes first and leaves
+    // little of what the longer one overshoots.
+    double relaxed(int k) const {
+        const double n = 2.0 * passes / sweeps();
+        if (n == 2) return 1;
+        const double w = (2 + std::sqrt(4 + n * (2 * n - 4))) / (2 * n - 4);
+        return (w + 1) / (w + (k % 2 == 0 ? 1 : -1) / std::numbers::sqrt2);
+    }
+    // Eq 10 as the k-th takes it.
+    Cohesion of_sweep(int k) const {
+        Cohesion term = *this;
+        term.lambda *= relaxed(k);
+        return term;
+    }
 
     // The sums of Eq 10 over neighbours j, each with its volume V_j = m_j / rho and sigma_j V_j. All weights
     // are in units of W(0), which Eq 10 cancels.

@@ -140,8 +140,8 @@ TEST(Cohesion, positions_stay_in_the_hull_of_the_hair) {
 }
 
 // Two straight parallel strands `gap` apart; `spacing` [m] between particles. The gap at their middle after
-// one pass.
-double gap_after(double gap, double spacing, double& wanted_factor) {
+// `term`, and what one pass should make of it.
+double gap_after(double gap, double spacing, double& wanted_factor, const Cohesion& term = eq10()) {
     constexpr int n = 41;
     Hair hair(2, n);
     for (int s = 0; s < 2; ++s)
@@ -151,8 +151,8 @@ double gap_after(double gap, double spacing, double& wanted_factor) {
         weight += kernel(std::hypot(gap, spacing * k), support);
         own += kernel(std::abs(spacing * k), support);
     }
-    wanted_factor = 1 - 2 * tightness * weight / (own + weight);
-    const Strands out = hair.displayed(eq10());
+    wanted_factor = 1 - 2 * term.lambda * weight / (own + weight);
+    const Strands out = hair.displayed(term);
     return double(out.at(1, n / 2).x) - double(out.at(0, n / 2).x);
 }
 
@@ -219,6 +219,87 @@ TEST(Cohesion, no_displayed_edge_is_longer_than_allowed_and_directions_are_kept)
     EXPECT_EQ(norm(term.within_length(x, end, 3.0) - end), 0);
 }
 
+Cohesion relaxed(int passes, double relaxation, Cohesion term = eq10()) {
+    term.passes = passes, term.relaxation = relaxation;
+    return term;
+}
+// What sweeps leave of a mode that a pass leaves 1 - x of.
+double left_of(const Cohesion& term, double x) {
+    double left = 1;
+    for (int k = 0; k < term.sweeps(); ++k) left *= 1 - x * term.relaxed(k);
+    return left;
+}
+
+TEST(OverRelaxedSweeps, move_slow_modes_as_far_as_all_passes_and_let_none_grow) {
+    for (int passes = 1; passes <= 60; ++passes)
+        for (double relaxation = 1; relaxation <= 3; relaxation += 0.25) {
+            const Cohesion term = relaxed(passes, relaxation);
+            EXPECT_GE(term.sweeps() * relaxation, passes);
+            EXPECT_LE(term.sweeps(), passes);
+            double sum = 0;
+            for (int k = 0; k < term.sweeps(); ++k) sum += term.relaxed(k);
+            EXPECT_NEAR(sum, passes, 1e-9);
+            for (double x = 0; x <= 1; x += 0.01) {
+                EXPECT_LE(std::abs(left_of(term, x)), 1 + 1e-12) << passes << ' ' << relaxation << ' ' << x;
+                // Within a pair, too, nothing is farther off than before.
+                EXPECT_LE(std::abs(1 - x * term.relaxed(0)), 1 + 1e-12);
+            }
+        }
+    EXPECT_EQ(relaxed(14, 1).sweeps(), 14);
+    EXPECT_EQ(relaxed(14, 2.5).sweeps(), 6);
+    EXPECT_EQ(relaxed(10, 2.5).sweeps(), 4);
+    EXPECT_EQ(relaxed(3, 2).sweeps(), 2);
+    EXPECT_EQ(relaxed(2, 3).sweeps(), 2);
+    EXPECT_EQ(relaxed(14, 1).relaxed(3), 1);
+}
+
+TEST(OverRelaxedSweeps, shrink_the_gap_of_two_parallel_strands_by_the_known_factor) {
+    // So near each other that the weights stay those of the beginning.
+    const double spacing = 2 * support;
+    for (double relaxation : {1.0, 2.0, 2.5, 3.0}) {
+        Cohesion term = relaxed(14, relaxation);
+        term.lambda = 0.1;
+        double factor;
+        const double gap = 1e-4, after = gap_after(gap, spacing, factor, term);
+        EXPECT_NEAR(after, left_of(term, 1 - factor) * gap, 2e-7) << relaxation;
+        EXPECT_GT(after, 0.1 * gap);
+        EXPECT_LT(after, 0.3 * gap);
+    }
+}
+
+// Straight drenched strands that lie close together: the stiffest there is.
+TEST(OverRelaxedSweeps, keep_a_tight_lock_together) {
+    constexpr int side = 6, n = 40;
+    Hair hair(side * side, n);
+    Random random(3);
+    for (int s = 0; s < side * side; ++s) {
+        const Vec3d root{0.0008 * (s % side), 0, 0.0008 * (s / side)};
+        for (int i = 0; i < n; ++i)
+            hair.p.at(s, i) = cast<float>(root + Vec3d{0, -0.003 * i, 0} + random.vector(0.0002));
+    }
+    const Vec3d middle{0.0008 * (side - 1) / 2, 0, 0.0008 * (side - 1) / 2};
+    // Root mean square of how far from the axis the outer halves of strands are.
+    auto width = [&](const Strands& p) {
+        double sum = 0;
+        for (int s = 0; s < p.count; ++s)
+            for (int i = n / 2; i < n; ++i) {
+                const Vec3d d = cast<double>(p.at(s, i)) - middle;
+                sum += d.x * d.x + d.z * d.z;
+            }
+        return std::sqrt(sum / (p.count * (n - n / 2)));
+    };
+    for (double lambda : {0.85, 0.999})
+        for (double coherence : {0.0, 0.01})
+            for (int passes : {4, 10, 14, 100}) {
+                Cohesion term = eq10();
+                term.lambda = lambda, term.coherence = coherence;
+                for (double relaxation : {2.0, 3.0}) {
+                    const double now = width(hair.displayed(relaxed(passes, relaxation, term)));
+                    EXPECT_LT(now, 0.6 * width(hair.p)) << lambda << ' ' << coherence << ' ' << passes;
+                }
+            }
+}
+
 // Wavy strands of 2 mm edges that hang side by side.
 Hair wavy(int count, int particles) {
     Random random(9);
@@ -256,6 +337,22 @@ TEST(Cohesion, asked_of_some_particles_it_nears_that_of_all) {
     }
     EXPECT_LT(before, 0.03 * full);
     EXPECT_EQ(moved(hair.displayed(asked_every(0.0029)), all), 0);  // nearer to one edge than to two
+}
+
+TEST(OverRelaxedSweeps, lead_wavy_hair_to_where_all_passes_do) {
+    const Hair hair = wavy(60, 101);
+    auto mean = [](const Strands& a, const Strands& b) {
+        double sum = 0;
+        for (size_t k = 0; k < a.points.size(); ++k) sum += norm(cast<double>(a.points[k] - b.points[k]));
+        return sum / double(a.points.size());
+    };
+    const Strands all = hair.displayed(smoothed(14));
+    for (double relaxation : {2.0, 2.5}) {
+        const double apart = mean(hair.displayed(relaxed(14, relaxation, smoothed(14))), all),
+                     way = mean(all, hair.p);
+        std::printf("wavy hair, relaxation %g: %.3g of the way apart\n", relaxation, apart / way);
+        EXPECT_LT(apart, 0.05 * way);
+    }
 }
 
 TEST(Cohesion, asked_of_some_particles_dry_hair_lone_strands_and_roots_keep_every_bit) {
