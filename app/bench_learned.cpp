@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <future>
 
 #include "app/bench.h"
 #include "app/device.h"
@@ -31,14 +30,14 @@ Scene low_scene_of(const Workload& w, const ModelCard& card) {
 }
 
 // What of a frame is timed: the network, the run before it too, and Eq 10 after it: at every particle, every
-// 10 mm, so in over-relaxed sweeps, and those while the next frame is simulated.
-enum class Part { network, with_run, with_cohesion, thinned, relaxed, relaxed_beside_run };
+// 10 mm, and so in over-relaxed sweeps.
+enum class Part { network, with_run, with_cohesion, thinned, relaxed };
 
 // As `infer` shows it.
 Scene high_scene_of(const Workload& w, const ModelCard& card, Part part) {
     std::vector<std::string> set;
     if (part >= Part::thinned) set.push_back("cohesion.spacing=0.01");
-    if (part >= Part::relaxed) set.push_back("cohesion.relaxation=2.5");
+    if (part == Part::relaxed) set.push_back("cohesion.relaxation=2.5");
     Scene high = scene_of(w, true, set);
     if (card.target == "displayed") high.cohesion->passes = passes_after_displayed(high.cohesion->passes);
     return high;
@@ -75,27 +74,17 @@ class LearnedHair {
         low_points_ = frame.positions.points;
         if (part_ != Part::with_run) display_.emplace(device_, high_), shown_ = high();
         bind(on_device() ? simulation->positions_on_device() : low_points_.data());
-        auto advance = [&] {
-            simulation->advance();
-            if (on_device()) return;
-            simulation->snapshot(frame);
-            std::copy(frame.positions.points.begin(), frame.positions.points.end(), low_points_.begin());
-        };
-        auto one_after_another = [&] {
-            advance();
-            learned_->run(HeadWindow());
-            if (display_) display();
-        };
-        // What is simulated is read once the network has run.
-        auto beside_each_other = [&] {
-            learned_->run(HeadWindow());
-            auto shown = std::async(std::launch::async, [&] { display(); });
-            advance();
-            shown.get();
-        };
-        return repeated([&]() -> std::function<void()> {
-            if (part_ == Part::relaxed_beside_run) return beside_each_other;
-            return one_after_another;
+        return repeated([&] {
+            return [&] {
+                simulation->advance();
+                if (!on_device()) {
+                    simulation->snapshot(frame);
+                    std::copy(frame.positions.points.begin(), frame.positions.points.end(),
+                              low_points_.begin());
+                }
+                learned_->run(HeadWindow());
+                if (display_) display();
+            };
         });
     }
     size_t parameters() const { return size_t(learned_->card().parameters); }
@@ -189,7 +178,6 @@ std::vector<Entry> learned_entries(const std::vector<std::string>& models, const
             const std::string thinned = "simulated and learned frame with Eq 10 every 10 mm";
             add(thinned, Part::thinned);
             add(thinned + " over-relaxed", Part::relaxed);
-            if (device != "cpu") add(thinned + " over-relaxed beside the next run", Part::relaxed_beside_run);
         }
     return out;
 }

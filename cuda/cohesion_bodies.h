@@ -189,17 +189,23 @@ struct CohesionBodies {
             m.point[rank] = {from.x + by[0], from.y + by[axis_at], from.z + by[2 * axis_at], from.volume};
         });
     }
-    // After the last pass, particle i of a strand; `simulated` (strand, particle) of all.
-    WETCURL_HD ShownPoint shown(int strand, int i, const Vec3f* simulated) const {
+    // How far the passes have moved the j-th particle of a strand that is asked; `simulated` (strand,
+    // particle) of all.
+    WETCURL_HD Vec3f moved(int strand, int j, const Vec3f* simulated) const {
+        const uint32_t rank = m.displaced[size_t(strand) * size_t(m.search.particles) + size_t(j)].rank;
+        return m.point[rank].position() -
+               simulated[size_t(strand) * size_t(thinning.particles) + size_t(thinning.at(strand, j))];
+    }
+    // After the last pass, particle i of a strand; where not all are asked, `by` (particle that is): how far
+    // its strand's have moved.
+    WETCURL_HD ShownPoint shown(int strand, int i, const Vec3f* simulated, const Vec3f* by) const {
         const Vec3f* x = simulated + size_t(strand) * size_t(thinning.particles);
-        const Displaced* asked = m.displaced + size_t(strand) * size_t(m.search.particles);
         Vec3f p;
         if (thinning.every == 1) {
-            p = m.point[asked[i].rank].position();
+            p = m.point[m.displaced[size_t(strand) * size_t(m.search.particles) + size_t(i)].rank].position();
         } else {
-            auto moved = [&](int j) { return m.point[asked[j].rank].position() - x[thinning.at(strand, j)]; };
             const Thinning::Place at = thinning.place(strand, i);
-            p = x[i] + ((1 - at.after) * moved(at.before) + at.after * moved(at.before + 1));
+            p = x[i] + ((1 - at.after) * by[at.before] + at.after * by[at.before + 1]);
         }
         return {p.x, p.y, p.z, i == 0 ? 0 : norm(x[i] - x[i - 1])};
     }

@@ -21,32 +21,33 @@ constexpr int most_strands = 4;  // of a block whose warps take a strand each
 // The strand of this warp; at least `strands` where there is none.
 __device__ int strand_of_warp() { return int((blockIdx.x * blockDim.x + threadIdx.x) / warp); }
 
-// By a warp.
-__device__ double length_of(const Vec3f* p, int n) {
+// Of a line through p(0), ..., p(n - 1), by a warp.
+template <class P>
+__device__ double length_of(int n, P p) {
     double length = 0;
-    for (int i = int(threadIdx.x) % warp; i + 1 < n; i += warp) length += norm(cast<double>(p[i + 1] - p[i]));
+    for (int i = int(threadIdx.x) % warp; i + 1 < n; i += warp) length += norm(cast<double>(p(i + 1) - p(i)));
     for (int other = 1; other < warp; other *= 2) length += __shfl_xor_sync(0xffffffffu, length, other);
     return length;
 }
 
-// `asked`: where those are of whom Eq 10 is asked, null: all are.
+// `asked` becomes where those are of whom Eq 10 is asked; null: all are.
 __global__ void __launch_bounds__(most_strands* warp)
-    measure(const CohesionBodies b, int strands, const Vec3f* positions, const Vec3f* asked) {
+    measure(const CohesionBodies b, int strands, const Vec3f* positions, Vec3f* asked) {
     const int strand = strand_of_warp(), n = b.thinning.particles, count = b.m.search.particles;
     if (strand >= strands) return;
-    const double length = length_of(positions + size_t(strand) * size_t(n), n),
-                 between = asked ? length_of(asked + size_t(strand) * size_t(count), count) : length;
+    const Vec3f* const x = positions + size_t(strand) * size_t(n);
+    const double length = length_of(n, [&](int i) { return x[i]; });
+    double between = length;
+    if (asked) {
+        auto at = [&](int j) { return x[b.thinning.at(strand, j)]; };
+        for (int j = int(threadIdx.x) % warp; j < count; j += warp)
+            asked[size_t(strand) * size_t(count) + size_t(j)] = at(j);
+        between = length_of(count, at);
+    }
     if (threadIdx.x % warp == 0) b.measure(strand, length, between);
 }
 
-__global__ void thin(const Thinning thinning, uint32_t asked, const Vec3f* positions, Vec3f* out) {
-    const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x, count = uint32_t(thinning.count());
-    if (k >= asked) return;
-    const uint32_t strand = k / count;
-    out[k] =
-        positions[strand * uint32_t(thinning.particles) + uint32_t(thinning.at(int(strand), int(k % count)))];
-}
-
+constexpr int short_list = 8, most_staged = 48;  // neighbours
 constexpr int threads_a_block = 128;
 
 // Before the lists where some hair is dry: then they ask who is wet.
@@ -59,13 +60,14 @@ __global__ void __launch_bounds__(threads_a_block)
 // A block of lists each. They lie where it finds room, which differs from run to run; whom they name, and in
 // which order, does not.
 __global__ void __launch_bounds__(list_block)
-    build_lists(const CohesionBodies b, const float* volume, const float* wet_volume, size_t room,
+    build_lists(const CohesionBodies b, const float* volume, const float* wet_volume, size_t room, int staged,
                 FrameReport* report) {
     __shared__ ListRoom own;
+    extern __shared__ uint32_t near[];
     const uint32_t k = blockIdx.x * list_block + threadIdx.x;
     if (!b.m.wet_cell && k < b.m.search.count) b.take(k, volume, wet_volume);
     const Team<Block> team{Block{}, int(threadIdx.x), list_block};
-    CohesionLists(b, team, blockIdx.x).build(own, [&](uint32_t rows, unsigned pairs) {
+    CohesionLists(b, team, blockIdx.x, near, staged).build(own, [&](uint32_t rows, unsigned pairs) {
         const unsigned long long row = atomicAdd(&report->list_rows, static_cast<unsigned long long>(rows));
         atomicAdd(&report->pairs, static_cast<unsigned long long>(pairs));
         return row + rows <= room ? uint32_t(row) : no_list;  // else the frame is done again
@@ -108,16 +110,22 @@ __global__ void __launch_bounds__(pass_threads)
 constexpr int show_threads = 4 * warp, most_shown = 16;  // of a block, strands at most
 
 // Whole strands a block: particles by all its threads, what goes along a strand by one. Shared memory:
-// (strand, row_of(particles)).
+// (strand, row_of(particles)) and, where not all are asked, (strand, particle that is).
 __host__ __device__ int row_of(int particles) { return particles | 1; }  // strands lie in different banks
+size_t bytes_to_show(const Thinning& thinning) {
+    return size_t(row_of(thinning.particles)) * sizeof(ShownPoint) +
+           (thinning.every > 1 ? size_t(thinning.count()) * sizeof(Vec3f) : 0);
+}
 template <class T>
 __global__ void __launch_bounds__(show_threads)
     show(const CohesionBodies b, int strands, int strands_of_block, const Vec3f* simulated,
          const float* rest_depth, const SubstepMotion<T>* motion, Vec3f* displayed) {
     extern __shared__ ShownPoint shown[];
-    const int n = b.thinning.particles, first = int(blockIdx.x) * strands_of_block,
-              count = min(strands_of_block, strands - first), thread = int(threadIdx.x);
+    const int n = b.thinning.particles, asked = b.m.search.particles,
+              first = int(blockIdx.x) * strands_of_block, count = min(strands_of_block, strands - first),
+              thread = int(threadIdx.x);
     auto strand = [&](int s) { return shown + s * row_of(n); };
+    Vec3f* const moved = reinterpret_cast<Vec3f*>(strand(strands_of_block));
     auto out = [&](int s, int i) {
         return [&, id = size_t(first + s) * size_t(n) + size_t(i)](const Vec3f& p) {
             return pushed_out(*motion, p, rest_depth ? rest_depth[id] : 0.f);
@@ -128,7 +136,13 @@ __global__ void __launch_bounds__(show_threads)
             for (int i = begin + thread % warp; i < n; i += warp) f(s, i);
         __syncthreads();
     };
-    for_each_particle(0, [&](int s, int i) { strand(s)[i] = b.shown(first + s, i, simulated); });
+    if (b.thinning.every > 1) {
+        for (int k = thread; k < count * asked; k += show_threads)
+            moved[k] = b.moved(first + k / asked, k % asked, simulated);
+        __syncthreads();
+    }
+    for_each_particle(
+        0, [&](int s, int i) { strand(s)[i] = b.shown(first + s, i, simulated, moved + s * asked); });
     if (thread < count) b.within_lengths(strand(thread));
     __syncthreads();
     for_each_particle(1, [&](int s, int i) {
@@ -196,11 +210,12 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
                "attribute");
     // A processor holds 2048 threads; twice as many still leave none of it to wait for the longest lists.
     threads_a_list_ = who_.size() * threads_of_few <= size_t(processors) * 2 * 2048 ? threads_of_few : 1;
-    const size_t strand_bytes = size_t(row_of(thinning.particles)) * sizeof(ShownPoint);
+    staged_ = most_staged;
+    const size_t strand_bytes = bytes_to_show(thinning);
     if (strand_bytes > size_t(most_shared))
         throw Error("cohesion on a CUDA device: found strands of " + std::to_string(thinning.particles) +
-                    " particles, allowed at most " +
-                    std::to_string((size_t(most_shared) / sizeof(ShownPoint) - 1) | 1));
+                    " particles, allowed at most about " +
+                    std::to_string(size_t(most_shared) * size_t(thinning.particles) / strand_bytes));
     // Eight blocks a processor, four in its memory where they fit; a warp smooths eight strands' coordinates.
     keeps_ = bytes_to_move(1, particles, true) <= size_t(most_shared);
     const size_t of_a_strand = bytes_to_move(1, particles, keeps_);
@@ -234,19 +249,18 @@ CohesionBodies CohesionDevice::bodies() const {
 
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
     const CohesionBodies b = bodies();
-    if (thinned_.size())
-        thin<<<blocks_for(thinned_.size(), threads_a_block), threads_a_block, 0, stream>>>(
-            thinning_, uint32_t(thinned_.size()), positions, thinned_.data());
-    search_.launch(thinned_.size() ? thinned_.data() : positions, stream);
-    measure<<<blocks_for(size_t(strands_), most_strands), most_strands * warp, 0, stream>>>(
-        b, strands_, positions, thinned_.size() ? thinned_.data() : nullptr);
+    Vec3f* const asked = thinned_.size() ? thinned_.data() : nullptr;
+    measure<<<blocks_for(size_t(strands_), most_strands), most_strands * warp, 0, stream>>>(b, strands_,
+                                                                                            positions, asked);
+    search_.launch(asked ? asked : positions, stream);
     if (wet_cell_.size()) {
         check_cuda(cudaMemsetAsync(wet_cell_.data(), 0, wet_cell_.bytes(), stream), "cells without water");
         take<<<blocks_for(volume_.size(), threads_a_block), threads_a_block, 0, stream>>>(b, volume_.data(),
                                                                                           wet_volume_.data());
     }
-    build_lists<<<unsigned(who_.size() / list_block), list_block, 0, stream>>>(
-        b, volume_.data(), wet_volume_.data(), list_.size() / ListGroup::lanes, report);
+    build_lists<<<unsigned(who_.size() / list_block), list_block, ListRoom::near(staged_) * sizeof(uint32_t),
+                  stream>>>(b, volume_.data(), wet_volume_.data(), list_.size() / ListGroup::lanes, staged_,
+                            report);
     check_cuda(cudaGetLastError(), "launch of the neighbour lists");
 }
 
@@ -263,7 +277,7 @@ void CohesionDevice::launch_passes(const Vec3f* simulated, const SubstepMotion<T
         move_strands<<<blocks_, unsigned(threads_), shared_bytes_, stream>>>(b, strands_of_block_, keeps_);
     }
     show<<<blocks_for(size_t(strands_), shown_of_block_), show_threads,
-           size_t(shown_of_block_ * row_of(thinning_.particles)) * sizeof(ShownPoint), stream>>>(
+           size_t(shown_of_block_) * bytes_to_show(thinning_), stream>>>(
         b, strands_, shown_of_block_, simulated, rest_depth_.size() ? rest_depth_.data() : nullptr, motion,
         displayed);
     check_cuda(cudaGetLastError(), "launch of the cohesion passes");
@@ -284,6 +298,8 @@ bool CohesionDevice::grow(const FrameReport& report) {
     // Half as much again, or what there is: hair that falls comes together more and more.
     const size_t ample = std::min(rows + rows / 2, std::max(rows, free / row / 10 * 9));
     list_ = DeviceBuffer<Ranks<4>>(ListGroup::lanes * ample);
+    // What lists are staged in is taken from the caches: short ones get little.
+    staged_ = report.pairs < short_list * asked() ? 2 * short_list : most_staged;
     return true;
 }
 

@@ -70,6 +70,7 @@ class CohesionDevice {
     Thinning thinning_;
     int strands_, strands_of_block_, shown_of_block_, threads_, threads_a_list_;
     unsigned blocks_;
+    int staged_;  // entries of each list while they are made
     size_t shared_bytes_;
     bool keeps_;  // what strands that move read
     CellSearchDevice search_;

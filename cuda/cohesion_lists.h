@@ -9,9 +9,9 @@ namespace wetcurl {
 
 // A block's own memory meanwhile.
 struct ListRoom {
-    static constexpr int size = list_block, staged = 48, lengths = 64, groups = size / ListGroup::lanes;
-    uint32_t
-        near[(staged + 1) * size];  // (entry, particle): the first that are found, then what finds no room
+    static constexpr int size = list_block, lengths = 64, groups = size / ListGroup::lanes;
+    // Numbers beside it, (entry, particle): the first `staged` that are found, then what finds no room.
+    static constexpr size_t near(int staged) { return size_t(staged + 1) * size_t(size); }
     uint32_t found[size];
     uint8_t who[size];
     // How many lists are about as long, and which lane the next of them gets.
@@ -21,12 +21,14 @@ struct ListRoom {
 
 template <class Meeting>
 class CohesionLists {
-    static constexpr int size = ListRoom::size, staged = ListRoom::staged, lengths = ListRoom::lengths,
-                         groups = ListRoom::groups, lanes = ListGroup::lanes;
+    static constexpr int size = ListRoom::size, lengths = ListRoom::lengths, groups = ListRoom::groups,
+                         lanes = ListGroup::lanes;
 
   public:
-    WETCURL_HD CohesionLists(const CohesionBodies& b, const Team<Meeting>& team, uint32_t block)
-        : b_(b), team_(team), block_(block), first_(block * uint32_t(size)) {}
+    // `near`: as the room says, of so many.
+    WETCURL_HD CohesionLists(const CohesionBodies& b, const Team<Meeting>& team, uint32_t block,
+                             uint32_t* near, int staged)
+        : b_(b), team_(team), block_(block), first_(block * uint32_t(size)), near_(near), staged_(staged) {}
 
     // Where some hair is dry, once all particles are taken. `reserve(rows, pairs)`, asked by one thread,
     // returns the row from which so many are this block's, no_list where there is no room.
@@ -47,11 +49,11 @@ class CohesionLists {
   private:
     WETCURL_HD void find(ListRoom& own, int p) const {
         const uint32_t k = first_ + uint32_t(p);
-        const int last = staged * size + p;
+        const int last = staged_ * size + p;
         int at = p;
         uint32_t found = 0;
         const bool wet = k < b_.m.search.count && b_.neighbours(k, [&](bool near, uint32_t j) {
-            own.near[at] = j;
+            near_[at] = j;
             at += near ? size : 0;
             at = at < last ? at : last;
             found += near;
@@ -101,18 +103,20 @@ class CohesionLists {
             four.of[0] = four.of[1], four.of[1] = four.of[2], four.of[2] = four.of[3], four.of[3] = j;
             if (++e % 4 == 0) list[lanes * size_t(e / 4 - 1)] = four;
         };
-        if (own.found[p] > staged)
+        if (own.found[p] > uint32_t(staged_))
             b_.neighbours(first_ + uint32_t(p), [&](bool near, uint32_t j) {
                 if (near && e < own.found[p]) put(j);
             });
         else
-            for (uint32_t n = 0; n < own.found[p]; ++n) put(own.near[int(n) * size + p]);
+            for (uint32_t n = 0; n < own.found[p]; ++n) put(near_[int(n) * size + p]);
         while (e < 4 * group.rows) put(b_.m.search.count);
     }
 
     const CohesionBodies& b_;
     const Team<Meeting>& team_;
     const uint32_t block_, first_;
+    uint32_t* const near_;
+    const int staged_;
 };
 
 }  // namespace wetcurl

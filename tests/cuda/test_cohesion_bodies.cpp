@@ -48,7 +48,7 @@ Result by_reference(const Tuft& hair, const Cohesion& term) {
 }
 
 template <class Who = OneAlone>
-Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
+Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}, int staged = 48) {
     const Thinning thinning(hair.p, term.spacing);
     const int n = thinning.count();
     const ThinnedWater water(thinning, hair.volume, hair.saturation);
@@ -82,6 +82,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
     std::vector<Ranks<4>> list;
     double pairs = 0;
     const auto list_room = std::make_unique<ListRoom>();
+    std::vector<uint32_t> near(ListRoom::near(staged));
     for (uint32_t rows = 1; ListGroup::lanes * size_t(rows) > list.size();) {
         list.resize(ListGroup::lanes * size_t(rows));
         b.m.list = list.data();
@@ -94,7 +95,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
         };
         for (uint32_t k = 0; k < blocks; ++k)
             as_a_team(who, [&]<class Meeting>(const Team<Meeting>& team) {
-                CohesionLists<Meeting>(b, team, k).build(*list_room, reserve);
+                CohesionLists<Meeting>(b, team, k, near.data(), staged).build(*list_room, reserve);
             });
     }
     // Some strands at a time, the last alone; the first keep what they read, the others read it anew.
@@ -114,8 +115,13 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}) {
     }
     Result out{hair.p, pairs / double(count), std::ranges::max(group, {}, &ListGroup::rows).rows};
     std::vector<ShownPoint> shown;
-    for (int s = 0; s < hair.p.count; ++s)
-        for (int i = 0; i < hair.p.particles; ++i) shown.push_back(b.shown(s, i, hair.p.points.data()));
+    std::vector<Vec3f> moved;
+    moved.resize(size_t(n));
+    for (int s = 0; s < hair.p.count; ++s) {
+        for (int j = 0; j < n; ++j) moved[size_t(j)] = b.moved(s, j, hair.p.points.data());
+        for (int i = 0; i < hair.p.particles; ++i)
+            shown.push_back(b.shown(s, i, hair.p.points.data(), moved.data()));
+    }
     for (size_t root = 0; root < shown.size(); root += size_t(hair.p.particles))
         b.within_lengths(&shown[root]);
     for (size_t id = 0; id < shown.size(); ++id) out.displayed.points[id] = shown[id].position();
@@ -186,7 +192,7 @@ TEST(CohesionBodies, do_what_the_reference_pass_does_in_a_crowd) {
         Cohesion term{radius, 0.85, 0.0, unbounded, 0};
         term.passes = 2;
         const Tuft hair(50, 90, 2);
-        const Result wanted = by_reference(hair, term), got = by_bodies(hair, term, ManyThreads());
+        const Result wanted = by_reference(hair, term), got = by_bodies(hair, term, ManyThreads(), 16);
         ASSERT_GT(farthest(wanted.displayed, hair.p), 2e-5);
         EXPECT_GT(got.longest, ListRoom::lengths);
         EXPECT_NEAR(got.neighbours_mean, wanted.neighbours_mean, 1e-9);
