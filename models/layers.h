@@ -58,7 +58,10 @@ Tensor run_relu(torch::nn::Conv2d& layer, const Tensor& x);
 Tensor run_layer(torch::nn::Linear& layer, const Tensor& rows);
 // rows (P, C) times weight (O, C) transposed, plus bias (O) where it is defined.
 Tensor linear_rows(const Tensor& rows, const Tensor& weight, const Tensor& bias = {});
-// Transposed convolution 2x2, stride 2: (B, C, H, W) to (B, O, 2H, 2W), of a layer (C, O, 2, 2).
+// A transposed convolution 2x2, stride 2, of weight (C, O, 2, 2), as rows (4 O, C): a pixel's four, their
+// channels side by side.
+Tensor doubling_rows(const Tensor& weight);
+// Such a layer: (B, C, H, W) to (B, O, 2H, 2W).
 Tensor run_doubling(torch::nn::ConvTranspose2d& layer, const Tensor& x);
 
 // (B, C, H, W) to rows (B H W, C) and back.

@@ -2,6 +2,12 @@
 // Figures 19 and 20, Table 1.
 #include "models/unet_vgg19.h"
 
+#ifdef WETCURL_MODEL_KERNELS
+#include <c10/cuda/CUDAStream.h>
+
+#include "models/unet_vgg19_kernels.h"
+#endif
+
 namespace wetcurl {
 
 namespace nn = torch::nn;
@@ -10,6 +16,7 @@ namespace {
 constexpr int kernel = 5;
 constexpr int pools = 5;
 constexpr int multiple = 1 << pools;
+constexpr int most_tiles = 4096;  // that kernels count
 struct Row {
     int channels, convolutions;
 };
@@ -62,7 +69,105 @@ Tensor UnetVgg19::run(Level& level, Tensor x) {
     return x;
 }
 
-Tensor UnetVgg19::residual(const Tensor& input) {
+#ifdef WETCURL_MODEL_KERNELS
+struct UnetVgg19::Frozen {
+    struct Doubling {
+        Tensor weight, bias;  // (4 O, C), (4 O)
+    };
+    std::vector<Doubling> doublings;
+    Tensor last, last_bias;  // (8, 5, 5, C), 0 beyond the outputs; in single precision
+    Tensor counters;         // of convolutions' tiles
+};
+
+void UnetVgg19::freeze() {
+    Model::freeze();
+    const torch::NoGradGuard no_grad;
+    const Tensor& last = last_->weight;
+    if (body != torch::kHalf || !last.is_cuda() || last.size(0) > 8 || last.size(1) % 16 != 0) return;
+    auto frozen = std::make_shared<Frozen>();
+    for (auto& level : up_) {
+        const Tensor &weight = level.doubling->weight, &bias = level.doubling->bias;
+        frozen->doublings.push_back({doubling_rows(weight).contiguous(), bias.repeat({4})});
+    }
+    frozen->last = torch::constant_pad_nd(last, {0, 0, 0, 0, 0, 0, 0, 8 - last.size(0)})
+                       .permute({0, 2, 3, 1})
+                       .to(torch::kHalf)
+                       .contiguous();
+    frozen->last_bias = last_->bias;
+    frozen->counters = torch::zeros({most_tiles}, last.options().dtype(torch::kInt));
+    frozen_ = frozen;
+}
+
+Tensor UnetVgg19::halved(const Tensor& x) const {
+    if (!frozen_) return torch::max_pool2d(x, 2);
+    const Tensor from = x.contiguous(torch::MemoryFormat::ChannelsLast),
+                 out = torch::empty({x.size(0), x.size(1), x.size(2) / 2, x.size(3) / 2}, x.options(),
+                                    torch::MemoryFormat::ChannelsLast);
+    launch_pool(int(x.size(0)), int(x.size(2)), int(x.size(3)), int(x.size(1)), from.data_ptr(),
+                out.data_ptr(), c10::cuda::getCurrentCUDAStream(x.device().index()));
+    return out;
+}
+
+Tensor UnetVgg19::run_up(const Frozen& frozen, Tensor x, std::vector<Tensor> skips, const Tensor& base,
+                         long height, long width) {
+    const cudaStream_t stream = c10::cuda::getCurrentCUDAStream(x.device().index());
+    auto image_like = [&](const JoinedImage& in, long channels) {
+        return torch::empty({in.images, channels, in.height, in.width}, x.options(),
+                            torch::MemoryFormat::ChannelsLast);
+    };
+    auto convolved = [&](torch::nn::Conv2d& layer, const JoinedImage& in, const Tensor& whole) {
+        const ConvolutionPlan plan = plan_of_convolution(in, int(layer->weight.size(0)));
+        if (plan.tiles == 0 || plan.places > most_tiles) {
+            if (whole.defined()) return run_relu(layer, whole);
+            const Tensor joined = image_like(in, in.channels());
+            launch_join(in, joined.data_ptr(), stream);
+            return run_relu(layer, joined);
+        }
+        const Tensor out = image_like(in, layer->weight.size(0)),
+                     partial = torch::empty({long(plan.numbers_between)}, x.options().dtype(torch::kFloat));
+        launch_convolution(plan, in, layer->weight.data_ptr(), layer->bias.data_ptr(),
+                           int(layer->weight.size(0)), partial.data_ptr<float>(),
+                           reinterpret_cast<unsigned*>(frozen.counters.data_ptr<int>()), out.data_ptr(),
+                           stream);
+        return out;
+    };
+    for (size_t k = 0; k < up_.size(); ++k) {
+        Level& level = up_[k];
+        const auto& doubling = frozen.doublings[k];
+        const Tensor doubled = linear_rows(to_rows(x), doubling.weight, doubling.bias),  // (P, 4 O)
+            skip = skips.empty() ? Tensor() : skips.back().contiguous(torch::MemoryFormat::ChannelsLast);
+        JoinedImage in{int(x.size(0)),
+                       int(2 * x.size(2)),
+                       int(2 * x.size(3)),
+                       doubled.data_ptr(),
+                       skip.defined() ? skip.data_ptr() : nullptr,
+                       int(doubled.size(1) / 4),
+                       skip.defined() ? int(skip.size(1)) : 0};
+        Tensor whole;
+        for (auto& layer : level.convolutions) {
+            x = whole = convolved(layer, in, whole).contiguous(torch::MemoryFormat::ChannelsLast);
+            in = {in.images, in.height, in.width, nullptr, x.data_ptr(), 0, int(x.size(1))};
+        }
+        if (!skips.empty()) skips.pop_back();
+        if (watch) watch(level.name, x);
+    }
+    const long outputs = last_->weight.size(0);
+    const Tensor out = torch::empty({x.size(0), outputs, height, width}, x.options().dtype(torch::kFloat),
+                                    torch::MemoryFormat::Contiguous),
+                 from = base.defined() ? base.contiguous() : base;
+    launch_last(int(x.size(0)), int(x.size(2)), int(x.size(3)), int(x.size(1)), x.data_ptr(),
+                frozen.last.data_ptr(), frozen.last_bias.data_ptr<float>(), int(outputs),
+                from.defined() ? from.data_ptr<float>() : nullptr, int(height), int(width),
+                out.data_ptr<float>(), stream);
+    return out;
+}
+#else
+struct UnetVgg19::Frozen {};
+void UnetVgg19::freeze() { Model::freeze(); }
+Tensor UnetVgg19::halved(const Tensor& x) const { return torch::max_pool2d(x, 2); }
+#endif
+
+Tensor UnetVgg19::answer(const Tensor& input, const Tensor& base) {
     const long h = input.size(2), w = input.size(3);
     const long below = (multiple - h % multiple) % multiple, right = (multiple - w % multiple) % multiple;
     // On the CPU LibTorch repeats edges in single precision alone.
@@ -71,9 +176,12 @@ Tensor UnetVgg19::residual(const Tensor& input) {
     x = x.to(body, /*non_blocking=*/false, /*copy=*/false, torch::MemoryFormat::ChannelsLast);
     std::vector<Tensor> skips;
     for (auto& level : down_) {
-        skips.push_back(run(level, x));          // (B, C, s, s)
-        x = torch::max_pool2d(skips.back(), 2);  // (B, C, s/2, s/2)
+        skips.push_back(run(level, x));  // (B, C, s, s)
+        x = halved(skips.back());        // (B, C, s/2, s/2)
     }
+#ifdef WETCURL_MODEL_KERNELS
+    if (frozen_) return run_up(*frozen_, x, skips, base, scale_ * h, scale_ * w);
+#endif
     for (auto& level : up_) {
         x = run_doubling(level.doubling, x);
         if (!skips.empty()) {
@@ -85,9 +193,10 @@ Tensor UnetVgg19::residual(const Tensor& input) {
     const Tensor out =
         run_layer(last_, x.to(torch::kFloat)).narrow(2, 0, scale_ * h).narrow(3, 0, scale_ * w);
     if (watch) watch("r7", out);
-    return out;
+    return base.defined() ? up(base) + out : out;
 }
 
-Tensor UnetVgg19::forward(const Tensor& input) { return up(input) + residual(input); }
+Tensor UnetVgg19::residual(const Tensor& input) { return answer(input, {}); }
+Tensor UnetVgg19::forward(const Tensor& input) { return answer(input, input); }
 
 }  // namespace wetcurl

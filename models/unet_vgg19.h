@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "models/layers.h"
@@ -21,19 +22,32 @@ class UnetVgg19 : public Model {
     Tensor residual(const Tensor& input);
     // Where set, receives each block's name (C1…C5, r1…r7) and output (before the pool).
     std::function<void(const std::string& block, const Tensor& output)> watch;
+    // On a CUDA device in half precision the kernels of models/unet_vgg19_kernels.h do their part of it from
+    // then on.
+    void freeze() override;
 
   private:
+    // Weights as those kernels take them.
+    struct Frozen;
     struct Level {
         std::string name;
         torch::nn::ConvTranspose2d doubling{nullptr};  // going up alone
         std::vector<torch::nn::Conv2d> convolutions;
     };
     Tensor run(Level& level, Tensor x);
+    // The largest of each 2x2.
+    Tensor halved(const Tensor& x) const;
+    // The way up from x, by those kernels: as `answer`, of so many pixels.
+    Tensor run_up(const Frozen& frozen, Tensor x, std::vector<Tensor> skips, const Tensor& base, long height,
+                  long width);
+    // The residual, and up(base) where that is defined.
+    Tensor answer(const Tensor& input, const Tensor& base);
     void add_convolutions(Level& level, int in, int out, int count);
 
     long scale_;  // of the output's sides
     std::vector<Level> down_, up_;
     torch::nn::Conv2d last_{nullptr};
+    std::shared_ptr<const Frozen> frozen_;
 };
 
 }  // namespace wetcurl
