@@ -1,4 +1,5 @@
-// Memory of a CUDA device behind owners, and checks of its calls. For what is built with CUDA alone. Ours.
+// Memory of a CUDA device: owners of it, checks of calls, and what a block of threads may have. For what is
+// built with CUDA alone. Ours.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -13,6 +14,22 @@ namespace wetcurl {
 
 inline void check_cuda(cudaError_t status, const char* what) {
     if (status != cudaSuccess) throw Error(std::string("CUDA: ") + what + ": " + cudaGetErrorString(status));
+}
+
+// A kernel may ask for all of the memory that a block of threads can have. The bound is the kernel's and not
+// a launch's: what one simulation needs must not take it from another beside it. Returns the bytes beside the
+// kernel's own.
+template <class Kernel>
+size_t allow_shared_memory(Kernel* kernel) {
+    int device = 0, most = 0;
+    check_cuda(cudaGetDevice(&device), "device");
+    check_cuda(cudaDeviceGetAttribute(&most, cudaDevAttrMaxSharedMemoryPerBlockOptin, device), "device");
+    cudaFuncAttributes own;
+    check_cuda(cudaFuncGetAttributes(&own, kernel), "kernel");
+    most -= int(own.sharedSizeBytes);
+    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, most),
+               "memory of a processor");
+    return size_t(most);
 }
 
 // `count` values on the current device.

@@ -53,36 +53,42 @@ struct alignas(16) SortedPoint {
     uint32_t id;
     WETCURL_HD Vec3f position() const { return {x, y, z}; }
 };
-struct CellRange {
-    uint32_t begin, end;
-};
-inline constexpr uint32_t no_particle = 0xffffffffu;  // begin of an empty cell
-
 // A view of the search's arrays. Particle `id` is of strand id / particles.
 struct CellSearch {
     static constexpr uint32_t at_once = 4;  // are read together
     uint32_t count;
-    int particles;                     // a strand
-    uint32_t *key, *id;                // (strand, particle)
-    uint32_t *sorted_key, *sorted_id;  // in the order of cells; what has none comes last
-    SortedPoint* sorted;               // (count + at_once - 1): what follows the last is read and never near
-    CellRange* cell;                   // (cells)
+    int particles;         // a strand
+    uint32_t* turn;        // (strand, particle): how many came to its cell before
+    uint32_t* start;       // (cells + 2) in the order; what has no cell comes last, then `count`
+    SortedPoint* arrived;  // (count) by cells, in each as they came
+    // The order: by cells, in each by their numbers.
+    uint32_t* sorted_id;
+    SortedPoint* sorted;  // (count + at_once - 1): what follows the last is read and never near
     WrappedGrid grid;
     Vec3f origin;  // of the cells
     float radius;
 
-    // Before the sort by key, where all cells become empty ones too.
-    WETCURL_HD void place(uint32_t particle, const Vec3f& p) const {
-        key[particle] = grid.key_of(p - origin), id[particle] = particle;
+    // `grid.cells()` where p has none.
+    WETCURL_HD uint32_t cell_of(const Vec3f& p) const { return grid.key_of(p - origin); }
+    // First, where `start` is 0: each particle counts. add(shared, 1) tells what `shared` was before.
+    template <class Add>
+    WETCURL_HD void count_in(uint32_t particle, const Vec3f& p, Add add) const {
+        turn[particle] = add(start[cell_of(p)], 1u);
     }
-    WETCURL_HD void empty_cell(uint32_t k) const { cell[k] = {no_particle, no_particle}; }
-    // After it: sorted particle k, at p, finds where its cell begins or ends.
-    WETCURL_HD void mark_cell(uint32_t k, const Vec3f& p) const {
-        sorted[k] = {p.x, p.y, p.z, sorted_id[k]};
-        const uint32_t own = sorted_key[k];
-        if (own == grid.cells()) return;
-        if (k == 0 || sorted_key[k - 1] != own) cell[own].begin = k;
-        if (k + 1 == count || sorted_key[k + 1] != own) cell[own].end = k + 1;
+    // Once `start` sums up those before each cell.
+    WETCURL_HD void arrive(uint32_t particle, const Vec3f& p) const {
+        arrived[start[cell_of(p)] + turn[particle]] = {p.x, p.y, p.z, particle};
+    }
+    // Once all have arrived: the k-th of them takes its place, which does not hang on who came first.
+    WETCURL_HD void settle(uint32_t k) const {
+        const SortedPoint p = arrived[k];
+        const uint32_t own = cell_of(p.position());
+        uint32_t at = k;
+        if (own < grid.cells()) {
+            at = start[own];
+            for (uint32_t j = at; j < start[own + 1]; ++j) at += arrived[j].id < p.id;
+        }
+        sorted_id[at] = p.id, sorted[at] = p;
     }
 
     // Calls candidate(near, k, sorted[k]) for sorted particles k around p, always in the same order: `near`
@@ -107,18 +113,23 @@ struct CellSearch {
                 }
             }
         };
-        for (int z = c.z - 1; z <= c.z + 1; ++z)
-            for (int y = c.y - 1; y <= c.y + 1; ++y) {
-                // Cells along x lie side by side in the order, but where the grid wraps round.
-                uint32_t begin = 0, end = 0;
-                for (int x = c.x - 1; x <= c.x + 1; ++x) {
-                    const CellRange range = cell[grid.key(x, y, z)];
-                    if (range.begin == no_particle) continue;
-                    if (range.begin != end) search(begin, end), begin = range.begin;
-                    end = range.end;
-                }
-                search(begin, end);
-            }
+        // Nine rows of three cells along x, which lie side by side in the order, but where the grid wraps
+        // round: then they lie in two places. Those of the next row are asked for before one is gone through.
+        const uint32_t width = 1u << grid.bits_x, left = uint32_t(c.x - 1) & (width - 1),
+                       right = left + 3 < width ? left + 3 : width, over = left + 3 - right;
+        uint32_t begin = 0, end = 0, begin_over = 0, end_over = 0;
+        auto look_up = [&](int row) {
+            const uint32_t* const of_row = start + grid.key(0, c.y - 1 + row % 3, c.z - 1 + row / 3);
+            begin = of_row[left], end = of_row[right];
+            if (over > 0) begin_over = of_row[0], end_over = of_row[over];
+        };
+        look_up(0);
+        for (int row = 0; row < 9; ++row) {
+            const uint32_t from_k = begin, to_k = end, from_over = begin_over, to_over = end_over;
+            if (row < 8) look_up(row + 1);
+            search(from_k, to_k);
+            if (over > 0) search(from_over, to_over);
+        }
     }
     // Calls visit(k, sorted[k]) for each who is near.
     template <class Visit>

@@ -1,5 +1,5 @@
-// Kernels of the search, and the sort between them.
-#include <cub/device/device_radix_sort.cuh>
+// Kernels of the search, a thread a particle, and the scan between them.
+#include <cub/device/device_scan.cuh>
 
 #include "cuda/cell_search_device.h"
 
@@ -11,22 +11,24 @@ constexpr unsigned threads = 128;
 
 unsigned blocks_for(size_t items) { return unsigned((items + threads - 1) / threads); }
 
-// A thread a cell: there are as many as particles, or more.
-__global__ void __launch_bounds__(threads) place(const CellSearch search, const Vec3f* positions) {
+__global__ void __launch_bounds__(threads) count_in(const CellSearch search, const Vec3f* positions) {
     const uint32_t k = blockIdx.x * threads + threadIdx.x;
-    if (k < search.grid.cells()) search.empty_cell(k);
-    if (k < search.count) search.place(k, positions[k]);
+    if (k < search.count)
+        search.count_in(k, positions[k],
+                        [](uint32_t& shared, uint32_t more) { return atomicAdd(&shared, more); });
 }
-__global__ void __launch_bounds__(threads) mark_cells(const CellSearch search, const Vec3f* positions) {
+__global__ void __launch_bounds__(threads) arrive(const CellSearch search, const Vec3f* positions) {
     const uint32_t k = blockIdx.x * threads + threadIdx.x;
-    if (k < search.count) search.mark_cell(k, positions[search.sorted_id[k]]);
+    if (k < search.count) search.arrive(k, positions[k]);
+}
+__global__ void __launch_bounds__(threads) settle(const CellSearch search) {
+    const uint32_t k = blockIdx.x * threads + threadIdx.x;
+    if (k < search.count) search.settle(k);
 }
 
-// By the bits that a cell's number has and one more: the key of what lies in none.
-cudaError_t sort(const CellSearch& v, void* memory, size_t& bytes, cudaStream_t stream) {
-    const int bits = v.grid.bits_x + v.grid.bits_y + v.grid.bits_z + 1;
-    return cub::DeviceRadixSort::SortPairs(memory, bytes, v.key, v.sorted_key, v.id, v.sorted_id,
-                                           int(v.count), 0, bits, stream);
+// In place: how many come before each cell.
+cudaError_t scan(const CellSearch& v, void* memory, size_t& bytes, cudaStream_t stream) {
+    return cub::DeviceScan::ExclusiveSum(memory, bytes, v.start, v.start, int(v.grid.cells() + 2), stream);
 }
 
 }  // namespace
@@ -36,45 +38,37 @@ CellSearchDevice::CellSearchDevice(size_t count, int particles, double radius, c
       radius_(float(radius)),
       origin_(origin),
       grid_(wrapped_grid(count, radius)),
-      key_(count),
-      id_(count),
-      sorted_key_(count),
+      turn_(count),
+      start_(grid_.cells() + 2),
       sorted_id_(count),
-      sorted_(count + CellSearch::at_once - 1),
-      cell_(grid_.cells()) {
+      arrived_(count),
+      sorted_(count + CellSearch::at_once - 1) {
     size_t bytes = 0;
-    check_cuda(sort(view(), nullptr, bytes, nullptr), "size of the sort");
-    sort_memory_ = DeviceBuffer<char>(bytes);
+    check_cuda(scan(view(), nullptr, bytes, nullptr), "size of the scan");
+    scan_memory_ = DeviceBuffer<char>(bytes);
     check_cuda(cudaMemset(sorted_.data(), 0, sorted_.bytes()), "beyond the last");
     check_cuda(cudaStreamSynchronize(nullptr), "beyond the last");  // streams of launches do not wait for it
 }
 
 CellSearch CellSearchDevice::view() const {
-    return {uint32_t(key_.size()),
-            particles_,
-            key_.data(),
-            id_.data(),
-            sorted_key_.data(),
-            sorted_id_.data(),
-            sorted_.data(),
-            cell_.data(),
-            grid_,
-            origin_,
-            radius_};
+    return {uint32_t(turn_.size()), particles_,     turn_.data(), start_.data(), arrived_.data(),
+            sorted_id_.data(),      sorted_.data(), grid_,        origin_,       radius_};
 }
 
 void CellSearchDevice::launch(const Vec3f* positions, cudaStream_t stream) const {
     const CellSearch v = view();
-    place<<<blocks_for(grid_.cells()), threads, 0, stream>>>(v, positions);
-    size_t bytes = sort_memory_.size();
-    check_cuda(sort(v, sort_memory_.data(), bytes, stream), "sort");
-    mark_cells<<<blocks_for(v.count), threads, 0, stream>>>(v, positions);
+    check_cuda(cudaMemsetAsync(v.start, 0, start_.bytes(), stream), "empty cells");
+    count_in<<<blocks_for(v.count), threads, 0, stream>>>(v, positions);
+    size_t bytes = scan_memory_.size();
+    check_cuda(scan(v, scan_memory_.data(), bytes, stream), "scan");
+    arrive<<<blocks_for(v.count), threads, 0, stream>>>(v, positions);
+    settle<<<blocks_for(v.count), threads, 0, stream>>>(v);
     check_cuda(cudaGetLastError(), "launch of the search");
 }
 
 size_t CellSearchDevice::bytes() const {
-    size_t sum = sorted_.bytes() + cell_.bytes() + sort_memory_.bytes();
-    for (const auto* b : {&key_, &id_, &sorted_key_, &sorted_id_}) sum += b->bytes();
+    size_t sum = arrived_.bytes() + sorted_.bytes() + scan_memory_.bytes();
+    for (const auto* b : {&turn_, &start_, &sorted_id_}) sum += b->bytes();
     return sum;
 }
 

@@ -24,10 +24,9 @@ class CellSearchDevice {
     const float radius_;
     const Vec3f origin_;
     const WrappedGrid grid_;
-    DeviceBuffer<uint32_t> key_, id_, sorted_key_, sorted_id_;
-    DeviceBuffer<SortedPoint> sorted_;
-    DeviceBuffer<CellRange> cell_;
-    DeviceBuffer<char> sort_memory_;
+    DeviceBuffer<uint32_t> turn_, start_, sorted_id_;
+    DeviceBuffer<SortedPoint> arrived_, sorted_;
+    DeviceBuffer<char> scan_memory_;
 };
 
 }  // namespace wetcurl

@@ -75,6 +75,7 @@ struct CohesionMemory {
     Displaced* displaced;  // (strand, particle)
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
     const float* own_volume;   // (strand, particle) of itself, null: V is
+    float* own;                // in the order of cells: their product, as Eq 10 takes it
 
     // Of the lane at `place` (blocks, 128).
     WETCURL_HD Ranks<4>* entries(const ListGroup& g, uint32_t place) const {
@@ -94,14 +95,18 @@ struct CohesionBodies {
         m.own_weight[strand] = float(term.own_weight(segment));
         m.beta[strand] = float(filter_beta(between, term.coherence));
     }
-    // Particle k of the order comes with its V and sigma V, of (strand, particle), and stands still as yet.
+    // Particle k of the order, once its strand is measured, comes with its V and sigma V, of (strand,
+    // particle), and stands still as yet.
     WETCURL_HD void take(uint32_t k, const float* volume, const float* wet_volume) const {
         const SortedPoint p = m.search.sorted[k];
         m.point[k] = {p.x, p.y, p.z, volume[p.id]};
         m.wet_volume[k] = wet_volume[p.id];
+        m.own[k] =
+            (m.own_volume ? m.own_volume : volume)[p.id] * m.own_weight[p.id / uint32_t(m.search.particles)];
         m.displaced[p.id] = {0, 0, 0, k};
-        const uint32_t cell = m.search.sorted_key[k];
-        if (m.wet_cell && m.wet_volume[k] > 0 && cell < m.search.grid.cells()) m.wet_cell[cell] = 1;
+        if (!m.wet_cell || !(m.wet_volume[k] > 0)) return;
+        const uint32_t cell = m.search.cell_of(p.position());
+        if (cell < m.search.grid.cells()) m.wet_cell[cell] = 1;
     }
     // Calls candidate(near, j) for particles around particle k of the order, where some hair is dry once all
     // are taken: `near` for those that Eq 10 sees, j their rank. Returns false where all of them are dry:
@@ -150,8 +155,7 @@ struct CohesionBodies {
             }
         }
         sums = {{together(sums.pull.x), together(sums.pull.y), together(sums.pull.z)}, together(sums.weight)};
-        const Vec3f d =
-            term.displacement(sums, (m.own_volume ? m.own_volume[id] : own.volume) * m.own_weight[id / n]);
+        const Vec3f d = term.displacement(sums, m.own[k]);
         if (part == 0) m.displaced[id] = {d.x, d.y, d.z, k};
     }
     // A block's own memory while it moves strands: displacements (3, strand, particle), of so many numbers a
@@ -211,8 +215,12 @@ struct CohesionBodies {
     }
     // A strand x (particle), root to tip: no edge is longer than the term allows.
     WETCURL_HD void within_lengths(ShownPoint* x) const {
+        Vec3f before = x[0].position();
+        ShownPoint next = x[1];  // read before the one before it is written
         for (int i = 1; i < thinning.particles; ++i) {
-            x[i].put(term.within_length(x[i - 1].position(), x[i].position(), x[i].length));
+            const ShownPoint now = next;
+            if (i + 1 < thinning.particles) next = x[i + 1];
+            x[i].put(before = term.within_length(before, now.position(), now.length));
         }
     }
 };

@@ -23,9 +23,9 @@ __device__ int strand_of_warp() { return int((blockIdx.x * blockDim.x + threadId
 
 // Of a line through p(0), ..., p(n - 1), by a warp.
 template <class P>
-__device__ double length_of(int n, P p) {
-    double length = 0;
-    for (int i = int(threadIdx.x) % warp; i + 1 < n; i += warp) length += norm(cast<double>(p(i + 1) - p(i)));
+__device__ float length_of(int n, P p) {
+    float length = 0;
+    for (int i = int(threadIdx.x) % warp; i + 1 < n; i += warp) length += norm(p(i + 1) - p(i));
     for (int other = 1; other < warp; other *= 2) length += __shfl_xor_sync(0xffffffffu, length, other);
     return length;
 }
@@ -36,8 +36,8 @@ __global__ void __launch_bounds__(most_strands* warp)
     const int strand = strand_of_warp(), n = b.thinning.particles, count = b.m.search.particles;
     if (strand >= strands) return;
     const Vec3f* const x = positions + size_t(strand) * size_t(n);
-    const double length = length_of(n, [&](int i) { return x[i]; });
-    double between = length;
+    const float length = length_of(n, [&](int i) { return x[i]; });
+    float between = length;
     if (asked) {
         auto at = [&](int j) { return x[b.thinning.at(strand, j)]; };
         for (int j = int(threadIdx.x) % warp; j < count; j += warp)
@@ -107,17 +107,34 @@ __global__ void __launch_bounds__(pass_threads)
     b.move_strands(Team<Block>{Block{}, int(threadIdx.x), int(blockDim.x)}, first, strands, room);
 }
 
-constexpr int show_threads = 4 * warp, most_shown = 16;  // of a block, strands at most
+constexpr int show_threads = 5 * warp, most_shown = 16;  // of a block, strands at most
+// A lane's particles of a strand: what they need is on its way together. The last comes again for those
+// beyond it.
+struct Batch {
+    static constexpr int size = 2;
+    int first, n, at[size];
+    __device__ Batch(int first, int n) : first(first), n(n) {
+#pragma unroll
+        for (int k = 0; k < size; ++k) at[k] = min(first + k * warp, n - 1);
+    }
+    // f(particle, k), but for those.
+    template <class F>
+    __device__ void each(F f) const {
+#pragma unroll
+        for (int k = 0; k < size; ++k)
+            if (first + k * warp < n) f(at[k], k);
+    }
+};
 
 // Whole strands a block: particles by all its threads, what goes along a strand by one. Shared memory:
 // (strand, row_of(particles)) and, where not all are asked, (strand, particle that is).
 __host__ __device__ int row_of(int particles) { return particles | 1; }  // strands lie in different banks
 size_t bytes_to_show(const Thinning& thinning) {
     return size_t(row_of(thinning.particles)) * sizeof(ShownPoint) +
-           (thinning.every > 1 ? size_t(thinning.count()) * sizeof(Vec3f) : 0);
+           (thinning.every > 1 ? size_t(thinning.count) * sizeof(Vec3f) : 0);
 }
 template <class T>
-__global__ void __launch_bounds__(show_threads)
+__global__ void __launch_bounds__(show_threads, 7)
     show(const CohesionBodies b, int strands, int strands_of_block, const Vec3f* simulated,
          const float* rest_depth, const SubstepMotion<T>* motion, Vec3f* displayed) {
     extern __shared__ ShownPoint shown[];
@@ -126,44 +143,56 @@ __global__ void __launch_bounds__(show_threads)
               thread = int(threadIdx.x);
     auto strand = [&](int s) { return shown + s * row_of(n); };
     Vec3f* const moved = reinterpret_cast<Vec3f*>(strand(strands_of_block));
-    auto out = [&](int s, int i) {
-        return [&, id = size_t(first + s) * size_t(n) + size_t(i)](const Vec3f& p) {
-            return pushed_out(*motion, p, rest_depth ? rest_depth[id] : 0.f);
-        };
+    auto allowed = [&](int s, int i) {
+        return rest_depth ? rest_depth[size_t(first + s) * size_t(n) + size_t(i)] : 0.f;
     };
-    auto for_each_particle = [&](int begin, auto f) {
+    // f(strand, batch) for batches of its particles from `begin` on.
+    auto for_each_batch = [&](int begin, auto f) {
         for (int s = thread / warp; s < count; s += show_threads / warp)
-            for (int i = begin + thread % warp; i < n; i += warp) f(s, i);
+            for (int i = begin + thread % warp; i - thread % warp < n; i += Batch::size * warp)
+                f(s, Batch(i, n));
         __syncthreads();
     };
-    if (b.thinning.every > 1) {
-        for (int k = thread; k < count * asked; k += show_threads)
-            moved[k] = b.moved(first + k / asked, k % asked, simulated);
-        __syncthreads();
-    }
-    for_each_particle(
-        0, [&](int s, int i) { strand(s)[i] = b.shown(first + s, i, simulated, moved + s * asked); });
+    if (b.thinning.every > 1)
+        Team<Block>(Block{}, thread, show_threads).share(count, asked, [&](int s, int j) {
+            moved[s * asked + j] = b.moved(first + s, j, simulated);
+        });
+    for_each_batch(0, [&](int s, const Batch& batch) {
+        ShownPoint x[Batch::size];
+#pragma unroll
+        for (int k = 0; k < Batch::size; ++k)
+            x[k] = b.shown(first + s, batch.at[k], simulated, moved + s * asked);
+        batch.each([&](int i, int k) { strand(s)[i] = x[k]; });
+    });
     if (thread < count) b.within_lengths(strand(thread));
     __syncthreads();
-    for_each_particle(1, [&](int s, int i) {
-        ShownPoint& x = strand(s)[i];
-        x.put(out(s, i)(x.position()));
+    for_each_batch(1, [&](int s, const Batch& batch) {
+        Vec3f x[Batch::size];
+        float deep[Batch::size];
+#pragma unroll
+        for (int k = 0; k < Batch::size; ++k)
+            x[k] = strand(s)[batch.at[k]].position(), deep[k] = allowed(s, batch.at[k]);
+        push_out(*motion, x, deep);
+        batch.each([&](int i, int k) { strand(s)[i].put(x[k]); });
     });
     bool torn = false;
-    for_each_particle(1, [&](int s, int i) {
-        const ShownPoint* x = strand(s) + i;
-        torn |= is_torn(x->position() - x[-1].position(), b.term.torn_beyond(x->length));
+    for_each_batch(1, [&](int s, const Batch& batch) {
+        batch.each([&](int i, int) {
+            const ShownPoint* x = strand(s) + i;
+            torn |= is_torn(x->position() - x[-1].position(), b.term.torn_beyond(x->length));
+        });
     });
     if (__syncthreads_or(torn)) {
         ShownPoint* const x = strand(thread);
         for (int i = 1; thread < count && i < n; ++i)
             x[i].put(led_around(x[i - 1].position(), x[i].position(), b.term.torn_beyond(x[i].length),
-                                out(thread, i)));
+                                [&](const Vec3f& p) { return pushed_out(*motion, p, allowed(thread, i)); }));
         __syncthreads();
     }
-    for_each_particle(0, [&](int s, int i) {
-        displayed[size_t(first + s) * size_t(n) + size_t(i)] = strand(s)[i].position();
-    });
+    for (int s = thread / warp; s < count; s += show_threads / warp) {
+        float* const to = &displayed[size_t(first + s) * size_t(n)].x;
+        for (int k = thread % warp; k < 3 * n; k += warp) to[k] = (&strand(s)[k / 3].x)[k % 3];
+    }
 }
 
 std::vector<float> wet_volumes_of(const std::vector<float>& volume, const std::vector<float>& saturation) {
@@ -181,14 +210,15 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
     : term_(term),
       thinning_(thinning),
       strands_(strands),
-      search_(size_t(strands) * size_t(thinning.count()), thinning.count(), term.h_c, origin),
+      search_(size_t(strands) * size_t(thinning.count), thinning.count, term.h_c, origin),
       rest_depth_(rest_depth),
       who_(blocks_for(search_.view().count, list_block) * size_t(list_block)),
       group_(who_.size() / ListGroup::lanes),
       displaced_(search_.view().count),
       beta_(size_t(strands)),
-      own_weight_(size_t(strands)) {
-    const int particles = thinning.count();
+      own_weight_(size_t(strands)),
+      own_(search_.view().count) {
+    const int particles = thinning.count;
     if (thinning.every > 1) {
         const ThinnedWater water(thinning, volume, saturation);
         volume_ = DeviceBuffer<float>(water.volume);
@@ -240,11 +270,11 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
 }
 
 CohesionBodies CohesionDevice::bodies() const {
-    return {
-        term_,
-        thinning_,
-        {search_.view(), point_.data(), sorted_wet_volume_.data(), wet_cell_.data(), group_.data(),
-         who_.data(), list_.data(), displaced_.data(), beta_.data(), own_weight_.data(), own_volume_.data()}};
+    return {term_,
+            thinning_,
+            {search_.view(), point_.data(), sorted_wet_volume_.data(), wet_cell_.data(), group_.data(),
+             who_.data(), list_.data(), displaced_.data(), beta_.data(), own_weight_.data(),
+             own_volume_.data(), own_.data()}};
 }
 
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
@@ -306,8 +336,8 @@ bool CohesionDevice::grow(const FrameReport& report) {
 size_t CohesionDevice::bytes() const {
     size_t sum = search_.bytes() + point_.bytes() + group_.bytes() + who_.bytes() + list_.bytes() +
                  displaced_.bytes() + wet_cell_.bytes() + thinned_.bytes();
-    for (const auto* b :
-         {&volume_, &wet_volume_, &own_volume_, &rest_depth_, &sorted_wet_volume_, &beta_, &own_weight_})
+    for (const auto* b : {&volume_, &wet_volume_, &own_volume_, &rest_depth_, &sorted_wet_volume_, &beta_,
+                          &own_weight_, &own_})
         sum += b->bytes();
     return sum;
 }

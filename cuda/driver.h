@@ -7,20 +7,6 @@
 
 namespace wetcurl {
 
-// A kernel may ask for all of the memory that a block of threads can have. The bound is the kernel's and not
-// a launch's: what one simulation needs must not take it from another beside it.
-template <class Kernel>
-void allow_shared_memory(Kernel* kernel) {
-    int device = 0, most = 0;
-    check_cuda(cudaGetDevice(&device), "device");
-    check_cuda(cudaDeviceGetAttribute(&most, cudaDevAttrMaxSharedMemoryPerBlockOptin, device), "device");
-    cudaFuncAttributes own;
-    check_cuda(cudaFuncGetAttributes(&own, kernel), "kernel");
-    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                    most - int(own.sharedSizeBytes)),
-               "memory of a processor");
-}
-
 struct Stream {
     cudaStream_t handle = nullptr;
     Stream() { check_cuda(cudaStreamCreateWithFlags(&handle, cudaStreamNonBlocking), "stream"); }

@@ -40,9 +40,9 @@ class OnDevice final : public LearnedStrands {
         model_->whole_grid = kernels_->high_strands() == kernels_->pixels();
         model_->freeze();
         const long n = kernels_->particles(), l = kernels_->low_strands();
-        cores_ = view(kernels_->cores(), {1, n, n}, device_).expand({3, n, n});
-        departed_ = view(kernels_->departed(), {3, n, l}, device_);
-        moved_ = view(kernels_->moved(), {3, n, l}, device_);
+        cores_ = view(kernels_->cores(), {n, n}, device_);
+        departed_ = view(kernels_->departed(), {n, 4 * l}, device_);
+        moved_ = view(kernels_->moved(), {n, 4 * l}, device_);
         image_ = view(kernels_->image(), {1, static_channels + dynamic_channels, height_, width_}, device_);
     }
 
@@ -125,7 +125,7 @@ class OnDevice final : public LearnedStrands {
     void frame() {
         kernels_->take_head(stream_);
         kernels_->depart(low_, stream_);
-        torch::bmm_out(moved_, cores_, departed_);
+        torch::mm_out(moved_, cores_, departed_);
         kernels_->carry(stream_);
         kernels_->describe(stream_);
         answer_ = to_rows(model_->forward(image_)).contiguous();  // (S, 72)

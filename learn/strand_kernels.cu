@@ -3,6 +3,8 @@
 #include <cuda_pipeline.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "learn/strand_kernels.h"
 
@@ -10,7 +12,7 @@ namespace wetcurl {
 
 namespace {
 
-constexpr int threads = 128, tile = 32, tile_rows = 4, rest_numbers = 13;
+constexpr int threads = 128, tile = 32, tile_rows = 4;
 constexpr int slots = history_lags.back() + 1, modes = 3 * history_modes;
 
 unsigned blocks_of(int count, int size = threads) { return unsigned((count + size - 1) / size); }
@@ -20,7 +22,7 @@ void check_launch(const char* what) { check_cuda(cudaGetLastError(), what); }
 // A block: `tile` strands by `tile` particles, turned over in shared memory.
 __global__ void __launch_bounds__(tile* tile_rows)
     depart_kernel(const HeadState* head, const Vec3f* __restrict__ p, const float* __restrict__ share,
-                  const Vec3f* __restrict__ rest, int low, int n, float* __restrict__ x) {
+                  const Vec3f* __restrict__ rest, int low, int n, float4* __restrict__ x) {
     __shared__ float turned[3][tile][tile + 1];
     const int lane = int(threadIdx.x), first = int(blockIdx.x) * tile, begin = int(blockIdx.y) * tile,
               mine = begin + lane;
@@ -34,29 +36,26 @@ __global__ void __launch_bounds__(tile* tile_rows)
     __syncthreads();
     if (first + lane >= low) return;
     for (int i = int(threadIdx.y); i < tile && begin + i < n; i += tile_rows)
-        for (int axis = 0; axis < 3; ++axis)
-            x[(size_t(axis) * n + begin + i) * low + first + lane] = turned[axis][i][lane];
+        x[size_t(begin + i) * low + first + lane] = {turned[0][i][lane], turned[1][i][lane],
+                                                     turned[2][i][lane], 0};
 }
+
+__device__ Vec3f vector_of(const float4& v) { return {v.x, v.y, v.z}; }
 
 constexpr int lost_strands = 32, lost_parts = 8;
 
 // What low-resolution strands have lost of their own; a block takes some, in parts.
-__global__ void lost_kernel(int low, int n, const Beside* __restrict__ beside, const float* __restrict__ own,
-                            const float* __restrict__ moved, float* __restrict__ lost) {
+__global__ void lost_kernel(int low, int n, const Beside* __restrict__ beside, const float4* __restrict__ own,
+                            const float4* __restrict__ moved, float* __restrict__ lost) {
     __shared__ float part[lost_parts][lost_strands];
     const int s = int(blockIdx.x) * lost_strands + int(threadIdx.x), p = int(threadIdx.y);
-    const size_t plane = size_t(n) * low;
     float sum = 0;
     if (s < low) {
         const Beside near = beside[s];
         for (int i = p; i + 1 < n; i += lost_parts) {
-            const size_t at = size_t(i) * low;
-            const float *from = moved + at, *to = from + low;
-            sum += lost_of_edge({own[at + s], own[plane + at + s], own[2 * plane + at + s]}, s, near,
-                                [&](int k) {
-                                    return Vec3f{to[k] - from[k], to[plane + k] - from[plane + k],
-                                                 to[2 * plane + k] - from[2 * plane + k]};
-                                });
+            const float4 *from = moved + size_t(i) * low, *to = from + low;
+            sum += lost_of_edge(vector_of(own[size_t(i) * low + s]), s, near,
+                                [&](int k) { return vector_of(to[k]) - vector_of(from[k]); });
         }
     }
     part[p][threadIdx.x] = sum;
@@ -68,19 +67,32 @@ __global__ void lost_kernel(int low, int n, const Beside* __restrict__ beside, c
 
 constexpr int carriers = 32, stages = 4;
 
+__device__ Vec3f scaled(float unit, int16_t x, int16_t y, int16_t z) {
+    return {unit * float(x), unit * float(y), unit * float(z)};
+}
+
+// 16 bytes on their way through the nearest cache, where lanes that ask for the same find it: those of
+// __pipeline_memcpy_async go past it.
+__device__ void fetch_shared(void* to, const void* from) {
+    asm volatile("cp.async.ca.shared.global [%0], [%1], 16;" ::"r"(unsigned(__cvta_generic_to_shared(to))),
+                 "l"(from)
+                 : "memory");
+}
+
 // Where wet low-resolution strands are kept as they are, that of a pixel.
 struct Kept {
-    const int* low;         // (pixel): low-resolution strand or -1; null: none is kept
-    const float *rest, *x;  // (3, n, low): offsets from the root at rest; how far from there
+    const int* low;          // (pixel): low-resolution strand or -1; null: none is kept
+    const float4 *rest, *x;  // (n, low): offsets from the root at rest; how far from there
 };
 
 // A strand goes along its particles one by one. Its amplitudes add up, `unit` (n, 24) those of unit offsets.
 __global__ void __launch_bounds__(carriers)
     carry_kernel(int pixels, int low, int n, int width, const int* __restrict__ strand,
-                 const float* __restrict__ rest, const int* __restrict__ from,
+                 const RestUnits* __restrict__ units, const RestEdge* __restrict__ edges,
+                 const RestDetail* __restrict__ details, const int* __restrict__ from,
                  const float* __restrict__ weight, const float* __restrict__ lost_weight,
                  const float* __restrict__ lost, const Quatf* __restrict__ turn,
-                 const float* __restrict__ moved, const Kept kept, const float* __restrict__ unit,
+                 const float4* __restrict__ moved, const Kept kept, const float4* __restrict__ unit,
                  float* __restrict__ base, float* __restrict__ amplitudes) {
     constexpr int most = 4;  // of a stencil
     const int s = int(blockIdx.x) * carriers + int(threadIdx.x);
@@ -92,64 +104,72 @@ __global__ void __launch_bounds__(carriers)
         share[k] = k < width ? weight[k * pixels + s] : 0;
         if (k < width) lost_here += lost_weight[k * pixels + s] * lost[neighbour[k]];
     }
+    const RestUnits unit_of = units[s];
     const Quatf to_root = conjugate(turn[s]);
-    const size_t plane = size_t(n) * low, out = size_t(n) * pixels;
+    const size_t out = size_t(n) * pixels;
     const int twin = kept.low ? kept.low[s] : -1;
-    // What the next particles need is on its way: a ring of them, (number, lane) each.
-    __shared__ float ring[stages][rest_numbers + 3 * most][carriers];
+    // What the next particles need is on its way: a ring of them, a lane each, but for what all lanes share.
+    struct Stage {
+        RestEdge edge[carriers];
+        float4 moved[most][carriers];
+        RestDetail detail[carriers];
+    };
+    __shared__ Stage ring[stages];
     const int lane = int(threadIdx.x);
     const auto fetch = [&](int i) {
-        auto& to = ring[i % stages];
-        const float* r = rest + size_t(i) * rest_numbers * pixels + s;
-        const float* m = moved + size_t(i) * low;
+        Stage& to = ring[i % stages];
         if (i < n) {
+            const size_t at = size_t(i) * pixels + s;
+            __pipeline_memcpy_async(&to.edge[lane], edges + at, sizeof(RestEdge));
+            __pipeline_memcpy_async(&to.detail[lane], details + at, sizeof(RestDetail));
 #pragma unroll
-            for (int k = 0; k < rest_numbers; ++k)
-                __pipeline_memcpy_async(&to[k][lane], r + size_t(k) * pixels, sizeof(float));
-#pragma unroll
-            for (int k = 0; k < 3 * most; ++k)
-                __pipeline_memcpy_async(&to[rest_numbers + k][lane],
-                                        m + size_t(k % 3) * plane + neighbour[k / 3], sizeof(float));
+            for (int k = 0; k < most; ++k)
+                fetch_shared(&to.moved[k][lane], moved + (size_t(i) * low + neighbour[k]));
         }
         __pipeline_commit();
     };
     for (int i = 0; i < stages; ++i) fetch(i);
+    constexpr int quads = dct_kept / 4;
+    float4 unit_ahead[quads];
+    const auto fetch_unit = [&](int i) {
+#pragma unroll
+        for (int m = 0; m < quads; ++m) unit_ahead[m] = __ldg(unit + i * quads + m);
+    };
+    fetch_unit(0);
     Vec3f amplitude[dct_kept] = {};
     carry_rest<float>(
         n, fminf(fmaxf(lost_here, 0), 1),
         [&](int i) {
-            const auto& r = ring[i % stages];
-            auto vector = [&](int k) { return Vec3f{r[k][lane], r[k + 1][lane], r[k + 2][lane]}; };
-            return RestParticle<float>{vector(0), r[3][lane], vector(4), vector(7), vector(10)};
+            const RestEdge e = ring[i % stages].edge[lane];
+            const RestDetail d = ring[i % stages].detail[lane];
+            const Vec3f curled = scaled(unit_of.curled, e.curled[0], e.curled[1], e.curled[2]);
+            return RestParticle<float>{scaled(unit_of.edge, e.edge[0], e.edge[1], e.edge[2]), norm(curled),
+                                       curled, scaled(unit_of.detail, d.detail[0], d.detail[1], d.detail[2]),
+                                       scaled(unit_of.own, e.own_xy[0], e.own_xy[1], d.own_z)};
         },
         // Asked for in order, before that particle's rest and after the one before's, whose place is free.
         [&](int i) {
             if (i > 0) fetch(i - 1 + stages);
             __pipeline_wait_prior(stages - 1);
-            const auto& m = ring[i % stages];
             Vec3f sum{0, 0, 0};
 #pragma unroll
-            for (int k = 0; k < most; ++k) {
-                const int at = rest_numbers + 3 * k;
-                sum += share[k] * Vec3f{m[at][lane], m[at + 1][lane], m[at + 2][lane]};
-            }
+            for (int k = 0; k < most; ++k) sum += share[k] * vector_of(ring[i % stages].moved[k][lane]);
             return rotate(to_root, sum);
         },
         [&](int i, Vec3f x) {
             if (twin >= 0) {
                 const size_t k = size_t(i) * low + twin;
-                x = rotate(to_root, Vec3f{kept.rest[k] + kept.x[k], kept.rest[plane + k] + kept.x[plane + k],
-                                          kept.rest[2 * plane + k] + kept.x[2 * plane + k]});
+                x = rotate(to_root, vector_of(kept.rest[k]) + vector_of(kept.x[k]));
             }
             const size_t at = size_t(i) * pixels + s;
             base[at] = x.x, base[out + at] = x.y, base[2 * out + at] = x.z;
-            const float4* of_unit = reinterpret_cast<const float4*>(unit + i * dct_kept);
 #pragma unroll
-            for (int m = 0; m < dct_kept; m += 4) {
-                const float4 u = __ldg(of_unit + m / 4);
-                amplitude[m] += u.x * x, amplitude[m + 1] += u.y * x;
-                amplitude[m + 2] += u.z * x, amplitude[m + 3] += u.w * x;
+            for (int m = 0; m < quads; ++m) {
+                const float4 u = unit_ahead[m];
+                Vec3f* const to = amplitude + 4 * m;
+                to[0] += u.x * x, to[1] += u.y * x, to[2] += u.z * x, to[3] += u.w * x;
             }
+            fetch_unit(min(i + 1, n - 1));
         });
 #pragma unroll
     for (int m = 0; m < dct_kept; ++m) {
@@ -211,7 +231,7 @@ struct Outside {
     }
 };
 
-constexpr int axes = 3, place_rows = axes * tile_rows;
+constexpr int axes = 3, place_rows = axes * tile_rows, of_four = 4;
 
 // A block: `tile` strands of a row of the grid by up to `tile` particles, turned over in shared memory so
 // that both sides are read and written in order. `offsets` (n, 24): of unit amplitudes.
@@ -220,54 +240,79 @@ __global__ void __launch_bounds__(tile* place_rows)
                  const Quatf* __restrict__ turn, const Vec3f* __restrict__ root,
                  const float* __restrict__ base, const float* __restrict__ offsets,
                  const float* __restrict__ answer, const Outside outside, Vec3f* __restrict__ out) {
-    __shared__ float near[tile][axes * (tile + 1)];  // the particle before them first
-    __shared__ __align__(16) float rise[tile + 1][dct_kept];
-    __shared__ float amplitudes[tile][strand_coefficients + 1];
+    constexpr int held = tile + 1;  // particles: the one before them first
+    __shared__ float near[tile][axes * held];
+    __shared__ float depths[held][tile], edges[held][tile];
+    __shared__ float4 rise[held][dct_kept / of_four];
+    __shared__ float4 amplitudes[tile][strand_coefficients / of_four + 1];  // strands lie in different banks
     const int first = int(blockIdx.x) * tile, column = int(threadIdx.x), s = first + column,
               row = int(threadIdx.y), thread = row * tile + column, begin = int(blockIdx.y) * particles,
-              end = min(begin + particles, n), before = max(begin - 1, 0);
-    for (int k = thread; k < (end - before) * dct_kept; k += tile * place_rows)
-        rise[k / dct_kept][k % dct_kept] = offsets[before * dct_kept + k];
-    for (int k = thread; k < min(tile, pixels - first) * strand_coefficients; k += tile * place_rows)
-        amplitudes[k / strand_coefficients][k % strand_coefficients] =
-            answer ? answer[size_t(first) * strand_coefficients + k] : 0;
+              end = min(begin + particles, n), before = max(begin - 1, 0), count = end - before;
+    // All of it is asked for at once.
+    const int own = min(s, pixels - 1), mine = s < pixels ? strand[own] : -1;
+    const Quatf to_head = turn[own];
+    const Vec3f from = root[own];
+    constexpr int whole = strand_coefficients / of_four, all = tile * place_rows;
+    for (int k = thread; k < min(tile, pixels - first) * whole; k += all) {
+        float4* const to = &amplitudes[k / whole][k % whole];
+        if (answer)
+            __pipeline_memcpy_async(to, answer + size_t(first) * strand_coefficients + of_four * k,
+                                    sizeof(float4));
+        else
+            *to = {0, 0, 0, 0};
+    }
+    for (int k = thread; k < count * (dct_kept / of_four); k += all)
+        __pipeline_memcpy_async(&rise[0][0] + k, offsets + before * dct_kept + of_four * k, sizeof(float4));
+    const int axis = row % axes;
+    if (s < pixels) {
+        const float* of_axis = base + (size_t(axis) * n + before) * pixels + s;
+        for (int i = row / axes; i < count; i += tile_rows)
+            __pipeline_memcpy_async(&near[column][axes * i + axis], of_axis + size_t(i) * pixels,
+                                    sizeof(float));
+        for (int i = row; outside.count > 0 && i < count; i += place_rows) {
+            const size_t at = size_t(before + i) * pixels + s;
+            __pipeline_memcpy_async(&depths[i][column], outside.depth + at, sizeof(float));
+            __pipeline_memcpy_async(&edges[i][column], outside.edge + at, sizeof(float));
+        }
+    }
+    __pipeline_commit();
+    __pipeline_wait_prior(0);
     __syncthreads();
-    const bool there = s < pixels && strand[s] >= 0;
+    const bool there = mine >= 0;
     if (there) {  // offsets, an axis a thread
-        const int axis = row % axes;
-        const float* of_axis = base + size_t(axis) * n * pixels + s;
-        float amplitude[dct_kept];
+        float4 amplitude[dct_kept / of_four];
 #pragma unroll
-        for (int m = 0; m < dct_kept; ++m) amplitude[m] = amplitudes[column][axis * dct_kept + m];
-#pragma unroll 4
-        for (int i = before + row / axes; i < end; i += tile_rows) {
+        for (int m = 0; m < dct_kept / of_four; ++m)
+            amplitude[m] = amplitudes[column][axis * (dct_kept / of_four) + m];
+#pragma unroll 2
+        for (int i = row / axes; i < count; i += tile_rows) {
             float offset = 0;
 #pragma unroll
-            for (int m = 0; m < dct_kept; ++m) offset += rise[i - before][m] * amplitude[m];
-            near[column][axes * (i - before) + axis] = offset + of_axis[size_t(i) * pixels];
+            for (int m = 0; m < dct_kept / of_four; ++m) {
+                const float4 r = rise[i][m], a = amplitude[m];
+                offset += r.x * a.x, offset += r.y * a.y, offset += r.z * a.z, offset += r.w * a.w;
+            }
+            near[column][axes * i + axis] += offset;
         }
     }
     __syncthreads();
     if (there) {  // positions
-        const Quatf to_head = turn[s];
-        const Vec3f from = root[s];
-        for (int i = before + row; i < end; i += place_rows) {
-            float* p = &near[column][axes * (i - before)];
+        for (int i = row; i < count; i += place_rows) {
+            float* p = &near[column][axes * i];
             Vec3f x = from + rotate(to_head, Vec3f{p[0], p[1], p[2]});
-            if (outside.count > 0 && i > 0) x = outside.pushed(x, outside.depth[size_t(i) * pixels + s]);
+            if (outside.count > 0 && before + i > 0) x = outside.pushed(x, depths[i][column]);
             x = head->translation + rotate(head->rotation, x);
             p[0] = x.x, p[1] = x.y, p[2] = x.z;
         }
     }
     __syncthreads();
-    for (int i = before + 1 + row; outside.count > 0 && there && i < end; i += place_rows) {
-        const float* p = &near[column][axes * (i - before)];
-        if (is_torn({p[0] - p[-3], p[1] - p[-2], p[2] - p[-1]},
-                    torn_lengths * outside.edge[size_t(i) * pixels + s]))
+    for (int i = 1 + row; outside.count > 0 && there && i < count; i += place_rows) {
+        const float* p = &near[column][axes * i];
+        if (is_torn({p[0] - p[-3], p[1] - p[-2], p[2] - p[-1]}, torn_lengths * edges[i][column]))
             outside.torn[s] = 1;
     }
-    for (int k = row; k < tile && first + k < pixels; k += place_rows) {
-        const int to = strand[first + k];
+    for (int k = row; k < tile; k += place_rows) {
+        const int to = __shfl_sync(~0u, mine, k);
         if (to < 0) continue;
         float* p = &out[size_t(to) * n + begin].x;
         for (int l = column; l < axes * (end - begin); l += tile) p[l] = near[k][axes * (begin - before) + l];
@@ -332,27 +377,26 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     const size_t n = size_t(n_), S = size_t(pixels_), width = size_t(width_);
     head() = {};
     const RestCarrier& carrier = codec.carrier();
-    // (low, n) to (3, n, low).
-    auto in_planes = [&](const std::vector<Vec3f>& of_particles) {
-        const size_t plane = of_particles.size();
-        std::vector<float> out(3 * plane);
-        for (size_t k = 0; k < plane; ++k) {
-            float* at = out.data() + k % n * size_t(low_) + k / n;
-            at[0] = of_particles[k].x, at[plane] = of_particles[k].y, at[2 * plane] = of_particles[k].z;
+    // (low, n) to (n, low).
+    auto by_particles = [&](const std::vector<Vec3f>& of_strands) {
+        std::vector<float4> out(of_strands.size());
+        for (size_t k = 0; k < of_strands.size(); ++k) {
+            const Vec3f& v = of_strands[k];
+            out[k % n * size_t(low_) + k / n] = {v.x, v.y, v.z, 0};
         }
         return out;
     };
     std::vector<Vec3f> low_rest(low.rest.points);
     for (int s = 0; s < low_; ++s)
         for (int i = n_ - 1; i >= 0; --i) low_rest[size_t(s) * n + i] = low.rest.at(s, i) - low.rest.at(s, 0);
-    if (carrier.low_is_wet()) low_rest_ = DeviceBuffer<float>(in_planes(low_rest));
+    if (carrier.low_is_wet()) low_rest_ = DeviceBuffer<float4>(by_particles(low_rest));
     const Settled& settled = carrier.settled();
     for (size_t k = 0; k < settled.more.points.size(); ++k) low_rest[k] -= settled.more.points[k];
     share_ = DeviceBuffer<float>(settled.share.empty() ? std::vector<float>(size_t(low_), 1) : settled.share);
     low_start_ = DeviceBuffer<Vec3f>(low_rest);
 
     const Stencil& around = carrier.around();
-    std::vector<float> rest(n * rest_numbers * S, 0), weight(width * S, 0), lost_weight(width * S, 0);
+    std::vector<float> weight(width * S, 0), lost_weight(width * S, 0);
     std::vector<int> from(width * S, 0), strand(S, -1);
     std::vector<Quatf> turn(S, Quatf::identity());
     std::vector<Vec3f> root(S, Vec3f{0, 0, 0});
@@ -364,22 +408,17 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
             weight[k * S + pixel] = around.weight[s * width + k];
             lost_weight[k * S + pixel] = carrier.lost_weight()[s * width + k];
         }
-        for (size_t i = 0; i < n; ++i) {
-            const RestParticle<float> p = carrier.rest(int(s), int(i));
-            const float numbers[rest_numbers] = {p.edge.x,   p.edge.y,   p.edge.z,   p.length,   p.curled.x,
-                                                 p.curled.y, p.curled.z, p.detail.x, p.detail.y, p.detail.z,
-                                                 p.own.x,    p.own.y,    p.own.z};
-            for (size_t k = 0; k < rest_numbers; ++k) rest[(i * rest_numbers + k) * S + pixel] = numbers[k];
-        }
     }
+    take_rest(codec);
     if (carrier.low_is_wet()) {
         std::vector<int> kept(S, -1);
         for (int s = 0; s < low_; ++s) kept[size_t(codec.pixel_of()[size_t(around.twin[size_t(s)])])] = s;
         kept_ = DeviceBuffer<int>(kept);
     }
-    rest_ = DeviceBuffer<float>(rest), weight_ = DeviceBuffer<float>(weight);
+    weight_ = DeviceBuffer<float>(weight);
     lost_weight_ = DeviceBuffer<float>(lost_weight), beside_ = DeviceBuffer<Beside>(carrier.beside());
-    own_ = DeviceBuffer<float>(in_planes(carrier.own().points)), lost_ = DeviceBuffer<float>(size_t(low_));
+    own_ = DeviceBuffer<float4>(by_particles(carrier.own().points)),
+    lost_ = DeviceBuffer<float>(size_t(low_));
     from_ = DeviceBuffer<int>(from), strand_ = DeviceBuffer<int>(strand);
     turn_ = DeviceBuffer<Quatf>(turn), root_ = DeviceBuffer<Vec3f>(root);
     past_ = DeviceBuffer<float>(size_t(slots) * history_numbers * S);
@@ -406,11 +445,50 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     }
     cores_ = DeviceBuffer<float>(cores), amplitudes_ = DeviceBuffer<float>(amplitudes);
     offsets_ = DeviceBuffer<float>(offsets);
-    departed_ = DeviceBuffer<float>(3 * n * size_t(low_)), moved_ = DeviceBuffer<float>(3 * n * size_t(low_));
+    departed_ = DeviceBuffer<float4>(n * size_t(low_)), moved_ = DeviceBuffer<float4>(n * size_t(low_));
     base_ = DeviceBuffer<float>(std::vector<float>(3 * n * S, 0));
     std::vector<float> image(size_t(static_channels + dynamic_channels) * S, 0);
     std::copy(codec.fixed().begin(), codec.fixed().end(), image.begin());
     image_ = DeviceBuffer<float>(image);
+}
+
+void StrandKernels::take_rest(const StrandCodec& codec) {
+    const size_t n = size_t(n_), S = size_t(pixels_);
+    std::vector<RestUnits> units(S);
+    std::vector<RestEdge> edges(n * S);
+    std::vector<RestDetail> details(n * S);
+    std::vector<RestParticle<float>> strand(n);
+    auto unit_of = [&](Vec3f RestParticle<float>::*part) {
+        float most = 0;
+        for (const auto& p : strand)
+            most = std::max({most, std::abs((p.*part).x), std::abs((p.*part).y), std::abs((p.*part).z)});
+        return most / float(std::numeric_limits<int16_t>::max());
+    };
+    auto put = [](const Vec3f& v, float unit, int16_t& x, int16_t& y, int16_t& z) {
+        auto in_units = [&](float at) { return int16_t(unit > 0 ? std::lround(at / unit) : 0); };
+        x = in_units(v.x), y = in_units(v.y), z = in_units(v.z);
+    };
+    for (size_t s = 0; s < size_t(high_); ++s) {
+        for (size_t i = 0; i < n; ++i) {
+            RestParticle<float>& p = strand[i] = codec.carrier().rest(int(s), int(i));
+            p.curled = p.length * normalized(p.curled, p.curled);
+        }
+        const size_t pixel = size_t(codec.pixel_of()[s]);
+        const RestUnits& unit =
+            units[pixel] = {unit_of(&RestParticle<float>::edge), unit_of(&RestParticle<float>::curled),
+                            unit_of(&RestParticle<float>::detail), unit_of(&RestParticle<float>::own)};
+        for (size_t i = 0; i < n; ++i) {
+            const RestParticle<float>& p = strand[i];
+            RestEdge& e = edges[i * S + pixel];
+            RestDetail& d = details[i * S + pixel];
+            put(p.edge, unit.edge, e.edge[0], e.edge[1], e.edge[2]);
+            put(p.curled, unit.curled, e.curled[0], e.curled[1], e.curled[2]);
+            put(p.detail, unit.detail, d.detail[0], d.detail[1], d.detail[2]);
+            put(p.own, unit.own, e.own_xy[0], e.own_xy[1], d.own_z);
+        }
+    }
+    units_ = DeviceBuffer<RestUnits>(units);
+    edges_ = DeviceBuffer<RestEdge>(edges), details_ = DeviceBuffer<RestDetail>(details);
 }
 
 void StrandKernels::keep_outside(const HeadShapes& head) {
@@ -463,9 +541,10 @@ void StrandKernels::carry(cudaStream_t stream) const {
         low_, n_, beside_.data(), own_.data(), moved_.data(), lost_.data());
     check_launch("what strands lose of their own");
     carry_kernel<<<blocks_of(pixels_, carriers), carriers, 0, stream>>>(
-        pixels_, low_, n_, width_, strand_.data(), rest_.data(), from_.data(), weight_.data(),
-        lost_weight_.data(), lost_.data(), turn_.data(), moved_.data(),
-        Kept{kept_.data(), low_rest_.data(), departed_.data()}, amplitudes_.data(), base_.data(), dynamic());
+        pixels_, low_, n_, width_, strand_.data(), units_.data(), edges_.data(), details_.data(),
+        from_.data(), weight_.data(), lost_weight_.data(), lost_.data(), turn_.data(), moved_.data(),
+        Kept{kept_.data(), low_rest_.data(), departed_.data()},
+        reinterpret_cast<const float4*>(amplitudes_.data()), base_.data(), dynamic());
     check_launch("rest shapes carried");
 }
 

@@ -25,6 +25,18 @@ struct HeadState {
     HeadState(const HeadWindow& heads, bool first);
 };
 
+// RestParticle in whole numbers of a strand's units: half the bytes, to 2^-16 of the largest along the
+// strand. `curled`, of which the direction alone counts, is as long as `length` says.
+struct alignas(16) RestEdge {
+    int16_t edge[3], curled[3], own_xy[2];
+};
+struct alignas(8) RestDetail {
+    int16_t detail[3], own_z;
+};
+struct alignas(16) RestUnits {
+    float edge, curled, detail, own;
+};
+
 class StrandKernels {
   public:
     // Copies what it needs to the current device.
@@ -37,9 +49,9 @@ class StrandKernels {
 
     // Of the matrix product, on the device: F (n, n), row-major.
     const float* cores() const { return cores_.data(); }
-    // X (3, n, low): how far the low strands are from rest; M (3, n, low) = F X: how far their cores are.
-    float* departed() const { return departed_.data(); }
-    float* moved() const { return moved_.data(); }
+    // X (n, low, 4): how far the low strands are from rest, and 0; M = F X: how far their cores are.
+    float* departed() const { return &departed_.data()->x; }
+    float* moved() const { return &moved_.data()->x; }
     // (238, S): the network's input, its static channels filled.
     float* image() const { return image_.data(); }
     // Before each frame.
@@ -61,6 +73,7 @@ class StrandKernels {
     void place(const float* answer, Vec3f* out, cudaStream_t stream, bool within_shapes = false) const;
 
   private:
+    void take_rest(const StrandCodec& codec);
     float* dynamic() const { return image_.data() + size_t(static_channels) * pixels_; }
 
     int n_, low_, high_, pixels_, width_;
@@ -68,14 +81,16 @@ class StrandKernels {
     DeviceBuffer<HeadState> head_{1};
     DeviceBuffer<Vec3f> low_start_;           // (low, n) offsets at rest from the root, less Settled::more
     DeviceBuffer<int> kept_;                  // (S): low-resolution strand that is kept as it is, or -1
-    DeviceBuffer<float> low_rest_;            // (3, n, low): of those, offsets at rest, in the head's frame
+    DeviceBuffer<float4> low_rest_;           // (n, low): of those, offsets at rest, in the head's frame
     DeviceBuffer<float> share_;               // (low): Settled::share, else 1
-    DeviceBuffer<float> rest_;                // (n, 13, S): RestParticle
+    DeviceBuffer<RestUnits> units_;           // (S)
+    DeviceBuffer<RestEdge> edges_;            // (n, S)
+    DeviceBuffer<RestDetail> details_;        // (n, S)
     DeviceBuffer<int> from_;                  // (width, S)
     DeviceBuffer<float> weight_;              // (width, S)
     DeviceBuffer<float> lost_weight_;         // (width, S)
     DeviceBuffer<Beside> beside_;             // (low)
-    DeviceBuffer<float> own_;                 // (3, n, low): edges in the head's frame
+    DeviceBuffer<float4> own_;                // (n, low): edges in the head's frame
     DeviceBuffer<float> lost_;                // (low)
     DeviceBuffer<Quatf> turn_;                // (S): root frame to the head's
     DeviceBuffer<Vec3f> root_;                // (S): in the head's frame
@@ -88,7 +103,8 @@ class StrandKernels {
     DeviceBuffer<float> cores_;               // F
     DeviceBuffer<float> amplitudes_;          // (n, 24): of unit offsets
     DeviceBuffer<float> offsets_;             // (n, 24): of unit amplitudes
-    DeviceBuffer<float> departed_, moved_, image_;
+    DeviceBuffer<float4> departed_, moved_;   // (n, low)
+    DeviceBuffer<float> image_;
     DeviceBuffer<float> base_;  // (3, n, S): B
 };
 

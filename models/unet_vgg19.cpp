@@ -16,7 +16,6 @@ namespace {
 constexpr int kernel = 5;
 constexpr int pools = 5;
 constexpr int multiple = 1 << pools;
-constexpr int most_tiles = 4096;  // that kernels count
 struct Row {
     int channels, convolutions;
 };
@@ -76,14 +75,13 @@ struct UnetVgg19::Frozen {
     };
     std::vector<Doubling> doublings;
     Tensor last, last_bias;  // (8, 5, 5, C), 0 beyond the outputs; in single precision
-    Tensor counters;         // of convolutions' tiles
 };
 
 void UnetVgg19::freeze() {
     Model::freeze();
     const torch::NoGradGuard no_grad;
     const Tensor& last = last_->weight;
-    if (body != torch::kHalf || !last.is_cuda() || last.size(0) > 8 || last.size(1) % 16 != 0) return;
+    if (body != torch::kHalf || !last.is_cuda() || last.size(0) > 8 || last.size(1) % 32 != 0) return;
     auto frozen = std::make_shared<Frozen>();
     for (auto& level : up_) {
         const Tensor &weight = level.doubling->weight, &bias = level.doubling->bias;
@@ -94,62 +92,70 @@ void UnetVgg19::freeze() {
                        .to(torch::kHalf)
                        .contiguous();
     frozen->last_bias = last_->bias;
-    frozen->counters = torch::zeros({most_tiles}, last.options().dtype(torch::kInt));
     frozen_ = frozen;
 }
 
-Tensor UnetVgg19::halved(const Tensor& x) const {
-    if (!frozen_) return torch::max_pool2d(x, 2);
-    const Tensor from = x.contiguous(torch::MemoryFormat::ChannelsLast),
-                 out = torch::empty({x.size(0), x.size(1), x.size(2) / 2, x.size(3) / 2}, x.options(),
-                                    torch::MemoryFormat::ChannelsLast);
-    launch_pool(int(x.size(0)), int(x.size(2)), int(x.size(3)), int(x.size(1)), from.data_ptr(),
-                out.data_ptr(), c10::cuda::getCurrentCUDAStream(x.device().index()));
-    return out;
+namespace {
+
+cudaStream_t stream_of(const Tensor& x) { return c10::cuda::getCurrentCUDAStream(x.device().index()); }
+
+Tensor by_pixels(const Tensor& x) { return x.contiguous(torch::MemoryFormat::ChannelsLast); }
+
+Tensor image_of(const Tensor& like, long channels, long height, long width) {
+    return torch::empty({like.size(0), channels, height, width}, like.options(),
+                        torch::MemoryFormat::ChannelsLast);
 }
 
-Tensor UnetVgg19::run_up(const Frozen& frozen, Tensor x, std::vector<Tensor> skips, const Tensor& base,
-                         long height, long width) {
-    const cudaStream_t stream = c10::cuda::getCurrentCUDAStream(x.device().index());
-    auto image_like = [&](const JoinedImage& in, long channels) {
-        return torch::empty({in.images, channels, in.height, in.width}, x.options(),
-                            torch::MemoryFormat::ChannelsLast);
-    };
-    auto convolved = [&](torch::nn::Conv2d& layer, const JoinedImage& in, const Tensor& whole) {
-        const ConvolutionPlan plan = plan_of_convolution(in, int(layer->weight.size(0)));
-        if (plan.tiles == 0 || plan.places > most_tiles) {
-            if (whole.defined()) return run_relu(layer, whole);
-            const Tensor joined = image_like(in, in.channels());
-            launch_join(in, joined.data_ptr(), stream);
-            return run_relu(layer, joined);
-        }
-        const Tensor out = image_like(in, layer->weight.size(0)),
-                     partial = torch::empty({long(plan.numbers_between)}, x.options().dtype(torch::kFloat));
-        launch_convolution(plan, in, layer->weight.data_ptr(), layer->bias.data_ptr(),
-                           int(layer->weight.size(0)), partial.data_ptr<float>(),
-                           reinterpret_cast<unsigned*>(frozen.counters.data_ptr<int>()), out.data_ptr(),
-                           stream);
+// ReLU of the layer's convolution.
+Tensor convolved(nn::Conv2d& layer, const Tensor& x, const JoinedImage& in) {
+    const Tensor out = image_of(x, layer->weight.size(0), in.height, in.width);
+    if (launch_convolution(in, layer->weight.data_ptr(), layer->bias.data_ptr(), int(out.size(1)),
+                           out.data_ptr(), stream_of(x)))
         return out;
-    };
-    for (size_t k = 0; k < up_.size(); ++k) {
-        Level& level = up_[k];
-        const auto& doubling = frozen.doublings[k];
-        const Tensor doubled = linear_rows(to_rows(x), doubling.weight, doubling.bias),  // (P, 4 O)
-            skip = skips.empty() ? Tensor() : skips.back().contiguous(torch::MemoryFormat::ChannelsLast);
-        JoinedImage in{int(x.size(0)),
-                       int(2 * x.size(2)),
-                       int(2 * x.size(3)),
-                       doubled.data_ptr(),
-                       skip.defined() ? skip.data_ptr() : nullptr,
-                       int(doubled.size(1) / 4),
-                       skip.defined() ? int(skip.size(1)) : 0};
-        Tensor whole;
-        for (auto& layer : level.convolutions) {
-            x = whole = convolved(layer, in, whole).contiguous(torch::MemoryFormat::ChannelsLast);
-            in = {in.images, in.height, in.width, nullptr, x.data_ptr(), 0, int(x.size(1))};
-        }
-        if (!skips.empty()) skips.pop_back();
+    if (!in.doubled) return by_pixels(run_relu(layer, x));
+    const Tensor joined = image_of(x, in.channels(), in.height, in.width);
+    launch_join(in, joined.data_ptr(), stream_of(x));
+    return by_pixels(run_relu(layer, joined));
+}
+
+JoinedImage image_of(const Tensor& x) {
+    return {int(x.size(0)), int(x.size(2)), int(x.size(3)), nullptr, x.data_ptr(), 0, int(x.size(1))};
+}
+
+// x as its doubling gives it, (pixels, 4 O), then `skip` where there is one.
+JoinedImage image_of(const Tensor& x, const Tensor& doubled, const Tensor& skip) {
+    return {int(x.size(0)),
+            int(2 * x.size(2)),
+            int(2 * x.size(3)),
+            doubled.data_ptr(),
+            skip.defined() ? skip.data_ptr() : nullptr,
+            int(doubled.size(1) / 4),
+            skip.defined() ? int(skip.size(1)) : 0};
+}
+
+}  // namespace
+
+Tensor UnetVgg19::run(const Frozen& frozen, Tensor x, const Tensor& base, long height, long width) {
+    x = by_pixels(x);
+    auto run_level = [&](Level& level, JoinedImage in) {
+        for (auto& layer : level.convolutions) x = convolved(layer, x, in), in = image_of(x);
         if (watch) watch(level.name, x);
+    };
+    std::vector<Tensor> skips;
+    for (auto& level : down_) {
+        run_level(level, image_of(x));
+        skips.push_back(x);
+        const Tensor half = image_of(x, x.size(1), x.size(2) / 2, x.size(3) / 2);
+        launch_pool(int(x.size(0)), int(x.size(2)), int(x.size(3)), int(x.size(1)), x.data_ptr(),
+                    half.data_ptr(), stream_of(x));
+        x = half;
+    }
+    for (size_t k = 0; k < up_.size(); ++k) {
+        const auto& doubling = frozen.doublings[k];
+        const Tensor doubled = linear_rows(to_rows(x), doubling.weight, doubling.bias),
+                     skip = skips.empty() ? Tensor() : skips.back();
+        if (!skips.empty()) skips.pop_back();
+        run_level(up_[k], image_of(x, doubled, skip));
     }
     const long outputs = last_->weight.size(0);
     const Tensor out = torch::empty({x.size(0), outputs, height, width}, x.options().dtype(torch::kFloat),
@@ -158,13 +164,12 @@ Tensor UnetVgg19::run_up(const Frozen& frozen, Tensor x, std::vector<Tensor> ski
     launch_last(int(x.size(0)), int(x.size(2)), int(x.size(3)), int(x.size(1)), x.data_ptr(),
                 frozen.last.data_ptr(), frozen.last_bias.data_ptr<float>(), int(outputs),
                 from.defined() ? from.data_ptr<float>() : nullptr, int(height), int(width),
-                out.data_ptr<float>(), stream);
+                out.data_ptr<float>(), stream_of(x));
     return out;
 }
 #else
 struct UnetVgg19::Frozen {};
 void UnetVgg19::freeze() { Model::freeze(); }
-Tensor UnetVgg19::halved(const Tensor& x) const { return torch::max_pool2d(x, 2); }
 #endif
 
 Tensor UnetVgg19::answer(const Tensor& input, const Tensor& base) {
@@ -174,14 +179,14 @@ Tensor UnetVgg19::answer(const Tensor& input, const Tensor& base) {
     Tensor x = input.is_cpu() ? input.to(torch::kFloat) : input;
     if (below || right) x = torch::replication_pad2d(x, {0, right, 0, below});
     x = x.to(body, /*non_blocking=*/false, /*copy=*/false, torch::MemoryFormat::ChannelsLast);
+#ifdef WETCURL_MODEL_KERNELS
+    if (frozen_) return run(*frozen_, x, base, scale_ * h, scale_ * w);
+#endif
     std::vector<Tensor> skips;
     for (auto& level : down_) {
-        skips.push_back(run(level, x));  // (B, C, s, s)
-        x = halved(skips.back());        // (B, C, s/2, s/2)
+        skips.push_back(run(level, x));          // (B, C, s, s)
+        x = torch::max_pool2d(skips.back(), 2);  // (B, C, s/2, s/2)
     }
-#ifdef WETCURL_MODEL_KERNELS
-    if (frozen_) return run_up(*frozen_, x, skips, base, scale_ * h, scale_ * w);
-#endif
     for (auto& level : up_) {
         x = run_doubling(level.doubling, x);
         if (!skips.empty()) {

@@ -35,11 +35,8 @@ class UnetVgg19 : public Model {
         std::vector<torch::nn::Conv2d> convolutions;
     };
     Tensor run(Level& level, Tensor x);
-    // The largest of each 2x2.
-    Tensor halved(const Tensor& x) const;
-    // The way up from x, by those kernels: as `answer`, of so many pixels.
-    Tensor run_up(const Frozen& frozen, Tensor x, std::vector<Tensor> skips, const Tensor& base, long height,
-                  long width);
+    // By those kernels: as `answer`, of so many pixels, of an input whose sides are padded.
+    Tensor run(const Frozen& frozen, Tensor x, const Tensor& base, long height, long width);
     // The residual, and up(base) where that is defined.
     Tensor answer(const Tensor& input, const Tensor& base);
     void add_convolutions(Level& level, int in, int out, int count);

@@ -1,7 +1,9 @@
 // What UnetVgg19 does on a device beside LibTorch's large convolutions.
 // Ours.
 #include <cuda_fp16.h>
-#include <mma.h>
+#include <cuda_pipeline.h>
+
+#include <algorithm>
 
 #include "base/device_buffer.h"
 #include "models/unet_vgg19_kernels.h"
@@ -9,8 +11,6 @@
 namespace wetcurl {
 
 namespace {
-
-using namespace nvcuda;
 
 constexpr int taps = 5, reach = taps / 2;
 constexpr int eight = 8;  // channels, read and written at once
@@ -23,8 +23,8 @@ unsigned blocks_of(size_t jobs, int threads) {
     return unsigned((jobs + size_t(threads) - 1) / size_t(threads));
 }
 
-// Channels c .. c + 7 of a pixel.
-__device__ Eight eight_of(const JoinedImage& x, int image, int row, int column, int c) {
+// Where channels c .. c + 7 of a pixel lie.
+__device__ const Eight* eight_of(const JoinedImage& x, int image, int row, int column, int c) {
     const __half* from;
     if (c < x.doubled_channels) {
         const size_t pixel = (size_t(image) * (x.height / 2) + row / 2) * (x.width / 2) + column / 2;
@@ -34,17 +34,17 @@ __device__ Eight eight_of(const JoinedImage& x, int image, int row, int column, 
         const size_t pixel = (size_t(image) * x.height + row) * x.width + column;
         from = static_cast<const __half*>(x.skip) + pixel * x.skip_channels + (c - x.doubled_channels);
     }
-    return *reinterpret_cast<const Eight*>(from);
+    return reinterpret_cast<const Eight*>(from);
 }
 
-constexpr int threads_a_block = 256;
+constexpr int threads_a_block = 256, warps = threads_a_block / 32;
 
 __global__ void join_kernel(const JoinedImage x, int groups, size_t jobs, Eight* out) {
     const size_t k = size_t(blockIdx.x) * threads_a_block + threadIdx.x;
     if (k >= jobs) return;
     const size_t pixel = k / groups, row = pixel / x.width;
     out[k] =
-        eight_of(x, int(row / x.height), int(row % x.height), int(pixel % x.width), int(k % groups) * eight);
+        *eight_of(x, int(row / x.height), int(row % x.height), int(pixel % x.width), int(k % groups) * eight);
 }
 
 // groups: of eight channels; width: of what comes out.
@@ -60,116 +60,153 @@ __global__ void pool_kernel(int width, int groups, size_t jobs, const Eight* x, 
     out[k] = most;
 }
 
-// A tile of an image, `across` x `down` pixels, and the pixels around it, as a block of threads holds them:
-// so many channels of each, from `first` on, 0 beyond the image.
+__host__ __device__ constexpr int parts_of(int whole, int part) { return (whole + part - 1) / part; }
+
+// A tile of an image, `across` x `down` pixels, and the pixels around it, as a block of threads holds them; 0
+// beyond the image.
 template <int across, int down>
 struct Tile {
-    static constexpr int wide = across + 2 * reach, high = down + 2 * reach, filled = 16;
-    // Numbers from a pixel to the next: pixels lie in different banks, and fragments where they may begin.
-    static __host__ __device__ int stride(int channels) { return channels + filled; }
+    static constexpr int wide = across + 2 * reach, high = down + 2 * reach, line = 64;
+    // Numbers from a pixel to the next: two of them lie in different banks, 64 numbers wide.
+    static __host__ __device__ int stride(int channels) {
+        return (channels + line / 2 - 1) / line * line + line / 2;
+    }
     static size_t bytes(int channels) {
         return size_t(wide * high) * size_t(stride(channels)) * sizeof(__half);
     }
-    static __device__ void load(__half* own, const JoinedImage& x, int image, int top, int left, int first,
-                                int channels) {
-        const int groups = channels / eight;
+    static __device__ void load(__half* own, const JoinedImage& x, int image, int top, int left) {
+        const int channels = x.channels(), groups = channels / eight;
         for (int k = int(threadIdx.x); k < wide * high * groups; k += int(blockDim.x)) {
             const int pixel = k / groups, c = k % groups * eight, row = top - reach + pixel / wide,
                       column = left - reach + pixel % wide;
-            Eight of{};
-            if (row >= 0 && row < x.height && column >= 0 && column < x.width)
-                of = eight_of(x, image, row, column, first + c);
-            *reinterpret_cast<Eight*>(own + pixel * stride(channels) + c) = of;
+            const bool there = row >= 0 && row < x.height && column >= 0 && column < x.width;
+            __pipeline_memcpy_async(own + pixel * stride(channels) + c,
+                                    eight_of(x, image, there ? row : 0, there ? column : 0, c), sizeof(Eight),
+                                    there ? 0 : sizeof(Eight));
         }
+        __pipeline_commit();
+        __pipeline_wait_prior(0);
     }
 };
 
-// Sums of products of a tile's pixels, `down` rows of `across`, with `columns` outputs of a weight (outputs,
-// 5, 5, all): each warp takes some of the taps and channels. sums (warp, pixel, columns).
-template <int across, int down, int columns, int outputs>
-__device__ void multiply(const __half* own, int channels, const __half* weight, int all, float* sums) {
-    constexpr int deep = 16, fragments = columns / outputs, warp = 32;
-    const int warps = int(blockDim.x) / warp, mine = int(threadIdx.x) / warp, parts = channels / deep,
-              stride = Tile<across, down>::stride(channels);
-    wmma::fragment<wmma::accumulator, across, outputs, deep, float> sum[down][fragments];
-    for (auto& row : sum)
-        for (auto& f : row) wmma::fill_fragment(f, 0.f);
-#pragma unroll 2
-    for (int chunk = mine; chunk < taps * taps * parts; chunk += warps) {
-        const int tap = chunk / parts, part = chunk % parts;
-        wmma::fragment<wmma::matrix_b, across, outputs, deep, __half, wmma::col_major> b[fragments];
-        for (int f = 0; f < fragments; ++f)
-            wmma::load_matrix_sync(
-                b[f], weight + size_t(f * outputs) * (taps * taps * all) + tap * all + part * deep,
-                unsigned(taps * taps * all));
-        for (int row = 0; row < down; ++row) {
-            wmma::fragment<wmma::matrix_a, across, outputs, deep, __half, wmma::row_major> a;
-            wmma::load_matrix_sync(
-                a, own + ((row + tap / taps) * Tile<across, down>::wide + tap % taps) * stride + part * deep,
-                unsigned(stride));
-            for (int f = 0; f < fragments; ++f) wmma::mma_sync(sum[row][f], a, b[f], sum[row][f]);
-        }
-    }
-    __syncthreads();  // the sums may lie where the tile did
-    for (int row = 0; row < down; ++row)
-        for (int f = 0; f < fragments; ++f)
-            wmma::store_matrix_sync(sums + ((mine * down + row) * across) * columns + f * outputs,
-                                    sum[row][f], columns, wmma::mem_row_major);
-    __syncthreads();
+// Tiles of 8 pixels a row. A warp's product: rows of 16 pixels, two rows of a tile, by 8 outputs, over 16
+// channels; lanes take rows and channels as PTX says of mma.m16n8k16, but which of them are which is ours, as
+// it adds them up alike: a lane has eight channels side by side, and two products take them.
+constexpr int across = 8, of_product = 2, outputs_of_product = 8, deep = 32;
+
+__device__ void add_product(float (&sum)[4], uint32_t a0, uint32_t a1, uint32_t a2, uint32_t a3, uint32_t b0,
+                            uint32_t b1) {
+    asm("mma.sync.aligned.m16n8k16.row.col.f32.f16.f16.f32 {%0, %1, %2, %3}, {%4, %5, %6, %7}, {%8, %9}, "
+        "{%0, %1, %2, %3};"
+        : "+f"(sum[0]), "+f"(sum[1]), "+f"(sum[2]), "+f"(sum[3])
+        : "r"(a0), "r"(a1), "r"(a2), "r"(a3), "r"(b0), "r"(b1));
 }
 
-// 64 outputs of a tile and some of its channels. What other blocks add up of the same is gathered by the one
-// that comes last, in their order.
-constexpr int across = 8, down = 4, columns = 64, warps = threads_a_block / 32;
-using SmallTile = Tile<across, down>;
+// The 5x5 sums of a block's tile, `rows` times 16 pixels, for `columns` times 8 outputs from `first` on:
+// warps share out taps and channels, and ask for their weights before they need them. They leave (warp,
+// pixel, output) in shared memory, of so many bytes, where the tile was before.
+template <int rows, int columns>
+struct TileSums {
+    static constexpr int down = of_product * rows, pixels = across * down,
+                         outputs = outputs_of_product * columns, ahead = columns > 2 ? 1 : 4 / columns;
+    using Held = Tile<across, down>;
 
-__global__ void __launch_bounds__(threads_a_block)
-    convolve_kernel(const JoinedImage x, const __half* weight, const __half* bias, int outputs, int splits,
-                    int tiles_across, int tiles_down, float* partial, unsigned* counters, __half* out) {
+    static size_t bytes(int channels) {
+        return std::max(Held::bytes(channels), size_t(warps) * pixels * outputs * sizeof(float));
+    }
+    static unsigned tiles(const JoinedImage& x) {
+        return unsigned(x.images) * unsigned(parts_of(x.height, down) * parts_of(x.width, across));
+    }
+
+    int image, top, left;  // of the tile
+
+    __device__ TileSums(const JoinedImage& x, const __half* weight, int first, unsigned char* own) {
+        const int tiles_across = parts_of(x.width, across), tiles_down = parts_of(x.height, down),
+                  tile = int(blockIdx.x), mine = int(threadIdx.x) / 32, lane = int(threadIdx.x) % 32,
+                  group = lane / 4, member = lane % 4, channels = x.channels(), parts = channels / deep,
+                  chunks = taps * taps * parts, stride = Held::stride(channels);
+        image = tile / (tiles_across * tiles_down), top = tile / tiles_across % tiles_down * down,
+        left = tile % tiles_across * across;
+        const uint4* const weights = reinterpret_cast<const uint4*>(
+            weight + size_t(first + group) * (taps * taps * channels) + eight * member);
+        __half* const held = reinterpret_cast<__half*>(own);
+        const size_t to_next = size_t(outputs_of_product) * (taps * taps * channels) / eight;
+        // Two lots of them, in turn.
+        using Weights = uint4[ahead][columns];
+        Weights one, other;
+        auto fetch = [&](int chunk, Weights& to) {
+#pragma unroll
+            for (int a = 0; a < ahead; ++a)
+#pragma unroll
+                for (int c = 0; c < columns; ++c)
+                    to[a][c] =
+                        __ldg(weights + c * to_next + min(chunk + a * warps, chunks - 1) * (deep / eight));
+        };
+        float sum[rows][columns][4] = {};
+        auto add = [&](int chunk, const Weights& b) {
+#pragma unroll
+            for (int a = 0; a < ahead; ++a) {
+                const int at = chunk + a * warps, tap = at / parts;
+                if (at >= chunks) return;
+                const __half* from = held + (tap / taps * Held::wide + tap % taps + group) * stride +
+                                     at % parts * deep + eight * member;
+#pragma unroll
+                for (int r = 0; r < rows; ++r) {
+                    const __half* const of_row = from + 2 * r * Held::wide * stride;
+                    const uint4 p = *reinterpret_cast<const uint4*>(of_row),
+                                q = *reinterpret_cast<const uint4*>(of_row + Held::wide * stride);
+                    // No product waits for the one before it.
+#pragma unroll
+                    for (int c = 0; c < columns; ++c)
+                        add_product(sum[r][c], p.x, q.x, p.y, q.y, b[a][c].x, b[a][c].y);
+#pragma unroll
+                    for (int c = 0; c < columns; ++c)
+                        add_product(sum[r][c], p.z, q.z, p.w, q.w, b[a][c].z, b[a][c].w);
+                }
+            }
+        };
+        constexpr int lot = ahead * warps;
+        fetch(mine, one), fetch(mine + lot, other);
+        Held::load(held, x, image, top, left);
+        __syncthreads();
+        for (int chunk = mine; chunk < chunks; chunk += 2 * lot) {
+            add(chunk, one), fetch(chunk + 2 * lot, one);
+            add(chunk + lot, other), fetch(chunk + 3 * lot, other);
+        }
+        __syncthreads();
+        float2* const sums = reinterpret_cast<float2*>(own);
+        constexpr int pairs = outputs / 2;
+#pragma unroll
+        for (int r = 0; r < rows; ++r)
+#pragma unroll
+            for (int c = 0; c < columns; ++c) {
+                float2* const to = sums + (mine * pixels + 2 * r * across + group) * pairs + c * 4 + member;
+                to[0] = {sum[r][c][0], sum[r][c][1]}, to[across * pairs] = {sum[r][c][2], sum[r][c][3]};
+            }
+        __syncthreads();
+    }
+};
+
+template <int rows, int columns>
+__global__ void __launch_bounds__(threads_a_block, 2)
+    convolve_kernel(const JoinedImage x, const __half* __restrict__ weight, const __half* __restrict__ bias,
+                    int outputs, __half* out) {
+    using Sums = TileSums<rows, columns>;
+    constexpr int pairs = Sums::outputs / 2, each = Sums::pixels * pairs;
     extern __shared__ __align__(32) unsigned char own[];
-    __shared__ bool last;
-    const int all = x.doubled_channels + x.skip_channels, channels = all / splits, tile = int(blockIdx.x),
-              image = tile / (tiles_across * tiles_down), top = tile / tiles_across % tiles_down * down,
-              left = tile % tiles_across * across, split = int(blockIdx.z),
-              column = int(blockIdx.y) * columns;
-    __half* const pixels = reinterpret_cast<__half*>(own);
-    float* const sums = reinterpret_cast<float*>(own);
-    SmallTile::load(pixels, x, image, top, left, split * channels, channels);
-    __syncthreads();
-    multiply<across, down, columns, 32>(
-        pixels, channels, weight + size_t(column) * (taps * taps * all) + split * channels, all, sums);
-    constexpr int each = across * down * columns;
-    auto finish = [&](int k, float sum) {
-        const int row = top + k / columns / across, at = left + k / columns % across,
-                  c = column + k % columns;
-        if (row < x.height && at < x.width)
-            out[((size_t(image) * x.height + row) * x.width + at) * outputs + c] =
-                __float2half_rn(fmaxf(sum + __half2float(bias[c]), 0.f));
-    };
-    auto of_warps = [&](int k) {
-        float sum = 0;
-        for (int w = 0; w < warps; ++w) sum += sums[w * each + k];
-        return sum;
-    };
-    if (splits == 1) {
-        for (int k = int(threadIdx.x); k < each; k += threads_a_block) finish(k, of_warps(k));
-        return;
-    }
-    const size_t place = size_t(blockIdx.y) * gridDim.x + blockIdx.x;
-    float* const between = partial + place * splits * each;
-    for (int k = int(threadIdx.x); k < each; k += threads_a_block) between[split * each + k] = of_warps(k);
-    __threadfence();
-    __syncthreads();
-    if (threadIdx.x == 0) last = atomicAdd(&counters[place], 1u) + 1 == unsigned(splits);
-    __syncthreads();
-    if (!last) return;
-    __threadfence();
+    const int first = int(blockIdx.y) * Sums::outputs;
+    const Sums tile(x, weight, first, own);
+    const float2* const sums = reinterpret_cast<const float2*>(own);
     for (int k = int(threadIdx.x); k < each; k += threads_a_block) {
-        float sum = 0;
-        for (int s = 0; s < splits; ++s) sum += __ldcg(&between[s * each + k]);
-        finish(k, sum);
+        const int row = tile.top + k / pairs / across, column = tile.left + k / pairs % across,
+                  c = first + 2 * (k % pairs);
+        if (row >= x.height || column >= x.width) continue;
+        float2 all = __half22float2(*reinterpret_cast<const __half2*>(bias + c));
+        for (int w = 0; w < warps; ++w) all.x += sums[w * each + k].x, all.y += sums[w * each + k].y;
+        const size_t pixel = (size_t(tile.image) * x.height + row) * x.width + column;
+        *reinterpret_cast<__half2*>(out + pixel * outputs + c) =
+            __floats2half2_rn(fmaxf(all.x, 0.f), fmaxf(all.y, 0.f));
     }
-    if (threadIdx.x == 0) counters[place] = 0;
 }
 
 // up() of a plane (height, width) at a row and a column of twice as many: models/layers.h.
@@ -186,46 +223,26 @@ __device__ float doubled_at(const float* plane, int height, int width, int row, 
     });
 }
 
-constexpr int last_across = 32, last_down = 4, most_outputs = 8;
-using LastTile = Tile<last_across, last_down>;
+using LastTile = TileSums<4, 1>;
 
-__global__ void __launch_bounds__(threads_a_block)
-    last_kernel(const JoinedImage x, const __half* weight, const float* bias, int outputs, const float* base,
-                int height, int width, int tiles_across, int tiles_down, float* out) {
+__global__ void __launch_bounds__(threads_a_block, 2)
+    last_kernel(const JoinedImage x, const __half* __restrict__ weight, const float* __restrict__ bias,
+                int outputs, const float* base, int height, int width, float* out) {
     extern __shared__ __align__(32) unsigned char own[];
-    const int tile = int(blockIdx.x), image = tile / (tiles_across * tiles_down),
-              top = tile / tiles_across % tiles_down * last_down, left = tile % tiles_across * last_across;
-    __half* const pixels = reinterpret_cast<__half*>(own);
-    float* const sums = reinterpret_cast<float*>(own);
-    LastTile::load(pixels, x, image, top, left, 0, x.skip_channels);
-    __syncthreads();
-    multiply<last_across, last_down, most_outputs, most_outputs>(pixels, x.skip_channels, weight,
-                                                                 x.skip_channels, sums);
-    constexpr int all = last_across * last_down;
-    for (int k = int(threadIdx.x); k < all * outputs; k += threads_a_block) {
-        const int c = k / all, pixel = k % all, row = top + pixel / last_across,
-                  column = left + pixel % last_across;
+    const LastTile tile(x, weight, 0, own);
+    const float* const sums = reinterpret_cast<const float*>(own);
+    for (int k = int(threadIdx.x); k < LastTile::pixels * outputs; k += threads_a_block) {
+        const int c = k / LastTile::pixels, pixel = k % LastTile::pixels, row = tile.top + pixel / across,
+                  column = tile.left + pixel % across;
         if (row >= height || column >= width) continue;
-        float sum = 0;
-        for (int w = 0; w < warps; ++w) sum += sums[(w * all + pixel) * most_outputs + c];
-        const size_t plane = size_t(image) * outputs + c;
-        sum += bias[c];
+        float sum = bias[c];
+        for (int w = 0; w < warps; ++w) sum += sums[(w * LastTile::pixels + pixel) * LastTile::outputs + c];
+        const size_t plane = size_t(tile.image) * outputs + c;
         if (base)
             sum += doubled_at(base + plane * (height / 2) * (width / 2), height / 2, width / 2, row, column);
         out[(plane * height + row) * width + column] = sum;
     }
 }
-
-// Of a block whose tile lies where its warps' sums do afterwards.
-template <class Kernel>
-size_t shared_by(Kernel* kernel, size_t tile, size_t sums) {
-    const size_t bytes = tile > sums ? tile : sums;
-    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(bytes)),
-               "memory of a processor");
-    return bytes;
-}
-
-int parts(int whole, int part) { return (whole + part - 1) / part; }
 
 }  // namespace
 
@@ -246,41 +263,39 @@ void launch_pool(int images, int height, int width, int channels, const void* x,
     check_cuda(cudaGetLastError(), "launch of a pool");
 }
 
-ConvolutionPlan plan_of_convolution(const JoinedImage& x, int outputs) {
-    constexpr int deep = 16, busy = 128;  // channels of a fragment; blocks
-    constexpr double most_read = 40e6;    // bytes of weights, by all tiles
-    const int all = x.channels(), tiles = x.images * parts(x.height, down) * parts(x.width, across);
-    const double reads = double(tiles) * outputs * taps * taps * all * sizeof(__half);
-    if (all % deep != 0 || outputs % columns != 0 || reads > most_read) return {};
-    const int places = tiles * (outputs / columns);
-    int splits = 1;
-    // As many as leave each some fragments.
-    for (int k = 2; k <= all / deep && places * splits < busy; ++k)
-        if (all / deep % k == 0) splits = k;
-    return {tiles, places, splits, size_t(places) * size_t(splits) * across * down * columns};
-}
-
-void launch_convolution(const ConvolutionPlan& plan, const JoinedImage& x, const void* weight,
-                        const void* bias, int outputs, float* partial, unsigned* counters, void* out,
+bool launch_convolution(const JoinedImage& x, const void* weight, const void* bias, int outputs, void* out,
                         cudaStream_t stream) {
-    const size_t bytes = shared_by(convolve_kernel, SmallTile::bytes(x.channels() / plan.splits),
-                                   size_t(warps) * across * down * columns * sizeof(float));
-    const dim3 blocks(unsigned(plan.tiles), unsigned(outputs / columns), unsigned(plan.splits));
-    convolve_kernel<<<blocks, threads_a_block, bytes, stream>>>(
-        x, static_cast<const __half*>(weight), static_cast<const __half*>(bias), outputs, plan.splits,
-        parts(x.width, across), parts(x.height, down), partial, counters, static_cast<__half*>(out));
-    check_cuda(cudaGetLastError(), "launch of a convolution");
+    // Seen on an H100: LibTorch's are faster for more outputs or pixels.
+    constexpr int most_outputs = 64, busy = 96;  // blocks
+    constexpr unsigned most_tiles = 64;          // of 64 pixels
+    const unsigned tiles = TileSums<4, 4>::tiles(x), groups = unsigned(outputs / outputs_of_product);
+    if (x.channels() % deep != 0 || groups % 4 != 0 || outputs > most_outputs || tiles > most_tiles)
+        return false;
+    auto launch = [&]<int rows, int columns>() {
+        using Sums = TileSums<rows, columns>;
+        const auto kernel = convolve_kernel<rows, columns>;
+        const size_t bytes = Sums::bytes(x.channels());
+        if (bytes > allow_shared_memory(kernel)) return false;
+        const dim3 blocks(Sums::tiles(x), unsigned(outputs / Sums::outputs));
+        kernel<<<blocks, threads_a_block, bytes, stream>>>(x, static_cast<const __half*>(weight),
+                                                           static_cast<const __half*>(bias), outputs,
+                                                           static_cast<__half*>(out));
+        check_cuda(cudaGetLastError(), "launch of a convolution");
+        return true;
+    };
+    // As large a part of it a block as leaves no processor idle.
+    if (tiles * groups / 4 >= busy) return launch.operator()<4, 4>();
+    if (tiles * groups >= busy) return launch.operator()<2, 2>();
+    return launch.operator()<2, 1>();
 }
 
 void launch_last(int images, int H, int W, int C, const void* x, const void* weight, const float* bias,
                  int outputs, const float* base, int height, int width, float* out, cudaStream_t stream) {
     const JoinedImage image{images, H, W, nullptr, x, 0, C};
-    const int tiles_across = parts(width, last_across), tiles_down = parts(height, last_down);
-    const size_t bytes = shared_by(last_kernel, LastTile::bytes(C),
-                                   size_t(warps) * last_across * last_down * most_outputs * sizeof(float));
-    last_kernel<<<unsigned(images * tiles_across * tiles_down), threads_a_block, bytes, stream>>>(
-        image, static_cast<const __half*>(weight), bias, outputs, base, height, width, tiles_across,
-        tiles_down, out);
+    const size_t bytes = LastTile::bytes(C);
+    allow_shared_memory(last_kernel);
+    last_kernel<<<LastTile::tiles(image), threads_a_block, bytes, stream>>>(
+        image, static_cast<const __half*>(weight), bias, outputs, base, height, width, out);
     check_cuda(cudaGetLastError(), "launch of the last convolution");
 }
 

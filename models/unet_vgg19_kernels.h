@@ -4,6 +4,8 @@
 
 #include <cuda_runtime.h>
 
+#include "base/host_device.h"
+
 namespace wetcurl {
 
 // An image in half precision, (B, H, W, channels): `doubled`, a pixel's four as its doubling gives them, (B,
@@ -14,7 +16,7 @@ struct JoinedImage {
     const void* doubled;
     const void* skip;
     int doubled_channels, skip_channels;
-    int channels() const { return doubled_channels + skip_channels; }
+    WETCURL_HD int channels() const { return doubled_channels + skip_channels; }
 };
 
 // All on the current device; sums in single precision, rounded once. Throw Error where the launch fails.
@@ -27,16 +29,9 @@ void launch_pool(int images, int height, int width, int channels, const void* x,
                  cudaStream_t stream);
 
 // out (B, H, W, outputs) = relu(5x5 convolution of x + bias): weight (outputs, 5, 5, channels), bias
-// (outputs), all in half precision; channels a multiple of 16, outputs of 64. `partial`: numbers_between of
-// room; `counters`: one for each of its tiles, 0 before and after.
-struct ConvolutionPlan {
-    int tiles, places, splits;  // of the image, and by 64 outputs; of the channels, a block of threads each
-    size_t numbers_between;     // in single precision
-};
-// Of so many blocks that a device is busy. `tiles` 0: other convolutions are faster.
-ConvolutionPlan plan_of_convolution(const JoinedImage& x, int outputs);
-void launch_convolution(const ConvolutionPlan& plan, const JoinedImage& x, const void* weight,
-                        const void* bias, int outputs, float* partial, unsigned* counters, void* out,
+// (outputs), all in half precision. Returns false, and does nothing, where other convolutions are faster, and
+// for channels and outputs that are no multiples of 32.
+bool launch_convolution(const JoinedImage& x, const void* weight, const void* bias, int outputs, void* out,
                         cudaStream_t stream);
 
 // out (B, outputs, height, width), single precision = 5x5 convolution of x + bias, of the upper left of x (B,

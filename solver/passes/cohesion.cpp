@@ -18,7 +18,7 @@ CohesionPass::CohesionPass(const Cohesion& term, int strands, const Thinning& th
     : term_(term),
       thinning_(thinning),
       strands_(strands),
-      particles_(thinning.count()),
+      particles_(thinning.count),
       reach_(reach),
       water_(thinning.every > 1 ? std::optional<ThinnedWater>({thinning, volume, saturation}) : std::nullopt),
       own_volume_(water_ ? water_->own_volume : volume),

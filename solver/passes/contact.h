@@ -46,15 +46,24 @@ WETCURL_HD Vec3<S> velocity_at(const PosedSolid<Plain<S>, Body>& solid, const Ve
     return v;
 }
 
-// x pushed out of each, as far as `allowed` for what is attached to the head.
-template <class Solids>
-WETCURL_HD Vec3f pushed_out(const Solids& solids, Vec3f x, float allowed) {
+// Points pushed out of each in turn, as far as `allowed` for what is attached to the head.
+template <int count, class Solids>
+WETCURL_HD void push_out(const Solids& solids, Vec3f (&x)[count], const float (&allowed)[count]) {
     for (const auto& solid : solids) {
-        const auto d = distance_in_world(solid, cast<typename std::decay_t<decltype(solid)>::Number>(x));
-        const float depth = (solid.attached ? allowed : 0.f) - float(d.phi);
-        if (depth > 0) x += depth * cast<float>(d.normal);
+        WETCURL_UNROLL(count)
+        for (int k = 0; k < count; ++k) {
+            const auto d =
+                distance_in_world(solid, cast<typename std::decay_t<decltype(solid)>::Number>(x[k]));
+            const float depth = (solid.attached ? allowed[k] : 0.f) - float(d.phi);
+            if (depth > 0) x[k] += depth * cast<float>(d.normal);
+        }
     }
-    return x;
+}
+template <class Solids>
+WETCURL_HD Vec3f pushed_out(const Solids& solids, const Vec3f& x, float allowed) {
+    Vec3f one[] = {x};
+    push_out(solids, one, {allowed});
+    return one[0];
 }
 
 // Which of two solids counts: the nearer one, the earlier where both are as near.

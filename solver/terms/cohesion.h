@@ -104,8 +104,8 @@ struct Cohesion {
     template <class S>
     WETCURL_HD Vec3<S> within_length(const Vec3<S>& x, const Vec3<S>& end, const S& length) const {
         const Vec3<S> e = end - x;
-        const S most = S(1 + stretch) * length, now = norm(e);
-        return select(now > most, x + (most / maximum(now, S(tiny_length<S>))) * e, end);
+        const S most = S(1 + stretch) * length, now = dot(e, e), least(tiny_length<S> * tiny_length<S>);
+        return select(now > most * most, x + (most / sqrt(maximum(now, least))) * e, end);
     }
     // p_i^w - p_i, `own` the particle's volume times its strand's own_weight.
     template <class S>

@@ -1,8 +1,8 @@
-// The search on the host, particle by particle as the device's threads, with a sort between. Ours.
+// The search on the host, particle by particle as the device's threads, with a scan between. Ours.
 #pragma once
 
-#include <algorithm>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "cuda/cell_search.h"
@@ -10,37 +10,34 @@
 namespace wetcurl::testing {
 
 struct HostSearch {
-    std::vector<uint32_t> key, id, sorted_key, sorted_id;
-    std::vector<SortedPoint> sorted;
-    std::vector<CellRange> cell;
+    std::vector<uint32_t> turn, start, sorted_id;
+    std::vector<SortedPoint> arrived, sorted;
     CellSearch view;
 
     HostSearch(const std::vector<Vec3f>& p, int particles, double radius, const Vec3f& origin)
-        : key(p.size()),
-          id(p.size()),
-          sorted_key(p.size()),
+        : turn(p.size()),
+          start(wrapped_grid(p.size(), radius).cells() + 2),
           sorted_id(p.size()),
+          arrived(p.size()),
           sorted(p.size() + CellSearch::at_once - 1),
           view{uint32_t(p.size()),
                particles,
-               key.data(),
-               id.data(),
-               sorted_key.data(),
+               turn.data(),
+               start.data(),
+               arrived.data(),
                sorted_id.data(),
                sorted.data(),
-               nullptr,
                wrapped_grid(p.size(), radius),
                origin,
                float(radius)} {
-        cell.resize(view.grid.cells());
-        view.cell = cell.data();
-        for (uint32_t k = 0; k < view.grid.cells(); ++k) view.empty_cell(k);
-        for (uint32_t k = 0; k < view.count; ++k) view.place(k, p[k]);
-        std::iota(sorted_id.begin(), sorted_id.end(), 0u);
-        std::stable_sort(sorted_id.begin(), sorted_id.end(),
-                         [&](uint32_t i, uint32_t j) { return key[i] < key[j]; });
-        for (uint32_t k = 0; k < view.count; ++k) sorted_key[k] = key[sorted_id[k]];
-        for (uint32_t k = 0; k < view.count; ++k) view.mark_cell(k, p[sorted_id[k]]);
+        // The last come first: threads come in any order.
+        for (uint32_t k = view.count; k-- > 0;)
+            view.count_in(k, p[k], [](uint32_t& shared, uint32_t more) {
+                return std::exchange(shared, shared + more);
+            });
+        std::exclusive_scan(start.begin(), start.end(), start.begin(), 0u);
+        for (uint32_t k = 0; k < view.count; ++k) view.arrive(k, p[k]);
+        for (uint32_t k = 0; k < view.count; ++k) view.settle(k);
     }
 };
 

@@ -55,6 +55,20 @@ TEST(CellSearch, finds_what_all_pairs_find_where_the_grid_wraps_round_too) {
     EXPECT_GT(across, 10u);
 }
 
+TEST(CellSearch, orders_particles_by_cells_and_in_each_by_their_numbers) {
+    const std::vector<Vec3f> p = cloud(60 * particles, 3);
+    const HostSearch host(p, particles, radius, origin);
+    for (uint32_t k = 0; k < host.view.count; ++k) {
+        const uint32_t id = host.sorted_id[k];
+        EXPECT_EQ(host.sorted[k].id, id);
+        EXPECT_EQ(norm(host.sorted[k].position() - p[id]), 0);
+        if (k == 0) continue;
+        const uint32_t before = host.sorted_id[k - 1];
+        EXPECT_LT(std::pair(host.view.cell_of(p[before]), before), std::pair(host.view.cell_of(p[id]), id))
+            << k;
+    }
+}
+
 TEST(CellSearch, finds_none_of_what_is_far_away_or_not_finite) {
     std::vector<Vec3f> p(6 * particles, origin);
     const float inf = std::numeric_limits<float>::infinity();
@@ -70,7 +84,8 @@ TEST(CellSearch, finds_none_of_what_is_far_away_or_not_finite) {
     }
     // They close the order.
     for (uint32_t k = 0; k < host.view.count; ++k)
-        EXPECT_EQ(host.view.sorted_key[k] == host.view.grid.cells(), k + 4 >= host.view.count);
+        EXPECT_EQ(host.view.cell_of(p[host.sorted_id[k]]) == host.view.grid.cells(),
+                  k + 4 >= host.view.count);
 }
 
 TEST(CellSearch, of_a_point_that_is_on_no_strand_finds_all_around_it) {

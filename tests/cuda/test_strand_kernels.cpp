@@ -26,15 +26,13 @@ void upload(float* to, const std::vector<float>& from) {
     check_cuda(cudaMemcpy(to, from.data(), from.size() * sizeof(float), cudaMemcpyHostToDevice), "upload");
 }
 
-// (m, k) (3, k, s) to (3, m, s).
+// (m, k) (k, s) to (m, s).
 std::vector<float> product(const std::vector<float>& a, const std::vector<float>& b, size_t m, size_t k,
                            size_t s) {
-    std::vector<float> out(3 * m * s, 0);
-    for (size_t axis = 0; axis < 3; ++axis)
-        for (size_t i = 0; i < m; ++i)
-            for (size_t j = 0; j < k; ++j)
-                for (size_t p = 0; p < s; ++p)
-                    out[(axis * m + i) * s + p] += a[i * k + j] * b[(axis * k + j) * s + p];
+    std::vector<float> out(m * s, 0);
+    for (size_t i = 0; i < m; ++i)
+        for (size_t j = 0; j < k; ++j)
+            for (size_t p = 0; p < s; ++p) out[i * s + p] += a[i * k + j] * b[j * s + p];
     return out;
 }
 
@@ -90,7 +88,7 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
         kernels.begin_frame(heads, f == 0);
         kernels.take_head(nullptr);
         kernels.depart(low_there.data(), nullptr);
-        upload(kernels.moved(), product(F, downloaded(kernels.departed(), 3 * n * l), n, n, l));
+        upload(kernels.moved(), product(F, downloaded(kernels.departed(), 4 * n * l), n, n, 4 * l));
         kernels.carry(nullptr);
         kernels.describe(nullptr);
         const auto image = downloaded(kernels.image(), channels * S);

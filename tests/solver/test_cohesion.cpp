@@ -369,12 +369,11 @@ TEST(Cohesion, asked_of_some_particles_dry_hair_lone_strands_and_roots_keep_ever
 TEST(Thinning, takes_root_and_tip_and_gives_linear_functions_and_sums_back) {
     for (int particles : {2, 3, 10, 64})
         for (int every : {1, 2, 3, 9}) {
-            Thinning thinning(particles);
-            thinning.every = std::min(every, particles - 1);
+            const Thinning thinning(particles, std::min(every, particles - 1));
             for (int strand : {0, 1, 2, 11}) {
                 EXPECT_EQ(thinning.at(strand, 0), 0);
-                EXPECT_EQ(thinning.at(strand, thinning.count() - 1), particles - 1);
-                for (int j = 0; j + 1 < thinning.count(); ++j) {
+                EXPECT_EQ(thinning.at(strand, thinning.count - 1), particles - 1);
+                for (int j = 0; j + 1 < thinning.count; ++j) {
                     EXPECT_LT(thinning.at(strand, j), thinning.at(strand, j + 1));
                     EXPECT_LE(thinning.at(strand, j + 1) - thinning.at(strand, j), 2 * thinning.every - 1);
                 }
@@ -389,7 +388,7 @@ TEST(Thinning, takes_root_and_tip_and_gives_linear_functions_and_sums_back) {
             }
             const std::vector<float> whole(size_t(4 * particles), 0.25f);
             const auto sums = thinning.gathered(whole);
-            ASSERT_EQ(sums.size(), size_t(4 * thinning.count()));
+            ASSERT_EQ(sums.size(), size_t(4 * thinning.count));
             EXPECT_NEAR(std::accumulate(sums.begin(), sums.end(), 0.0), particles, 1e-4);
         }
 }
