@@ -58,10 +58,10 @@ struct CellSearch {
     static constexpr uint32_t at_once = 4;  // are read together
     uint32_t count;
     int particles;         // a strand
-    uint32_t* turn;        // (strand, particle): how many came to its cell before
+    uint32_t* rank;        // (strand, particle): how many came to its cell before
     uint32_t* start;       // (cells + 2) in the order; what has no cell comes last, then `count`
     SortedPoint* arrived;  // (count) by cells, in each as they came
-    // The order: by cells, in each by their numbers.
+    // The order: by cells, in each by their numbers; what has no cell, as it came.
     uint32_t* sorted_id;
     SortedPoint* sorted;  // (count + at_once - 1): what follows the last is read and never near
     WrappedGrid grid;
@@ -73,13 +73,14 @@ struct CellSearch {
     // First, where `start` is 0: each particle counts. add(shared, 1) tells what `shared` was before.
     template <class Add>
     WETCURL_HD void count_in(uint32_t particle, const Vec3f& p, Add add) const {
-        turn[particle] = add(start[cell_of(p)], 1u);
+        rank[particle] = add(start[cell_of(p)], 1u);
     }
     // Once `start` sums up those before each cell.
     WETCURL_HD void arrive(uint32_t particle, const Vec3f& p) const {
-        arrived[start[cell_of(p)] + turn[particle]] = {p.x, p.y, p.z, particle};
+        arrived[start[cell_of(p)] + rank[particle]] = {p.x, p.y, p.z, particle};
     }
-    // Once all have arrived: the k-th of them takes its place, which does not hang on who came first.
+    // Once all have arrived: the k-th of them takes its place, which in a cell does not hang on who came
+    // first. Looks at all in its cell.
     WETCURL_HD void settle(uint32_t k) const {
         const SortedPoint p = arrived[k];
         const uint32_t own = cell_of(p.position());

@@ -38,7 +38,7 @@ CellSearchDevice::CellSearchDevice(size_t count, int particles, double radius, c
       radius_(float(radius)),
       origin_(origin),
       grid_(wrapped_grid(count, radius)),
-      turn_(count),
+      rank_(count),
       start_(grid_.cells() + 2),
       sorted_id_(count),
       arrived_(count),
@@ -51,7 +51,7 @@ CellSearchDevice::CellSearchDevice(size_t count, int particles, double radius, c
 }
 
 CellSearch CellSearchDevice::view() const {
-    return {uint32_t(turn_.size()), particles_,     turn_.data(), start_.data(), arrived_.data(),
+    return {uint32_t(rank_.size()), particles_,     rank_.data(), start_.data(), arrived_.data(),
             sorted_id_.data(),      sorted_.data(), grid_,        origin_,       radius_};
 }
 
@@ -68,7 +68,7 @@ void CellSearchDevice::launch(const Vec3f* positions, cudaStream_t stream) const
 
 size_t CellSearchDevice::bytes() const {
     size_t sum = arrived_.bytes() + sorted_.bytes() + scan_memory_.bytes();
-    for (const auto* b : {&turn_, &start_, &sorted_id_}) sum += b->bytes();
+    for (const auto* b : {&rank_, &start_, &sorted_id_}) sum += b->bytes();
     return sum;
 }
 

@@ -24,7 +24,7 @@ class CellSearchDevice {
     const float radius_;
     const Vec3f origin_;
     const WrappedGrid grid_;
-    DeviceBuffer<uint32_t> turn_, start_, sorted_id_;
+    DeviceBuffer<uint32_t> rank_, start_, sorted_id_;
     DeviceBuffer<SortedPoint> arrived_, sorted_;
     DeviceBuffer<char> scan_memory_;
 };

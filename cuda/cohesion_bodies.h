@@ -75,7 +75,7 @@ struct CohesionMemory {
     Displaced* displaced;  // (strand, particle)
     float *beta, *own_weight;  // (strand) of the smoothing; Eq 10's own_weight
     const float* own_volume;   // (strand, particle) of itself, null: V is
-    float* own;                // in the order of cells: their product, as Eq 10 takes it
+    float* self_weight;        // in the order of cells: own volume times own_weight, as Eq 10 takes it
 
     // Of the lane at `place` (blocks, 128).
     WETCURL_HD Ranks<4>* entries(const ListGroup& g, uint32_t place) const {
@@ -101,7 +101,7 @@ struct CohesionBodies {
         const SortedPoint p = m.search.sorted[k];
         m.point[k] = {p.x, p.y, p.z, volume[p.id]};
         m.wet_volume[k] = wet_volume[p.id];
-        m.own[k] =
+        m.self_weight[k] =
             (m.own_volume ? m.own_volume : volume)[p.id] * m.own_weight[p.id / uint32_t(m.search.particles)];
         m.displaced[p.id] = {0, 0, 0, k};
         if (!m.wet_cell || !(m.wet_volume[k] > 0)) return;
@@ -155,7 +155,7 @@ struct CohesionBodies {
             }
         }
         sums = {{together(sums.pull.x), together(sums.pull.y), together(sums.pull.z)}, together(sums.weight)};
-        const Vec3f d = term.displacement(sums, m.own[k]);
+        const Vec3f d = term.displacement(sums, m.self_weight[k]);
         if (part == 0) m.displaced[id] = {d.x, d.y, d.z, k};
     }
     // A block's own memory while it moves strands: displacements (3, strand, particle), of so many numbers a

@@ -173,6 +173,7 @@ __global__ void __launch_bounds__(show_threads, 7)
         for (int k = 0; k < Batch::size; ++k)
             x[k] = strand(s)[batch.at[k]].position(), deep[k] = allowed(s, batch.at[k]);
         push_out(*motion, x, deep);
+        __syncwarp();  // the last may be another lane's
         batch.each([&](int i, int k) { strand(s)[i].put(x[k]); });
     });
     bool torn = false;
@@ -217,7 +218,7 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
       displaced_(search_.view().count),
       beta_(size_t(strands)),
       own_weight_(size_t(strands)),
-      own_(search_.view().count) {
+      self_weight_(search_.view().count) {
     const int particles = thinning.count;
     if (thinning.every > 1) {
         const ThinnedWater water(thinning, volume, saturation);
@@ -274,7 +275,7 @@ CohesionBodies CohesionDevice::bodies() const {
             thinning_,
             {search_.view(), point_.data(), sorted_wet_volume_.data(), wet_cell_.data(), group_.data(),
              who_.data(), list_.data(), displaced_.data(), beta_.data(), own_weight_.data(),
-             own_volume_.data(), own_.data()}};
+             own_volume_.data(), self_weight_.data()}};
 }
 
 void CohesionDevice::launch_lists(const Vec3f* positions, FrameReport* report, cudaStream_t stream) {
@@ -337,7 +338,7 @@ size_t CohesionDevice::bytes() const {
     size_t sum = search_.bytes() + point_.bytes() + group_.bytes() + who_.bytes() + list_.bytes() +
                  displaced_.bytes() + wet_cell_.bytes() + thinned_.bytes();
     for (const auto* b : {&volume_, &wet_volume_, &own_volume_, &rest_depth_, &sorted_wet_volume_, &beta_,
-                          &own_weight_, &own_})
+                          &own_weight_, &self_weight_})
         sum += b->bytes();
     return sum;
 }

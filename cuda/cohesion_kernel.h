@@ -86,7 +86,7 @@ class CohesionDevice {
     DeviceBuffer<ListGroup> group_;
     DeviceBuffer<Ranks<4>> list_;
     DeviceBuffer<Displaced> displaced_;
-    DeviceBuffer<float> beta_, own_weight_, own_;
+    DeviceBuffer<float> beta_, own_weight_, self_weight_;
 };
 
 }  // namespace wetcurl

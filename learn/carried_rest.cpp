@@ -134,6 +134,7 @@ RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, c
     find_own(low, drawn_cores);
     const RootFrames roots = root_frames(high);
     const int n = particles_, width = around_.width, blocks = (high.rest.count + S::lanes - 1) / S::lanes;
+    constexpr float longest = 4;  // edges, of the drawn ones
     const Vec3<S> none{S(0), S(0), S(0)};
     rest_.assign(size_t(blocks) * n, {none, S(1), none, none, none});
     to_root_.assign(size_t(blocks), Quat<S>::identity());
@@ -158,8 +159,11 @@ RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, c
                 const Vec3f edge = edge_of(drawn_cores, s, i), along = core[i + 1] - core[i];
                 Vec3f own = edge;
                 for (int k = 0; k < width; ++k) own -= weight[k] * edge_of(low_rest_cores_, from[k], i);
-                // Wet strands come as short as they are.
-                const float length = low_is_wet_ ? 1 : norm(along) / std::max(norm(edge), tiny_length<float>);
+                // Wet strands come as short as they are. An edge that is drawn as good as nowhere tells
+                // nothing.
+                const float length =
+                    low_is_wet_ ? 1
+                                : std::min(norm(along) / std::max(norm(edge), tiny_length<float>), longest);
                 out.length.set(lane, length);
                 set(out.edge, lane, rotate(to_root, length * edge));
                 set(out.own, lane, rotate(to_root, length * own));

@@ -85,14 +85,14 @@ struct Kept {
     const float4 *rest, *x;  // (n, low): offsets from the root at rest; how far from there
 };
 
-// A strand goes along its particles one by one. Its amplitudes add up, `unit` (n, 24) those of unit offsets.
+// A strand goes along its particles one by one. Its amplitudes add up, `basis` (n, 24) those of unit offsets.
 __global__ void __launch_bounds__(carriers)
     carry_kernel(int pixels, int low, int n, int width, const int* __restrict__ strand,
                  const RestUnits* __restrict__ units, const RestEdge* __restrict__ edges,
                  const RestDetail* __restrict__ details, const int* __restrict__ from,
                  const float* __restrict__ weight, const float* __restrict__ lost_weight,
                  const float* __restrict__ lost, const Quatf* __restrict__ turn,
-                 const float4* __restrict__ moved, const Kept kept, const float4* __restrict__ unit,
+                 const float4* __restrict__ moved, const Kept kept, const float4* __restrict__ basis,
                  float* __restrict__ base, float* __restrict__ amplitudes) {
     constexpr int most = 4;  // of a stencil
     const int s = int(blockIdx.x) * carriers + int(threadIdx.x);
@@ -100,7 +100,7 @@ __global__ void __launch_bounds__(carriers)
     int neighbour[most];
     float share[most], lost_here = 0;
     for (int k = 0; k < most; ++k) {
-        neighbour[k] = k < width ? from[k * pixels + s] : 0;
+        neighbour[k] = k < width ? from[k * pixels + s] : neighbour[0];
         share[k] = k < width ? weight[k * pixels + s] : 0;
         if (k < width) lost_here += lost_weight[k * pixels + s] * lost[neighbour[k]];
     }
@@ -130,12 +130,12 @@ __global__ void __launch_bounds__(carriers)
     };
     for (int i = 0; i < stages; ++i) fetch(i);
     constexpr int quads = dct_kept / 4;
-    float4 unit_ahead[quads];
-    const auto fetch_unit = [&](int i) {
+    float4 basis_ahead[quads];
+    const auto fetch_basis = [&](int i) {
 #pragma unroll
-        for (int m = 0; m < quads; ++m) unit_ahead[m] = __ldg(unit + i * quads + m);
+        for (int m = 0; m < quads; ++m) basis_ahead[m] = __ldg(basis + i * quads + m);
     };
-    fetch_unit(0);
+    fetch_basis(0);
     Vec3f amplitude[dct_kept] = {};
     carry_rest<float>(
         n, fminf(fmaxf(lost_here, 0), 1),
@@ -165,11 +165,11 @@ __global__ void __launch_bounds__(carriers)
             base[at] = x.x, base[out + at] = x.y, base[2 * out + at] = x.z;
 #pragma unroll
             for (int m = 0; m < quads; ++m) {
-                const float4 u = unit_ahead[m];
+                const float4 u = basis_ahead[m];
                 Vec3f* const to = amplitude + 4 * m;
                 to[0] += u.x * x, to[1] += u.y * x, to[2] += u.z * x, to[3] += u.w * x;
             }
-            fetch_unit(min(i + 1, n - 1));
+            fetch_basis(min(i + 1, n - 1));
         });
 #pragma unroll
     for (int m = 0; m < dct_kept; ++m) {
@@ -471,7 +471,7 @@ void StrandKernels::take_rest(const StrandCodec& codec) {
     for (size_t s = 0; s < size_t(high_); ++s) {
         for (size_t i = 0; i < n; ++i) {
             RestParticle<float>& p = strand[i] = codec.carrier().rest(int(s), int(i));
-            p.curled = p.length * normalized(p.curled, p.curled);
+            p.curled = p.length * normalized(p.curled, normalized(p.edge, {1, 0, 0}));
         }
         const size_t pixel = size_t(codec.pixel_of()[s]);
         const RestUnits& unit =

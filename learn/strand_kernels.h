@@ -68,8 +68,8 @@ class StrandKernels {
     void depart(const Vec3f* low, cudaStream_t stream) const;
     void carry(cudaStream_t stream) const;
     void describe(cudaStream_t stream) const;
-    // Of B and what the network answered: amplitudes (S, 72), null: nothing. `within_shapes`: where they are,
-    // even in what is attached to the head.
+    // Of B and what the network answered: amplitudes (S, 72), 16 bytes aligned, null: nothing.
+    // `within_shapes`: where they are, even in what is attached to the head.
     void place(const float* answer, Vec3f* out, cudaStream_t stream, bool within_shapes = false) const;
 
   private:

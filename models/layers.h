@@ -26,7 +26,8 @@ struct Model : torch::nn::Module {
     // For inference alone: the weights of the body take its type and the order of the device's convolutions,
     // which they are else brought into at each run.
     virtual void freeze();
-    // The type that the body computes in; weights, first and last values stay in single precision.
+    // The type that the body computes in; weights, first and last values stay in single precision, until
+    // frozen.
     torch::ScalarType body = torch::kFloat;
     // Strand networks: whether every pixel holds a strand, so that no look for those that do not is needed.
     bool whole_grid = false;

@@ -3,6 +3,7 @@
 #include "models/unet_vgg19.h"
 
 #ifdef WETCURL_MODEL_KERNELS
+#include <c10/cuda/CUDAGuard.h>
 #include <c10/cuda/CUDAStream.h>
 
 #include "models/unet_vgg19_kernels.h"
@@ -79,9 +80,12 @@ struct UnetVgg19::Frozen {
 
 void UnetVgg19::freeze() {
     Model::freeze();
+    frozen_ = nullptr;
     const torch::NoGradGuard no_grad;
     const Tensor& last = last_->weight;
-    if (body != torch::kHalf || !last.is_cuda() || last.size(0) > 8 || last.size(1) % 32 != 0) return;
+    if (body != torch::kHalf || !last.is_cuda() || last.size(0) > 8) return;
+    const c10::cuda::CUDAGuard guard(last.device());
+    if (!can_launch_last(int(last.size(1)))) return;
     auto frozen = std::make_shared<Frozen>();
     for (auto& level : up_) {
         const Tensor &weight = level.doubling->weight, &bias = level.doubling->bias;
@@ -101,19 +105,19 @@ cudaStream_t stream_of(const Tensor& x) { return c10::cuda::getCurrentCUDAStream
 
 Tensor by_pixels(const Tensor& x) { return x.contiguous(torch::MemoryFormat::ChannelsLast); }
 
-Tensor image_of(const Tensor& like, long channels, long height, long width) {
+Tensor empty_image(const Tensor& like, long channels, long height, long width) {
     return torch::empty({like.size(0), channels, height, width}, like.options(),
                         torch::MemoryFormat::ChannelsLast);
 }
 
 // ReLU of the layer's convolution.
 Tensor convolved(nn::Conv2d& layer, const Tensor& x, const JoinedImage& in) {
-    const Tensor out = image_of(x, layer->weight.size(0), in.height, in.width);
+    const Tensor out = empty_image(x, layer->weight.size(0), in.height, in.width);
     if (launch_convolution(in, layer->weight.data_ptr(), layer->bias.data_ptr(), int(out.size(1)),
                            out.data_ptr(), stream_of(x)))
         return out;
     if (!in.doubled) return by_pixels(run_relu(layer, x));
-    const Tensor joined = image_of(x, in.channels(), in.height, in.width);
+    const Tensor joined = empty_image(x, in.channels(), in.height, in.width);
     launch_join(in, joined.data_ptr(), stream_of(x));
     return by_pixels(run_relu(layer, joined));
 }
@@ -136,6 +140,7 @@ JoinedImage image_of(const Tensor& x, const Tensor& doubled, const Tensor& skip)
 }  // namespace
 
 Tensor UnetVgg19::run(const Frozen& frozen, Tensor x, const Tensor& base, long height, long width) {
+    const c10::cuda::CUDAGuard guard(x.device());
     x = by_pixels(x);
     auto run_level = [&](Level& level, JoinedImage in) {
         for (auto& layer : level.convolutions) x = convolved(layer, x, in), in = image_of(x);
@@ -145,7 +150,7 @@ Tensor UnetVgg19::run(const Frozen& frozen, Tensor x, const Tensor& base, long h
     for (auto& level : down_) {
         run_level(level, image_of(x));
         skips.push_back(x);
-        const Tensor half = image_of(x, x.size(1), x.size(2) / 2, x.size(3) / 2);
+        const Tensor half = empty_image(x, x.size(1), x.size(2) / 2, x.size(3) / 2);
         launch_pool(int(x.size(0)), int(x.size(2)), int(x.size(3)), int(x.size(1)), x.data_ptr(),
                     half.data_ptr(), stream_of(x));
         x = half;
@@ -160,12 +165,14 @@ Tensor UnetVgg19::run(const Frozen& frozen, Tensor x, const Tensor& base, long h
     const long outputs = last_->weight.size(0);
     const Tensor out = torch::empty({x.size(0), outputs, height, width}, x.options().dtype(torch::kFloat),
                                     torch::MemoryFormat::Contiguous),
-                 from = base.defined() ? base.contiguous() : base;
+                 from = base.defined() && !watch ? base.contiguous() : Tensor();
     launch_last(int(x.size(0)), int(x.size(2)), int(x.size(3)), int(x.size(1)), x.data_ptr(),
                 frozen.last.data_ptr(), frozen.last_bias.data_ptr<float>(), int(outputs),
                 from.defined() ? from.data_ptr<float>() : nullptr, int(height), int(width),
                 out.data_ptr<float>(), stream_of(x));
-    return out;
+    if (!watch) return out;
+    watch("r7", out);  // the residual alone
+    return base.defined() ? up(base) + out : out;
 }
 #else
 struct UnetVgg19::Frozen {};
@@ -180,7 +187,7 @@ Tensor UnetVgg19::answer(const Tensor& input, const Tensor& base) {
     if (below || right) x = torch::replication_pad2d(x, {0, right, 0, below});
     x = x.to(body, /*non_blocking=*/false, /*copy=*/false, torch::MemoryFormat::ChannelsLast);
 #ifdef WETCURL_MODEL_KERNELS
-    if (frozen_) return run(*frozen_, x, base, scale_ * h, scale_ * w);
+    if (frozen_ && x.is_cuda() && body == torch::kHalf) return run(*frozen_, x, base, scale_ * h, scale_ * w);
 #endif
     std::vector<Tensor> skips;
     for (auto& level : down_) {

@@ -23,7 +23,7 @@ class UnetVgg19 : public Model {
     // Where set, receives each block's name (C1…C5, r1…r7) and output (before the pool).
     std::function<void(const std::string& block, const Tensor& output)> watch;
     // On a CUDA device in half precision the kernels of models/unet_vgg19_kernels.h do their part of it from
-    // then on.
+    // then on, where the last level's channels are a multiple of 32.
     void freeze() override;
 
   private:

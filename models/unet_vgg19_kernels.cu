@@ -187,6 +187,9 @@ struct TileSums {
     }
 };
 
+// ReLU, which NaN gets through.
+__device__ float rectified(float x) { return x < 0 ? 0 : x; }
+
 template <int rows, int columns>
 __global__ void __launch_bounds__(threads_a_block, 2)
     convolve_kernel(const JoinedImage x, const __half* __restrict__ weight, const __half* __restrict__ bias,
@@ -205,7 +208,7 @@ __global__ void __launch_bounds__(threads_a_block, 2)
         for (int w = 0; w < warps; ++w) all.x += sums[w * each + k].x, all.y += sums[w * each + k].y;
         const size_t pixel = (size_t(tile.image) * x.height + row) * x.width + column;
         *reinterpret_cast<__half2*>(out + pixel * outputs + c) =
-            __floats2half2_rn(fmaxf(all.x, 0.f), fmaxf(all.y, 0.f));
+            __floats2half2_rn(rectified(all.x), rectified(all.y));
     }
 }
 
@@ -269,7 +272,7 @@ bool launch_convolution(const JoinedImage& x, const void* weight, const void* bi
     constexpr int most_outputs = 64, busy = 96;  // blocks
     constexpr unsigned most_tiles = 64;          // of 64 pixels
     const unsigned tiles = TileSums<4, 4>::tiles(x), groups = unsigned(outputs / outputs_of_product);
-    if (x.channels() % deep != 0 || groups % 4 != 0 || outputs > most_outputs || tiles > most_tiles)
+    if (x.channels() % deep != 0 || outputs % 32 != 0 || outputs > most_outputs || tiles > most_tiles)
         return false;
     auto launch = [&]<int rows, int columns>() {
         using Sums = TileSums<rows, columns>;
@@ -287,6 +290,10 @@ bool launch_convolution(const JoinedImage& x, const void* weight, const void* bi
     if (tiles * groups / 4 >= busy) return launch.operator()<4, 4>();
     if (tiles * groups >= busy) return launch.operator()<2, 2>();
     return launch.operator()<2, 1>();
+}
+
+bool can_launch_last(int channels) {
+    return channels % deep == 0 && LastTile::bytes(channels) <= allow_shared_memory(last_kernel);
 }
 
 void launch_last(int images, int H, int W, int C, const void* x, const void* weight, const float* bias,

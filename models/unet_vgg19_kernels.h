@@ -29,14 +29,15 @@ void launch_pool(int images, int height, int width, int channels, const void* x,
                  cudaStream_t stream);
 
 // out (B, H, W, outputs) = relu(5x5 convolution of x + bias): weight (outputs, 5, 5, channels), bias
-// (outputs), all in half precision. Returns false, and does nothing, where other convolutions are faster, and
-// for channels and outputs that are no multiples of 32.
+// (outputs), all in half precision. Returns false, and does nothing, where other convolutions are faster,
+// where a processor has no room, and for channels and outputs that are no multiples of 32.
 bool launch_convolution(const JoinedImage& x, const void* weight, const void* bias, int outputs, void* out,
                         cudaStream_t stream);
 
 // out (B, outputs, height, width), single precision = 5x5 convolution of x + bias, of the upper left of x (B,
-// H, W, C), C a multiple of 16; weight (8, 5, 5, C) in half precision, 0 beyond `outputs`, bias (outputs) in
+// H, W, C), where it can be; weight (8, 5, 5, C) in half precision, 0 beyond `outputs`, bias (outputs) in
 // single precision. `base` (B, outputs, height / 2, width / 2), or null: up() of it is added.
+bool can_launch_last(int channels);  // C, a multiple of 32 for which a processor has room
 void launch_last(int images, int H, int W, int C, const void* x, const void* weight, const float* bias,
                  int outputs, const float* base, int height, int width, float* out, cudaStream_t stream);
 

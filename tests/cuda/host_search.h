@@ -10,19 +10,19 @@
 namespace wetcurl::testing {
 
 struct HostSearch {
-    std::vector<uint32_t> turn, start, sorted_id;
+    std::vector<uint32_t> rank, start, sorted_id;
     std::vector<SortedPoint> arrived, sorted;
     CellSearch view;
 
     HostSearch(const std::vector<Vec3f>& p, int particles, double radius, const Vec3f& origin)
-        : turn(p.size()),
+        : rank(p.size()),
           start(wrapped_grid(p.size(), radius).cells() + 2),
           sorted_id(p.size()),
           arrived(p.size()),
           sorted(p.size() + CellSearch::at_once - 1),
           view{uint32_t(p.size()),
                particles,
-               turn.data(),
+               rank.data(),
                start.data(),
                arrived.data(),
                sorted_id.data(),

@@ -64,7 +64,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}, int stage
     std::vector<ListGroup> group(places / ListGroup::lanes);
     std::vector<uint8_t> lane_takes(places);
     std::vector<Displaced> displaced(count);
-    std::vector<float> beta(size_t(hair.p.count)), weight(size_t(hair.p.count)), own(count);
+    std::vector<float> beta(size_t(hair.p.count)), weight(size_t(hair.p.count)), self_weight(count);
     const HostSearch search(simulated, n, term.h_c, {1, 2, 0});
     std::vector<uint8_t> wet_cell(search.view.grid.cells());
     CohesionBodies b{
@@ -72,7 +72,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}, int stage
         thinning,
         {search.view, point.data(), sorted_wet_volume.data(), some_dry ? wet_cell.data() : nullptr,
          group.data(), lane_takes.data(), nullptr, displaced.data(), beta.data(), weight.data(),
-         thinning.every > 1 ? water.own_volume.data() : nullptr, own.data()}};
+         thinning.every > 1 ? water.own_volume.data() : nullptr, self_weight.data()}};
     for (int s = 0; s < hair.p.count; ++s)
         b.measure(s, arc_length(hair.p.strand(s), hair.p.particles), arc_length(asked.strand(s), n));
     for (uint32_t k = 0; k < count; ++k) wet_volume[k] = water.volume[k] * water.saturation[k];
