@@ -1,5 +1,5 @@
-// Marks a function that runs on the CPU and on the GPU, and a loop that is written out so many times there:
-// what it fetches ahead or keeps in arrays then lies in registers.
+// Marks a function that runs on the CPU and on the GPU, and a loop that is written out so many times there,
+// so that arrays which it goes through lie in registers.
 #pragma once
 
 #ifdef __CUDACC__
