@@ -71,104 +71,143 @@ Tensor UnetVgg19::run(Level& level, Tensor x) {
 
 #ifdef WETCURL_MODEL_KERNELS
 struct UnetVgg19::Frozen {
-    struct Doubling {
-        Tensor weight, bias;  // (4 O, C), (4 O)
+    struct Layer {
+        Tensor weight, bias;
     };
-    std::vector<Doubling> doublings;
-    Tensor last, last_bias;  // (8, 5, 5, C), 0 beyond the outputs; in single precision
+    struct Level {
+        Layer doubling;                   // (4 O, C), (4 O)
+        std::vector<Layer> convolutions;  // as launch_convolution takes them
+    };
+    std::vector<Level> down, up;
+    Layer last;  // as launch_last takes it
 };
+
+namespace {
+
+long filled_up(long channels) { return (channels + outputs_at_once - 1) / outputs_at_once * outputs_at_once; }
+long as_taken(long channels) {
+    return (channels + channels_at_once - 1) / channels_at_once * channels_at_once;
+}
+
+// Zeros at the end of a dimension, up to `size`.
+Tensor filled(const Tensor& x, long dimension, long size) {
+    std::vector<long> pad(size_t(2 * (x.dim() - dimension)), 0);
+    pad.back() = size - x.size(dimension);
+    return torch::constant_pad_nd(x, pad);
+}
+
+// weight (O, C, 5, 5) to (O / 64, C / 16, 5, 5, 2, 64, 8).
+Tensor by_blocks(const Tensor& weight) {
+    return weight
+        .view({weight.size(0) / outputs_at_once, outputs_at_once, weight.size(1) / channels_at_once, 2, 8,
+               kernel, kernel})
+        .permute({0, 2, 5, 6, 3, 1, 4})
+        .contiguous();
+}
+
+}  // namespace
 
 void UnetVgg19::freeze() {
     Model::freeze();
     frozen_ = nullptr;
     const torch::NoGradGuard no_grad;
     const Tensor& last = last_->weight;
-    if (body != torch::kHalf || !last.is_cuda() || last.size(0) > 8) return;
+    if (body != torch::kHalf || !last.is_cuda() || last.size(0) > most_last_outputs) return;
     const c10::cuda::CUDAGuard guard(last.device());
-    if (!can_launch_last(int(last.size(1)))) return;
     auto frozen = std::make_shared<Frozen>();
-    for (auto& level : up_) {
-        const Tensor &weight = level.doubling->weight, &bias = level.doubling->bias;
-        frozen->doublings.push_back({doubling_rows(weight).contiguous(), bias.repeat({4})});
-    }
-    frozen->last = torch::constant_pad_nd(last, {0, 0, 0, 0, 0, 0, 0, 8 - last.size(0)})
-                       .permute({0, 2, 3, 1})
-                       .to(torch::kHalf)
-                       .contiguous();
-    frozen->last_bias = last_->bias;
-    frozen_ = frozen;
+    bool can = can_launch_last(int(filled_up(last.size(1))));
+    // Channels of an image that a doubling and a skip make are filled up each for itself.
+    auto add = [&](std::vector<Frozen::Level>& to, Level& level, long doubled) {
+        Frozen::Level in_order;
+        if (level.doubling) {
+            const Tensor &weight = level.doubling->weight, &bias = level.doubling->bias;
+            const long inputs = filled_up(weight.size(0)), outputs = filled_up(weight.size(1));
+            in_order.doubling = {doubling_rows(filled(filled(weight, 0, inputs), 1, outputs)).contiguous(),
+                                 filled(bias, 0, outputs).repeat({4})};
+        }
+        for (auto& layer : level.convolutions) {
+            const Tensor &weight = layer->weight, &bias = layer->bias;
+            const long outputs = filled_up(weight.size(0)), skip = weight.size(1) - doubled;
+            const bool takes_input = to.empty() && in_order.convolutions.empty() && !level.doubling;
+            Tensor whole =
+                filled(weight.narrow(1, doubled, skip), 1, takes_input ? as_taken(skip) : filled_up(skip));
+            if (doubled)
+                whole = torch::cat({filled(weight.narrow(1, 0, doubled), 1, filled_up(doubled)), whole}, 1);
+            can = can && can_convolve(int(whole.size(1)));
+            in_order.convolutions.push_back({by_blocks(filled(whole, 0, outputs)), filled(bias, 0, outputs)});
+            doubled = 0;
+        }
+        to.push_back(in_order);
+    };
+    for (auto& level : down_) add(frozen->down, level, 0);
+    for (auto& level : up_) add(frozen->up, level, level.doubling->weight.size(1));
+    const long channels = filled_up(last.size(1));
+    const Tensor by_taps = filled(last, 1, channels).permute({2, 3, 0, 1}).reshape({-1, channels});
+    frozen->last = {filled(by_taps, 0, last_columns).to(torch::kHalf).contiguous(), last_->bias};
+    if (can) frozen_ = frozen;
 }
 
 namespace {
 
 cudaStream_t stream_of(const Tensor& x) { return c10::cuda::getCurrentCUDAStream(x.device().index()); }
 
-Tensor by_pixels(const Tensor& x) { return x.contiguous(torch::MemoryFormat::ChannelsLast); }
-
-Tensor empty_image(const Tensor& like, long channels, long height, long width) {
-    return torch::empty({like.size(0), channels, height, width}, like.options(),
-                        torch::MemoryFormat::ChannelsLast);
-}
-
-// ReLU of the layer's convolution.
-Tensor convolved(nn::Conv2d& layer, const Tensor& x, const JoinedImage& in) {
-    const Tensor out = empty_image(x, layer->weight.size(0), in.height, in.width);
-    if (launch_convolution(in, layer->weight.data_ptr(), layer->bias.data_ptr(), int(out.size(1)),
-                           out.data_ptr(), stream_of(x)))
-        return out;
-    if (!in.doubled) return by_pixels(run_relu(layer, x));
-    const Tensor joined = empty_image(x, in.channels(), in.height, in.width);
-    launch_join(in, joined.data_ptr(), stream_of(x));
-    return by_pixels(run_relu(layer, joined));
-}
-
+// x (B, H, W, C), undefined where there is none.
 JoinedImage image_of(const Tensor& x) {
-    return {int(x.size(0)), int(x.size(2)), int(x.size(3)), nullptr, x.data_ptr(), 0, int(x.size(1))};
+    return {int(x.size(0)), int(x.size(1)), int(x.size(2)), nullptr, x.data_ptr(), 0, int(x.size(3))};
 }
-
-// x as its doubling gives it, (pixels, 4 O), then `skip` where there is one.
+// x (B, H, W, C) as its doubling gives it, (pixels, 4 O), then `skip`.
 JoinedImage image_of(const Tensor& x, const Tensor& doubled, const Tensor& skip) {
     return {int(x.size(0)),
+            int(2 * x.size(1)),
             int(2 * x.size(2)),
-            int(2 * x.size(3)),
             doubled.data_ptr(),
             skip.defined() ? skip.data_ptr() : nullptr,
             int(doubled.size(1) / 4),
-            skip.defined() ? int(skip.size(1)) : 0};
+            skip.defined() ? int(skip.size(3)) : 0};
 }
 
 }  // namespace
 
-Tensor UnetVgg19::run(const Frozen& frozen, Tensor x, const Tensor& base, long height, long width) {
-    const c10::cuda::CUDAGuard guard(x.device());
-    x = by_pixels(x);
-    auto run_level = [&](Level& level, JoinedImage in) {
-        for (auto& layer : level.convolutions) x = convolved(layer, x, in), in = image_of(x);
-        if (watch) watch(level.name, x);
+Tensor UnetVgg19::run(const Frozen& frozen, const Tensor& input, const Tensor& base, long height,
+                      long width) {
+    const c10::cuda::CUDAGuard guard(input.device());
+    const auto in_half = input.options().dtype(torch::kHalf).memory_format(torch::MemoryFormat::Contiguous);
+    const Tensor from = input.contiguous();
+    const long images = from.size(0), channels = from.size(1);
+    Tensor x = torch::empty({images, from.size(2), from.size(3), as_taken(channels)}, in_half), pooled;
+    launch_take(int(images), int(from.size(2)), int(from.size(3)), int(channels), int(x.size(3)),
+                from.data_ptr<float>(), x.data_ptr(), stream_of(x));
+    auto convolve = [&](const Frozen::Level& level, Level& as_told, JoinedImage in, bool pools) {
+        for (const auto& [weight, bias] : level.convolutions) {
+            const bool last = &weight == &level.convolutions.back().weight;
+            x = torch::empty({images, in.height, in.width, bias.size(0)}, in_half);
+            if (last && pools)
+                pooled = torch::empty({images, in.height / 2, in.width / 2, bias.size(0)}, in_half);
+            launch_convolution(in, weight.data_ptr(), bias.data_ptr(), int(bias.size(0)), x.data_ptr(),
+                               last && pools ? pooled.data_ptr() : nullptr, stream_of(x));
+            in = image_of(x);
+        }
+        if (watch)
+            watch(as_told.name,
+                  x.narrow(3, 0, as_told.convolutions.back()->weight.size(0)).permute({0, 3, 1, 2}));
     };
     std::vector<Tensor> skips;
-    for (auto& level : down_) {
-        run_level(level, image_of(x));
-        skips.push_back(x);
-        const Tensor half = empty_image(x, x.size(1), x.size(2) / 2, x.size(3) / 2);
-        launch_pool(int(x.size(0)), int(x.size(2)), int(x.size(3)), int(x.size(1)), x.data_ptr(),
-                    half.data_ptr(), stream_of(x));
-        x = half;
+    for (size_t k = 0; k < down_.size(); ++k) {
+        convolve(frozen.down[k], down_[k], image_of(x), true);
+        skips.push_back(x), x = pooled;
     }
     for (size_t k = 0; k < up_.size(); ++k) {
-        const auto& doubling = frozen.doublings[k];
-        const Tensor doubled = linear_rows(to_rows(x), doubling.weight, doubling.bias),
+        const auto& [weight, bias] = frozen.up[k].doubling;
+        const Tensor doubled = linear_rows(x.view({-1, x.size(3)}), weight, bias),
                      skip = skips.empty() ? Tensor() : skips.back();
         if (!skips.empty()) skips.pop_back();
-        run_level(up_[k], image_of(x, doubled, skip));
+        convolve(frozen.up[k], up_[k], image_of(x, doubled, skip), false);
     }
     const long outputs = last_->weight.size(0);
-    const Tensor out = torch::empty({x.size(0), outputs, height, width}, x.options().dtype(torch::kFloat),
-                                    torch::MemoryFormat::Contiguous),
-                 from = base.defined() && !watch ? base.contiguous() : Tensor();
-    launch_last(int(x.size(0)), int(x.size(2)), int(x.size(3)), int(x.size(1)), x.data_ptr(),
-                frozen.last.data_ptr(), frozen.last_bias.data_ptr<float>(), int(outputs),
-                from.defined() ? from.data_ptr<float>() : nullptr, int(height), int(width),
+    const Tensor out = torch::empty({images, outputs, height, width}, from.options()),
+                 above = base.defined() && !watch ? base.contiguous() : Tensor();
+    launch_last(image_of(x), frozen.last.weight.data_ptr(), frozen.last.bias.data_ptr<float>(), int(outputs),
+                above.defined() ? above.data_ptr<float>() : nullptr, int(height), int(width),
                 out.data_ptr<float>(), stream_of(x));
     if (!watch) return out;
     watch("r7", out);  // the residual alone
@@ -185,10 +224,10 @@ Tensor UnetVgg19::answer(const Tensor& input, const Tensor& base) {
     // On the CPU LibTorch repeats edges in single precision alone.
     Tensor x = input.is_cpu() ? input.to(torch::kFloat) : input;
     if (below || right) x = torch::replication_pad2d(x, {0, right, 0, below});
-    x = x.to(body, /*non_blocking=*/false, /*copy=*/false, torch::MemoryFormat::ChannelsLast);
 #ifdef WETCURL_MODEL_KERNELS
     if (frozen_ && x.is_cuda() && body == torch::kHalf) return run(*frozen_, x, base, scale_ * h, scale_ * w);
 #endif
+    x = x.to(body, /*non_blocking=*/false, /*copy=*/false, torch::MemoryFormat::ChannelsLast);
     std::vector<Tensor> skips;
     for (auto& level : down_) {
         skips.push_back(run(level, x));          // (B, C, s, s)

@@ -36,7 +36,7 @@ class UnetVgg19 : public Model {
     };
     Tensor run(Level& level, Tensor x);
     // By those kernels: as `answer`, of so many pixels, of an input whose sides are padded.
-    Tensor run(const Frozen& frozen, Tensor x, const Tensor& base, long height, long width);
+    Tensor run(const Frozen& frozen, const Tensor& input, const Tensor& base, long height, long width);
     // The residual, and up(base) where that is defined.
     Tensor answer(const Tensor& input, const Tensor& base);
     void add_convolutions(Level& level, int in, int out, int count);

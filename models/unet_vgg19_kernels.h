@@ -1,44 +1,62 @@
-// UnetVgg19 on a CUDA device in half precision: what its convolutions on few pixels, its doublings and its
-// last layer take too long for in LibTorch. The reference is models/unet_vgg19.cpp. Ours.
+// UnetVgg19 in half precision on a device of compute capability 9.0 (H100, H200), whose tensor cores LibTorch
+// leaves idle half the time on the few pixels of a patch. The reference is models/unet_vgg19.cpp. Ours.
 #pragma once
 
 #include <cuda_runtime.h>
+
+#include <cstddef>
 
 #include "base/host_device.h"
 
 namespace wetcurl {
 
 // An image in half precision, (B, H, W, channels): `doubled`, a pixel's four as its doubling gives them, (B,
-// H / 2, W / 2, 2, 2, doubled_channels), then `skip` (B, H, W, skip_channels). Both multiples of 8; the
-// former may be 0.
+// H / 2, W / 2, 2, 2, doubled_channels), then `skip` (B, H, W, skip_channels). Both multiples of 16; either
+// may be 0.
 struct JoinedImage {
     int images, height, width;
     const void* doubled;
     const void* skip;
     int doubled_channels, skip_channels;
     WETCURL_HD int channels() const { return doubled_channels + skip_channels; }
+    // Where channels c .. c + 7 of a pixel lie.
+    WETCURL_HD const void* eight_at(int image, int row, int column, int c) const {
+        constexpr size_t bytes = 2;  // of a number
+        if (c >= doubled_channels) {
+            const size_t pixel = (size_t(image) * height + row) * width + column;
+            return static_cast<const char*>(skip) + (pixel * skip_channels + (c - doubled_channels)) * bytes;
+        }
+        const size_t pixel = (size_t(image) * (height / 2) + row / 2) * (width / 2) + column / 2;
+        return static_cast<const char*>(doubled) +
+               ((4 * pixel + 2 * (row % 2) + column % 2) * doubled_channels + c) * bytes;
+    }
 };
+
+// Channels come by 16 and outputs by so many, filled up with 0.
+inline constexpr int channels_at_once = 16, outputs_at_once = 64, most_last_outputs = 3;
+
+inline constexpr int last_columns = 80;
+
+// Whether the current device can launch these for images of so many channels.
+bool can_convolve(int channels);
+bool can_launch_last(int channels);
 
 // All on the current device; sums in single precision, rounded once. Throw Error where the launch fails.
 
-// out (B, H, W, channels).
-void launch_join(const JoinedImage& x, void* out, cudaStream_t stream);
-
-// The largest of each 2x2: x (B, H, W, C) to out (B, H / 2, W / 2, C), C a multiple of 8, H and W even.
-void launch_pool(int images, int height, int width, int channels, const void* x, void* out,
+// x (B, C, H, W) in single precision to out (B, H, W, channels), 0 beyond C.
+void launch_take(int images, int height, int width, int C, int channels, const float* x, void* out,
                  cudaStream_t stream);
 
-// out (B, H, W, outputs) = relu(5x5 convolution of x + bias): weight (outputs, 5, 5, channels), bias
-// (outputs), all in half precision. Returns false, and does nothing, where other convolutions are faster,
-// where a processor has no room, and for channels and outputs that are no multiples of 32.
-bool launch_convolution(const JoinedImage& x, const void* weight, const void* bias, int outputs, void* out,
-                        cudaStream_t stream);
+// out (B, H, W, outputs) = relu(5x5 convolution of x + bias): weight (outputs / 64, channels / 16, 5, 5, 2,
+// 64, 8), bias (outputs), all in half precision. `pooled` (B, H / 2, W / 2, outputs), or null: the largest of
+// each 2x2 of it, for even H and W.
+void launch_convolution(const JoinedImage& x, const void* weight, const void* bias, int outputs, void* out,
+                        void* pooled, cudaStream_t stream);
 
-// out (B, outputs, height, width), single precision = 5x5 convolution of x + bias, of the upper left of x (B,
-// H, W, C), where it can be; weight (8, 5, 5, C) in half precision, 0 beyond `outputs`, bias (outputs) in
-// single precision. `base` (B, outputs, height / 2, width / 2), or null: up() of it is added.
-bool can_launch_last(int channels);  // C, a multiple of 32 for which a processor has room
-void launch_last(int images, int H, int W, int C, const void* x, const void* weight, const float* bias,
-                 int outputs, const float* base, int height, int width, float* out, cudaStream_t stream);
+// out (B, outputs, height, width), single precision = 5x5 convolution of x + bias, of the upper left of x,
+// where it can be; weight (channels / 16, 5, 5, 2, 8, 8) in half precision, 0 beyond `outputs`, bias
+// (outputs) in single precision. `base` (B, outputs, height / 2, width / 2), or null: up() of it is added.
+void launch_last(const JoinedImage& x, const void* weight, const float* bias, int outputs, const float* base,
+                 int height, int width, float* out, cudaStream_t stream);
 
 }  // namespace wetcurl
