@@ -22,8 +22,8 @@ class UnetVgg19 : public Model {
     Tensor residual(const Tensor& input);
     // Where set, receives each block's name (C1…C5, r1…r7) and output (before the pool).
     std::function<void(const std::string& block, const Tensor& output)> watch;
-    // On a CUDA device in half precision the kernels of models/unet_vgg19_kernels.h do their part of it from
-    // then on, where the last level's channels are a multiple of 32.
+    // In half precision on a device of compute capability 9.0 the kernels of models/unet_vgg19_kernels.h run
+    // it from then on, where it has up to most_last_outputs.
     void freeze() override;
 
   private:
