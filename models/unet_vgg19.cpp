@@ -151,11 +151,11 @@ namespace {
 
 cudaStream_t stream_of(const Tensor& x) { return c10::cuda::getCurrentCUDAStream(x.device().index()); }
 
-// x (B, H, W, C), undefined where there is none.
+// x (B, H, W, C).
 JoinedImage image_of(const Tensor& x) {
     return {int(x.size(0)), int(x.size(1)), int(x.size(2)), nullptr, x.data_ptr(), 0, int(x.size(3))};
 }
-// x (B, H, W, C) as its doubling gives it, (pixels, 4 O), then `skip`.
+// x (B, H, W, C) as its doubling gives it, (pixels, 4 O), then `skip` where there is one.
 JoinedImage image_of(const Tensor& x, const Tensor& doubled, const Tensor& skip) {
     return {int(x.size(0)),
             int(2 * x.size(1)),
@@ -177,7 +177,7 @@ Tensor UnetVgg19::run(const Frozen& frozen, const Tensor& input, const Tensor& b
     Tensor x = torch::empty({images, from.size(2), from.size(3), as_taken(channels)}, in_half), pooled;
     launch_take(int(images), int(from.size(2)), int(from.size(3)), int(channels), int(x.size(3)),
                 from.data_ptr<float>(), x.data_ptr(), stream_of(x));
-    auto convolve = [&](const Frozen::Level& level, Level& as_told, JoinedImage in, bool pools) {
+    auto convolve = [&](const Frozen::Level& level, Level& reference, JoinedImage in, bool pools) {
         for (const auto& [weight, bias] : level.convolutions) {
             const bool last = &weight == &level.convolutions.back().weight;
             x = torch::empty({images, in.height, in.width, bias.size(0)}, in_half);
@@ -188,8 +188,8 @@ Tensor UnetVgg19::run(const Frozen& frozen, const Tensor& input, const Tensor& b
             in = image_of(x);
         }
         if (watch)
-            watch(as_told.name,
-                  x.narrow(3, 0, as_told.convolutions.back()->weight.size(0)).permute({0, 3, 1, 2}));
+            watch(reference.name,
+                  x.narrow(3, 0, reference.convolutions.back()->weight.size(0)).permute({0, 3, 1, 2}));
     };
     std::vector<Tensor> skips;
     for (size_t k = 0; k < down_.size(); ++k) {

@@ -268,14 +268,14 @@ __global__ void __launch_bounds__(Block::threads)
 #if defined(__CUDA_ARCH_FEAT_SM90_ALL)
     extern __shared__ __align__(128) unsigned char own[];
     using Tile = typename Block::Tile;
-    const int rank = int(blockIdx.x) % blocks, k_th = int(blockIdx.x) / blocks,
+    const int rank = int(blockIdx.x) % blocks, number = int(blockIdx.x) / blocks,
               begin = int(blockIdx.y) * outputs;
     const size_t rows = size_t(blockIdx.y) * (x.channels() / deep * side) + rank * (channels / deep * side);
     const float* const sums =
-        sums_of<Block>(x, Tile(x, k_th), weight + rows * Block::of_row, rank * channels, channels, own);
+        sums_of<Block>(x, Tile(x, number), weight + rows * Block::of_row, rank * channels, channels, own);
     // A warp takes four pixels, 2x2, eight lanes each.
     auto put = [&](auto of_block) {
-        const Tile at(x, k_th);
+        const Tile at(x, number);
         const int lane = int(threadIdx.x) % warp, c = lane % eight * eight, right = lane / eight % 2,
                   below = lane / (2 * eight);
         const Eight shift = *reinterpret_cast<const Eight*>(bias + begin + c);

@@ -1,5 +1,5 @@
-// UnetVgg19 in half precision on a device of compute capability 9.0 (H100, H200), whose tensor cores LibTorch
-// leaves idle half the time on the few pixels of a patch. The reference is models/unet_vgg19.cpp. Ours.
+// UnetVgg19 in half precision on a device of compute capability 9.0 (H100, H200): LibTorch's convolutions
+// take longer on the few pixels of a patch. The reference is models/unet_vgg19.cpp. Ours.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -32,10 +32,9 @@ struct JoinedImage {
     }
 };
 
-// Channels come by 16 and outputs by so many, filled up with 0.
-inline constexpr int channels_at_once = 16, outputs_at_once = 64, most_last_outputs = 3;
-
-inline constexpr int last_columns = 80;
+// Channels come by 16 and outputs by so many, filled up with 0; the last layer has few, each with 25 taps,
+// and these are filled up to `last_columns`.
+inline constexpr int channels_at_once = 16, outputs_at_once = 64, most_last_outputs = 3, last_columns = 80;
 
 // Whether the current device can launch these for images of so many channels.
 bool can_convolve(int channels);
@@ -54,8 +53,9 @@ void launch_convolution(const JoinedImage& x, const void* weight, const void* bi
                         void* pooled, cudaStream_t stream);
 
 // out (B, outputs, height, width), single precision = 5x5 convolution of x + bias, of the upper left of x,
-// where it can be; weight (channels / 16, 5, 5, 2, 8, 8) in half precision, 0 beyond `outputs`, bias
-// (outputs) in single precision. `base` (B, outputs, height / 2, width / 2), or null: up() of it is added.
+// where it can be; weight (last_columns, channels), (5, 5, outputs, channels) and 0 beyond, in half
+// precision, bias (outputs) in single precision. `base` (B, outputs, height / 2, width / 2), or null: up() of
+// it is added.
 void launch_last(const JoinedImage& x, const void* weight, const float* bias, int outputs, const float* base,
                  int height, int width, float* out, cudaStream_t stream);
 
