@@ -37,7 +37,7 @@ enum class Part { network, with_run, with_cohesion, thinned, relaxed };
 Scene high_scene_of(const Workload& w, const ModelCard& card, Part part) {
     std::vector<std::string> set;
     if (part >= Part::thinned) set.push_back("cohesion.spacing=0.01");
-    if (part == Part::relaxed) set.push_back("cohesion.relaxation=2.5");
+    if (part == Part::relaxed) set.push_back("cohesion.relaxation=3.4");
     Scene high = scene_of(w, true, set);
     if (card.target == "displayed") high.cohesion->passes = passes_after_displayed(high.cohesion->passes);
     return high;

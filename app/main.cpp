@@ -183,7 +183,7 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(0.0, 1.0));
     c->add_option("--relaxation", infer.relaxation,
                   "about how many passes of Eq 10 an over-relaxed sweep stands for, in place of the scene's")
-        ->check(CLI::Range(1.0, 3.0));
+        ->check(CLI::Range(1.0, 3.4));
     c->add_option("--wetness", infer.wetness, "scene whose wetness and cohesion to predict for");
     c->add_option("-o,--output", infer.output, "run cache (HDF5)")->required();
 

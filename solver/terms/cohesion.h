@@ -8,6 +8,7 @@
 // fewer, over-relaxed passes may stand for all (`relaxation`).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <type_traits>
@@ -35,25 +36,29 @@ struct Cohesion {
          "about how far apart along a strand Eq 10 is asked for, with what is between interpolated; 0: at "
          "each "
          "particle (ours)"},
-        {"relaxation", &Cohesion::relaxation, "1", 1, 1, 3,
+        {"relaxation", &Cohesion::relaxation, "1", 1, 1, 3.4,
          "about how many passes an over-relaxed sweep stands for; 1: each is taken (ours)"},
     };
 
-    // Sweeps that stand for the passes: in pairs, where that makes fewer of them.
-    int sweeps() const {
-        const int paired = 2 * int(std::ceil(passes / (2 * relaxation)));
-        return paired < passes ? paired : passes;
-    }
-    // By how much more than a pass the k-th of them moves. A pass takes modes of what is linear to 1 - x of
-    // themselves, 0 <= x <= lambda < 1, and a pair of sweeps that stand for n passes to a polynomial P(x) of
-    // degree two with P(0) = 1, P'(0) = -n and the least |P| elsewhere (Young 1954, Chebyshev's second):
-    // below 1 up to n = 8, where strands would begin to swap places. The shorter sweep comes first and leaves
-    // little of what the longer one overshoots.
+    // Sweeps that stand for the passes.
+    int sweeps() const { return std::min(passes, std::max(2, int(std::ceil(passes / relaxation)))); }
+    // By how much more than a pass the k-th of them moves: they come in threes, the last with what is left.
+    // A pass takes modes of what is linear to 1 - x of themselves, 0 <= x <= lambda < 1, and d sweeps that
+    // stand for n passes to a polynomial P(x) of degree d with P(0) = 1, P'(0) = -n and the least |P|
+    // elsewhere (Young 1954, Chebyshev's): below 1 up to n = 2 d^2, where strands would begin to swap places.
+    // The shortest comes first, so that the longest, next, finds little that it would overshoot.
     double relaxed(int k) const {
-        const double n = 2.0 * passes / sweeps();
-        if (n == 2) return 1;
-        const double w = (2 + std::sqrt(4 + n * (2 * n - 4))) / (2 * n - 4);
-        return (w + 1) / (w + (k % 2 == 0 ? 1 : -1) / std::numbers::sqrt2);
+        const int all = sweeps(), last = 3 * std::max(0, all / 3 - 1), d = k < last ? 3 : all - last;
+        if (all == passes) return 1;
+        const double n = double(d) * passes / all;
+        double u = 0, beyond = 64;  // n = d tanh(d u) / tanh(u / 2), which falls with u
+        for (int halved = 0; halved < 60; ++halved) {
+            const double middle = (u + beyond) / 2;
+            (d * std::tanh(d * middle) > n * std::tanh(middle / 2) ? u : beyond) = middle;
+        }
+        const int root = ((k < last ? k % 3 : k - last) + d - 1) % d;
+        const double w = std::cosh(u);
+        return (w + 1) / (w - std::cos((root + 0.5) * std::numbers::pi / d));
     }
     // Eq 10 as the k-th takes it.
     Cohesion of_sweep(int k) const {
