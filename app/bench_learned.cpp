@@ -82,8 +82,7 @@ class LearnedHair {
                     std::copy(frame.positions.points.begin(), frame.positions.points.end(),
                               low_points_.begin());
                 }
-                learned_->run(HeadWindow());
-                if (display_) display();
+                show();
             };
         });
     }
@@ -107,10 +106,13 @@ class LearnedHair {
         learned_->run(HeadWindow());  // the second one captures
     }
 
-    void display() {
+    void show() {
 #ifdef WETCURL_HAVE_CUDA
-        if (on_device()) return display_->device()->apply(device_out_.data(), Pose(), 0);
+        if (display_ && on_device())
+            return display_->device()->apply(device_out_.data(), Pose(), 0, learned_->begin(HeadWindow()));
 #endif
+        learned_->run(HeadWindow());
+        if (!display_) return;
         shown_.points = out_;
         display_->apply(shown_, Pose(), 0);
     }

@@ -26,14 +26,15 @@ class OnDevice final : public DeviceDisplay {
 
     Vec3f* strands() override { return strands_.data(); }
 
-    void apply(Vec3f* displayed, const Pose& head, double time) override {
+    void apply(Vec3f* displayed, const Pose& head, double time, DeviceStream after) override {
         check_cuda(cudaSetDevice(device_), "choice of the device");
         place(head, time);
         if (displayed != captured_) graph_.forget();
         captured_ = displayed;
+        const cudaStream_t stream = after ? after : stream_.handle;
         for (;;) {
-            graph_.replay(stream_.handle, [&] { launch(displayed); });
-            check_cuda(cudaStreamSynchronize(stream_.handle), "display");
+            graph_.replay(stream, [&] { launch(displayed, stream); });
+            check_cuda(cudaStreamSynchronize(stream), "display");
             if (!cohesion_.grow(report_.last())) break;
             graph_.forget();  // it holds the old lists
         }
@@ -42,7 +43,7 @@ class OnDevice final : public DeviceDisplay {
         check_cuda(cudaSetDevice(device_), "choice of the device");
         if (!displayed_.size()) displayed_ = DeviceBuffer<Vec3f>(strands_.size());
         strands_.upload(p.points.data(), strands_.size());
-        apply(displayed_.data(), head, time);
+        apply(displayed_.data(), head, time, nullptr);
         displayed_.download(p.points.data());
     }
     double neighbours_mean() const override {
@@ -61,11 +62,11 @@ class OnDevice final : public DeviceDisplay {
         motion_.host[0] = {};
         motion_.host[0].solids = solids_.device.data(), motion_.host[0].count = int(shapes_.size());
     }
-    void launch(Vec3f* displayed) {
-        motion_.send(stream_.handle), solids_.send(stream_.handle), report_.clear(stream_.handle);
-        cohesion_.launch_lists(strands_.data(), report_.data(), stream_.handle);
-        cohesion_.launch_passes(strands_.data(), motion_.device.data(), displayed, stream_.handle);
-        report_.fetch(stream_.handle);
+    void launch(Vec3f* displayed, cudaStream_t stream) {
+        motion_.send(stream), solids_.send(stream), report_.clear(stream);
+        cohesion_.launch_lists(strands_.data(), report_.data(), stream);
+        cohesion_.launch_passes(strands_.data(), motion_.device.data(), displayed, stream);
+        report_.fetch(stream);
     }
 
     const Scene& scene_;

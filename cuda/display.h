@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "base/device_stream.h"
 #include "solver/scene.h"
 
 namespace wetcurl {
@@ -12,10 +13,10 @@ class DeviceDisplay {
     virtual ~DeviceDisplay() = default;
     // Where `apply` reads the strands, (strand, particle) world [m], in the device's memory.
     virtual Vec3f* strands() = 0;
-    // displayed (strand, particle), in the device's memory too, becomes p^w of `strands`, whose writer must
-    // be through, at a pose of the head and a time [s]. Returns when it is there. Nothing is allocated but
-    // for neighbour lists longer than ever before.
-    virtual void apply(Vec3f* displayed, const Pose& head, double time) = 0;
+    // displayed (strand, particle), in the device's memory too, becomes p^w of `strands` at a pose of the
+    // head and a time [s]. Who writes these must be through, or write on the stream `after`. Returns when it
+    // is there. Nothing is allocated but for neighbour lists longer than ever before.
+    virtual void apply(Vec3f* displayed, const Pose& head, double time, DeviceStream after = nullptr) = 0;
     // The same of strands in the host's memory.
     virtual void apply(Strands& p, const Pose& head, double time) = 0;
     virtual double neighbours_mean() const = 0;

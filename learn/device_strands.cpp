@@ -71,6 +71,41 @@ class OnDevice final : public LearnedStrands {
 
     void run(const HeadWindow& heads) override {
         const c10::cuda::CUDAGuard guard(device_);
+        launch(heads);
+        check_cuda(cudaStreamSynchronize(stream_), "frame");
+    }
+
+    DeviceStream begin(const HeadWindow& heads) override {
+        if (host_out_)
+            throw Error(
+                "learned strands: found a frame begun that is bound in the host's memory, allowed is "
+                "the device's");
+        const c10::cuda::CUDAGuard guard(device_);
+        check_cuda(cudaStreamSynchronize(stream_), "frame");  // the one before has read its head
+        launch(heads);
+        return stream_;
+    }
+
+    void restart() override { first_ = true; }
+
+    Strands base(const Pose& head) override {
+        const c10::cuda::CUDAGuard guard(device_);
+        const c10::cuda::CUDAStreamGuard on_stream(stream_);
+        const c10::InferenceMode inference;
+        DeviceBuffer<Vec3f> world(size_t(kernels_->high_strands()) * kernels_->particles());
+        check_cuda(cudaStreamSynchronize(stream_), "frame");  // it has read its head
+        kernels_->head().rotation = cast<float>(head.rotation);
+        kernels_->head().translation = cast<float>(head.translation);
+        kernels_->take_head(stream_);
+        kernels_->place(nullptr, world.data(), stream_, /*within_shapes=*/true);
+        check_cuda(cudaStreamSynchronize(stream_), "base");
+        Strands out(kernels_->high_strands(), kernels_->particles());
+        world.download(out.points.data());
+        return out;
+    }
+
+  private:
+    void launch(const HeadWindow& heads) {
         const c10::cuda::CUDAStreamGuard on_stream(stream_);
         const c10::InferenceMode inference;
         kernels_->begin_frame(heads, first_);
@@ -85,28 +120,9 @@ class OnDevice final : public LearnedStrands {
             check_cuda(cudaMemcpyAsync(host_out_, own_out_.data(), own_out_.bytes(), cudaMemcpyDeviceToHost,
                                        stream_),
                        "wet strands");
-        check_cuda(cudaStreamSynchronize(stream_), "frame");
         first_ = false;
     }
 
-    void restart() override { first_ = true; }
-
-    Strands base(const Pose& head) override {
-        const c10::cuda::CUDAGuard guard(device_);
-        const c10::cuda::CUDAStreamGuard on_stream(stream_);
-        const c10::InferenceMode inference;
-        DeviceBuffer<Vec3f> world(size_t(kernels_->high_strands()) * kernels_->particles());
-        kernels_->head().rotation = cast<float>(head.rotation);
-        kernels_->head().translation = cast<float>(head.translation);
-        kernels_->take_head(stream_);
-        kernels_->place(nullptr, world.data(), stream_, /*within_shapes=*/true);
-        check_cuda(cudaStreamSynchronize(stream_), "base");
-        Strands out(kernels_->high_strands(), kernels_->particles());
-        world.download(out.points.data());
-        return out;
-    }
-
-  private:
     // Whatever was captured is of other memory; what was uploaded is there.
     void begin_anew() {
         captured_.forget();

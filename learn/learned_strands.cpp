@@ -73,6 +73,9 @@ class OnHost final : public LearnedStrands {
         codec_.decode(answer_.data(), heads.now, to_);
         if (!head_.shapes.empty()) push_out(heads.now);
     }
+    DeviceStream begin(const HeadWindow&) override {
+        throw Error("learned strands: found a frame begun on the CPU, allowed is that on a CUDA device");
+    }
     void restart() override { codec_.restart(); }
     Strands base(const Pose& head) override { return codec_.base(head); }
 

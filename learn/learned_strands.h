@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/device_stream.h"
 #include "base/geometry/shapes.h"
 #include "learn/network.h"
 #include "learn/strand_codec.h"
@@ -36,6 +37,9 @@ class LearnedStrands {
     // device what writes it must be through. Nothing is allocated from the third frame on (CUDA; on the CPU
     // LibTorch keeps what it needs for itself).
     virtual void run(const HeadWindow& heads) = 0;
+    // The same begun, where they are bound on a device: what follows on this stream finds the strands there.
+    // Throws Error where they are bound in the host's memory.
+    virtual DeviceStream begin(const HeadWindow& heads) = 0;
     // The next frame is the first of another run.
     virtual void restart() = 0;
     // The frame run last, had the network said nothing, wherever the head is: (high strands, particles),

@@ -5,8 +5,6 @@
 #ifdef WETCURL_MODEL_KERNELS
 #include <c10/cuda/CUDAStream.h>
 
-#include <mutex>
-
 #include "models/strand_mlp_kernels.h"
 #endif
 
@@ -58,25 +56,7 @@ struct StrandMlp::Frozen {
     Tensor lift;                // (blocks, channels): what a shift comes to where a pixel sees all around it
     Tensor first, first_bias;   // inputs filled up to a multiple of 8, as tensor cores want them
     std::vector<Tensor> in, in_bias, out, taps;  // of blocks; matrices (inputs, outputs)
-    Tensor last, last_bias;                      // times `scale`
-};
-
-// Products of single precision are of 10 bits of each number meanwhile, summed up in single precision, by
-// tensor cores: the body's numbers have no more. The setting is the process's, so one at a time.
-class TensorFloat32 {
-  public:
-    TensorFloat32() { at::globalContext().setFloat32MatmulPrecision("high"); }
-    ~TensorFloat32() {
-        using Precision = at::Float32MatmulPrecision;
-        at::globalContext().setFloat32MatmulPrecision(before_ == Precision::HIGHEST ? "highest"
-                                                      : before_ == Precision::HIGH  ? "high"
-                                                                                    : "medium");
-    }
-
-  private:
-    static inline std::mutex mutex_;
-    const std::lock_guard<std::mutex> one_{mutex_};
-    const at::Float32MatmulPrecision before_ = at::globalContext().float32MatmulPrecision();
+    Tensor last;  // (channels + 8, outputs) times `scale`, of rows as launch_activate gives them
 };
 
 void StrandMlp::freeze() {
@@ -105,7 +85,10 @@ void StrandMlp::freeze() {
         for (size_t k = 0; k < mixers_.size(); ++k)
             lifts.push_back(shifts[k] * (1 + frozen->taps[k].to(torch::kFloat).sum(0)));
         if (!lifts.empty()) frozen->lift = torch::stack(lifts);
-        frozen->last = (last_->weight * scale_.view({-1, 1})).t(), frozen->last_bias = last_->bias * scale_;
+        const Tensor bias = last_->bias * scale_, coarse = half(bias), fine = half(bias - coarse);
+        Tensor rest = torch::zeros({beside_activated - 2, bias.size(0)}, coarse.options());
+        frozen->last = torch::cat({half((last_->weight * scale_.view({-1, 1}) / share_activated).t()),
+                                   torch::stack({coarse, fine}), rest});
         frozen_ = frozen;
     }
     Model::freeze();
@@ -132,11 +115,10 @@ Tensor StrandMlp::run(const Frozen& frozen, const Tensor& input) const {
                        around.data_ptr(), stream);
         x.addmm_(at::_addmm_activation(frozen.in_bias[k], around, frozen.in[k]), frozen.out[k]);
     }
-    const Tensor seen = torch::empty(x.sizes(), image.options());
+    const Tensor seen = torch::empty({pixels, grid.channels + beside_activated}, in_half);
     launch_activate(pixels, grid.channels, x.data_ptr(),
-                    frozen.shift[long(frozen.in.size())].data_ptr<float>(), seen.data_ptr<float>(), stream);
-    const TensorFloat32 products;
-    return from_rows(torch::addmm(frozen.last_bias, seen, frozen.last), input);
+                    frozen.shift[long(frozen.in.size())].data_ptr<float>(), seen.data_ptr(), stream);
+    return from_rows(at::mm(seen, frozen.last, torch::kFloat), input);
 }
 #else
 struct StrandMlp::Frozen {};

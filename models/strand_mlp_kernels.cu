@@ -53,13 +53,30 @@ __global__ void __launch_bounds__(warp* chunk_rows)
     mask[to + p] = __float2half_rn(any ? 1.f : 0.f);
 }
 
-__global__ void activate_kernel(size_t pairs, int channels, const __half2* __restrict__ x,
-                                const float* __restrict__ shift, float2* __restrict__ out) {
-    const size_t k = size_t(blockIdx.x) * blockDim.x + threadIdx.x;
-    if (k >= pairs) return;
-    const int c = int(2 * k % size_t(channels));
-    const float2 y = __half22float2(x[k]);
-    out[k] = {fmaxf(y.x + shift[c], 0), fmaxf(y.y + shift[c + 1], 0)};
+constexpr int oct = 8;  // channels of a thread
+static_assert(beside_activated == oct);
+
+struct alignas(16) Oct {
+    __half2 of[oct / 2];
+};
+
+__global__ void activate_kernel(unsigned count, unsigned octs, const Oct* __restrict__ x,
+                                const float2* __restrict__ shift, Oct* __restrict__ out) {
+    const unsigned k = blockIdx.x * blockDim.x + threadIdx.x, row = k / (octs + 1), o = k % (octs + 1);
+    if (row >= count) return;
+    Oct y{};
+    if (o == octs) {
+        y.of[0] = __floats2half2_rn(1, 1);
+    } else {
+        y = x[row * octs + o];
+#pragma unroll
+        for (int i = 0; i < oct / 2; ++i) {
+            const float2 from = __half22float2(y.of[i]), by = shift[o * (oct / 2) + i];
+            y.of[i] = __floats2half2_rn(share_activated * fmaxf(from.x + by.x, 0),
+                                        share_activated * fmaxf(from.y + by.y, 0));
+        }
+    }
+    out[k] = y;
 }
 
 constexpr int kernel = 5, reach = kernel / 2, taps = kernel * kernel;
@@ -176,12 +193,13 @@ void launch_normalise(const GridOfRows& grid, int inputs, const float* image, co
     check_cuda(cudaGetLastError(), "inputs of a strand network");
 }
 
-void launch_activate(long count, int channels, const void* x, const float* shift, float* out,
+void launch_activate(long count, int channels, const void* x, const float* shift, void* out,
                      cudaStream_t stream) {
     constexpr int threads = 256;
-    const size_t pairs = size_t(count) * size_t(channels) / 2;
-    activate_kernel<<<blocks(pairs, threads), threads, 0, stream>>>(
-        pairs, channels, static_cast<const __half2*>(x), shift, reinterpret_cast<float2*>(out));
+    const unsigned octs = unsigned(channels / oct);
+    activate_kernel<<<blocks(size_t(count) * (octs + 1), threads), threads, 0, stream>>>(
+        unsigned(count), octs, static_cast<const Oct*>(x), reinterpret_cast<const float2*>(shift),
+        static_cast<Oct*>(out));
     check_cuda(cudaGetLastError(), "outputs of a strand network's body");
 }
 

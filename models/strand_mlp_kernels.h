@@ -24,8 +24,12 @@ void launch_normalise(const GridOfRows& grid, int inputs, const float* image, co
 void launch_mix(const GridOfRows& grid, const void* x, const void* mask, const void* taps, const float* shift,
                 const float* lift, void* out, cudaStream_t stream);
 
-// out = relu(x + shift): x (count, C) in half precision, shift (C) and out in single precision.
-void launch_activate(long count, int channels, const void* x, const float* shift, float* out,
+// What a last layer takes: out (count, channels + beside_activated) = share_activated relu(x + shift), then
+// 1, 1, for a bias in two halves, and 0; x (count, C) and out in half precision, shift (C) in single. The
+// share leaves weights of small outputs far above the smallest number of half precision.
+constexpr int beside_activated = 8;
+constexpr float share_activated = 1.f / 64;
+void launch_activate(long count, int channels, const void* x, const float* shift, void* out,
                      cudaStream_t stream);
 
 }  // namespace wetcurl

@@ -146,12 +146,13 @@ int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7],
         heads.inner = before && after;
         heads.before = before ? pose_of(before) : heads.now;
         heads.after = after ? pose_of(after) : heads.now;
-        hair->learned->run(heads);
-        if (hair->display) {
-            const double time = double(hair->frames) / hair->scene.fps;
-            if (hair->on_device) {
-                hair->display->device()->apply(reinterpret_cast<Vec3f*>(hair->high), heads.now, time);
-            } else {
+        const double time = double(hair->frames) / hair->scene.fps;
+        if (hair->display && hair->on_device) {
+            hair->display->device()->apply(reinterpret_cast<Vec3f*>(hair->high), heads.now, time,
+                                           hair->learned->begin(heads));
+        } else {
+            hair->learned->run(heads);
+            if (hair->display) {
                 hair->display->apply(hair->shown, heads.now, time);
                 for (size_t k = 0; k < hair->shown.points.size(); ++k) {
                     const Vec3f& p = hair->shown.points[k];
