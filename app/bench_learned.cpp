@@ -30,14 +30,14 @@ Scene low_scene_of(const Workload& w, const ModelCard& card) {
 }
 
 // What of a frame is timed: the network, the run before it too, and Eq 10 after it: at every particle, every
-// 10 mm, and so in over-relaxed sweeps.
+// 10 mm, and every 12.5 mm in over-relaxed sweeps.
 enum class Part { network, with_run, with_cohesion, thinned, relaxed };
 
 // As `infer` shows it.
 Scene high_scene_of(const Workload& w, const ModelCard& card, Part part) {
     std::vector<std::string> set;
-    if (part >= Part::thinned) set.push_back("cohesion.spacing=0.01");
-    if (part == Part::relaxed) set.push_back("cohesion.relaxation=3.4");
+    if (part == Part::thinned) set = {"cohesion.spacing=0.01"};
+    if (part == Part::relaxed) set = {"cohesion.spacing=0.0125", "cohesion.relaxation=3.4"};
     Scene high = scene_of(w, true, set);
     if (card.target == "displayed") high.cohesion->passes = passes_after_displayed(high.cohesion->passes);
     return high;
@@ -177,9 +177,8 @@ std::vector<Entry> learned_entries(const std::vector<std::string>& models, const
                 add("learned frame before cohesion", Part::network);
                 add("simulated and learned frame with Eq 10", Part::with_cohesion);
             }
-            const std::string thinned = "simulated and learned frame with Eq 10 every 10 mm";
-            add(thinned, Part::thinned);
-            add(thinned + " over-relaxed", Part::relaxed);
+            add("simulated and learned frame with Eq 10 every 10 mm", Part::thinned);
+            add("simulated and learned frame with Eq 10 every 12.5 mm over-relaxed", Part::relaxed);
         }
     return out;
 }

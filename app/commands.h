@@ -46,6 +46,7 @@ struct InferOptions : CommonOptions {
     int roots = 4;           // around a new strand: the grid's four, or the three nearest
     bool wet_shape = false;  // of an interpolation: Eq 9 before it
     bool settled = false;    // the run is dry, and is moved to where wet strands come to rest
+    bool crop = false;       // the network is asked where hair is wet alone
     bool cohesion = false;   // Eq 10 after it
     // Of Eq 10, in place of the scene's.
     std::optional<int> passes;

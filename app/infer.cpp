@@ -67,12 +67,13 @@ class InterpolationMethod final : public Method {
 
 class StrandMethod final : public Method {
   public:
-    // `settled`: from dry strands moved so; `cohesion`: Eq 10 follows even a network of displayed strands.
+    // `settled`: from dry strands moved so; `cropped`: asked where hair is wet alone; `cohesion`: Eq 10
+    // follows even a network of displayed strands.
     StrandMethod(std::unique_ptr<LearnedStrands> learned, const std::string& model, bool settled,
-                 bool cohesion, int strands, int particles)
+                 bool cropped, bool cohesion, int strands, int particles)
         : learned_(std::move(learned)),
           name_(learned_->card().architecture + " " + std::filesystem::path(model).stem().string() +
-                (settled ? ", settled" : "") + (cohesion ? ", Eq 10" : "")),
+                (settled ? ", settled" : "") + (cropped ? ", cropped" : "") + (cohesion ? ", Eq 10" : "")),
           cohesion_(cohesion),
           out_(strands, particles) {}
     std::string name() const override { return name_; }
@@ -219,10 +220,12 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
             scene.cohesion->passes = passes_after_displayed(scene.cohesion->passes);
         auto learned = learned_strands_of(o.model, scene, scene_name(o), low.groom, o.device, o.threads,
                                           o.settled ? &settled : nullptr);
-        return std::make_unique<StrandMethod>(std::move(learned), o.model, o.settled,
+        if (o.crop) learned->crop(wet_strands_of(scene));
+        return std::make_unique<StrandMethod>(std::move(learned), o.model, o.settled, o.crop,
                                               o.cohesion || card.target != "displayed",
                                               scene.groom.rest.count, scene.groom.rest.particles);
     }
+    if (o.crop) throw Misuse("--crop is for models of the strand codec; this one predicts images");
     if (o.cohesion) throw Misuse("--cohesion is for --interpolate and models of the strand codec");
     if (low.saturation.empty())
         throw Error(o.input + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
@@ -284,8 +287,9 @@ void simulate_low(InferOptions& o, const Scene& low, bool wet, int substeps) {
 int simulate_with(const InferOptions& o, const Scene& scene) {
     if (!scene.term<Adhesion>())
         throw Misuse(o.model + ": stands in Eq 11's place, and " + o.input + " has no [adhesion]");
-    if (!o.wetness.empty() || !o.reconstruct.empty() || o.roots == 3)
-        throw Misuse(o.model + ": an adhesion model takes neither --wetness, --reconstruct nor --roots");
+    if (!o.wetness.empty() || !o.reconstruct.empty() || o.roots == 3 || o.crop)
+        throw Misuse(o.model +
+                     ": an adhesion model takes neither --wetness, --reconstruct, --roots nor --crop");
     SimulateOptions wet = simulation_of(o);
     wet.set.push_back("adhesion.model='" + std::filesystem::absolute(o.model).string() + "'");
     return simulate_command(wet);
@@ -301,6 +305,7 @@ int infer_command(const InferOptions& given) {
         throw Misuse("--reconstruct is for models; --interpolate says itself how strands are made");
     if (!o.interpolate.empty() && !o.cohesion && !o.settled)
         refuse_device(o, "interpolation without --cohesion and --settled");
+    if (o.crop && !o.interpolate.empty()) throw Misuse("--crop is for models; --interpolate asks no network");
     if (o.wet_shape && o.interpolate != "rest")
         throw Misuse("--wet-shape is for --interpolate rest, which alone starts from a shape at rest");
     if (o.settled && !o.interpolate.empty() && o.interpolate != "rest")

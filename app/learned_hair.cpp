@@ -29,6 +29,14 @@ double reach_of(const Scene& scene) { return scene.cohesion ? scene.cohesion->h_
 
 int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
 
+std::vector<uint8_t> wet_strands_of(const Scene& scene) {
+    std::vector<uint8_t> wet(size_t(scene.groom.rest.count), 0);
+    const size_t particles = size_t(scene.groom.rest.particles);
+    for (size_t k = 0; k < scene.saturation.size(); ++k)
+        if (scene.saturation[k] > 0) wet[k / particles] = 1;
+    return wet;
+}
+
 // Offsets from the roots, in the head's frame.
 static Strands at_rest(Scene scene, const std::string& device) {
     leave_out_display(scene);

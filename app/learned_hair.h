@@ -19,6 +19,9 @@ double reach_of(const Scene& scene);
 // the demo.
 int passes_after_displayed(int passes);
 
+// Whether there is water on a strand, (strand).
+std::vector<uint8_t> wet_strands_of(const Scene& scene);
+
 // Where the low-resolution strands of a scene would be, were they wet. They are simulated wet and dry until
 // they come to rest, for as long as the scene settles, but 1.5 s or longer; dry ones in so many substeps a
 // frame. Throws Error where nothing in the scene acts on wet hair.

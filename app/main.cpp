@@ -169,6 +169,9 @@ int main(int argc, char** argv) {
         "--settled", infer.settled,
         "for models of wet runs and --interpolate rest: from a dry run, moved to where wet strands come "
         "to rest, which is simulated first");
+    c->add_flag("--crop", infer.crop,
+                "for models of whole strands: ask the network only for the rectangle of roots that holds all "
+                "wet strands; the others stay where it starts from");
     c->add_flag("--wet-shape", infer.wet_shape,
                 "for --interpolate rest: the strand at rest as its water curls it (Eq 9), not as drawn");
     c->add_flag("--cohesion", infer.cohesion,

@@ -28,6 +28,7 @@ class OnDevice final : public Network {
     }
 
     const ModelCard& card() const override { return card_; }
+    int reach() const override { return model_->reach(); }
     std::optional<DenseLayers> layers() const override { return model_->dense_layers(); }
 
     void run(const float* input, std::array<long, 4> shape, float* output, bool on_device) override {

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "learn/captured.h"
+#include "learn/crop.h"
 #include "learn/strand_kernels.h"
 #include "models/model_file.h"
 #include "models/registry.h"
@@ -29,8 +30,7 @@ class OnDevice final : public LearnedStrands {
              bool half)
         : device_(device_named(device)),
           stream_(c10::cuda::getStreamFromPool(/*isHighPriority=*/true, device_.index())),
-          height_(codec.height()),
-          width_(codec.width()) {
+          grid_(codec.grid()) {
         const c10::cuda::CUDAGuard guard(device_);
         kernels_.emplace(codec, low);
         std::tie(card_, model_) = load_model(path);
@@ -43,7 +43,8 @@ class OnDevice final : public LearnedStrands {
         cores_ = view(kernels_->cores(), {n, n}, device_);
         departed_ = view(kernels_->departed(), {n, 4 * l}, device_);
         moved_ = view(kernels_->moved(), {n, 4 * l}, device_);
-        image_ = view(kernels_->image(), {1, static_channels + dynamic_channels, height_, width_}, device_);
+        image_ = view(kernels_->image(), {1, static_channels + dynamic_channels, grid_.height, grid_.width},
+                      device_);
     }
 
     const ModelCard& card() const override { return card_; }
@@ -51,6 +52,12 @@ class OnDevice final : public LearnedStrands {
     void keep_outside(const HeadShapes& head) override {
         const c10::cuda::CUDAGuard guard(device_);
         kernels_->keep_outside(head);
+        begin_anew();
+    }
+
+    void crop(const std::vector<uint8_t>& wanted) override {
+        const c10::cuda::CUDAGuard guard(device_);
+        crop_ = crop_to(grid_, wanted, model_->reach(), card_.architecture);
         begin_anew();
     }
 
@@ -144,13 +151,32 @@ class OnDevice final : public LearnedStrands {
         torch::mm_out(moved_, cores_, departed_);
         kernels_->carry(stream_);
         kernels_->describe(stream_);
-        answer_ = to_rows(model_->forward(image_)).contiguous();  // (S, 72)
+        ask();
         kernels_->place(answer_.data_ptr<float>(), out_, stream_);
+    }
+
+    // answer_ becomes (S, 72).
+    void ask() {
+        if (!crop_) {
+            answer_ = to_rows(model_->forward(image_)).contiguous();
+            return;
+        }
+        const auto [answered, seen] = *crop_;
+        answer_ = torch::zeros({grid_.height, grid_.width, strand_coefficients}, image_.options());
+        if (!answered.height) return;
+        const Tensor said = model_->forward(
+            image_.narrow(2, seen.row, seen.height).narrow(3, seen.column, seen.width).contiguous());
+        answer_.narrow(0, answered.row, answered.height)
+            .narrow(1, answered.column, answered.width)
+            .copy_(said[0]
+                       .narrow(1, answered.row - seen.row, answered.height)
+                       .narrow(2, answered.column - seen.column, answered.width)
+                       .permute({1, 2, 0}));
     }
 
     torch::Device device_;
     c10::cuda::CUDAStream stream_;
-    int height_, width_;
+    const RootGrid grid_;
     std::optional<StrandKernels> kernels_;
     ModelCard card_;
     std::shared_ptr<Model> model_;
@@ -158,6 +184,7 @@ class OnDevice final : public LearnedStrands {
     const Vec3f *low_ = nullptr, *host_low_ = nullptr;
     Vec3f *out_ = nullptr, *host_out_ = nullptr;
     DeviceBuffer<Vec3f> own_low_, own_out_;
+    std::optional<Crop> crop_;
     Captured captured_;
     bool first_ = true;
 };

@@ -34,6 +34,7 @@ class OnHost final : public Network {
     }
 
     const ModelCard& card() const override { return card_; }
+    int reach() const override { return model_->reach(); }
     std::optional<DenseLayers> layers() const override { return model_->dense_layers(); }
 
     // The caller's arrays are seen as tensors where they lie; only the result is copied.

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/error.h"
+#include "learn/crop.h"
 
 namespace wetcurl {
 
@@ -59,6 +61,12 @@ class OnHost final : public LearnedStrands {
         views_.clear();
         for (const Shape& shape : head_.shapes) views_.push_back(view_of(shape));
     }
+    void crop(const std::vector<uint8_t>& wanted) override {
+        crop_ = crop_to(codec_.grid(), wanted, network_->reach(), card().architecture);
+        const size_t seen = size_t(crop_->seen.height) * crop_->seen.width;
+        seen_.resize(inputs * seen), answer_of_seen_.resize(strand_coefficients * seen);
+        std::fill(answer_.begin(), answer_.end(), 0.f);
+    }
     void bind(const Vec3f* low, Vec3f* out, bool on_device) override {
         if (on_device)
             throw Error("learned strands: found memory of a CUDA device, this one runs on the CPU");
@@ -68,8 +76,7 @@ class OnHost final : public LearnedStrands {
         require_finite(from_, low_.points.size(), low_.particles);
         std::copy_n(from_, low_.points.size(), low_.points.begin());
         codec_.dynamic(low_, heads, input_.data() + codec_.fixed().size());
-        network_->run(input_.data(), {1, static_channels + dynamic_channels, codec_.height(), codec_.width()},
-                      answer_.data());
+        ask();
         codec_.decode(answer_.data(), heads.now, to_);
         if (!head_.shapes.empty()) push_out(heads.now);
     }
@@ -80,6 +87,26 @@ class OnHost final : public LearnedStrands {
     Strands base(const Pose& head) override { return codec_.base(head); }
 
   private:
+    static constexpr int inputs = static_channels + dynamic_channels;
+    void ask() {
+        if (!crop_)
+            return network_->run(input_.data(), {1, inputs, codec_.height(), codec_.width()}, answer_.data());
+        const auto [answered, seen] = *crop_;
+        // f(place in images of `seen`, place in those of the grid), row by row of a box within `seen`.
+        auto for_each_row = [&](const GridBox& box, int channels, auto f) {
+            for (size_t c = 0; c < size_t(channels); ++c)
+                for (int r = box.row; r < box.row + box.height; ++r)
+                    f((c * seen.height + (r - seen.row)) * seen.width + (box.column - seen.column),
+                      (c * codec_.height() + r) * codec_.width() + box.column);
+        };
+        for_each_row(seen, inputs, [&](size_t in_seen, size_t in_grid) {
+            std::copy_n(&input_[in_grid], seen.width, &seen_[in_seen]);
+        });
+        network_->run(seen_.data(), {1, inputs, seen.height, seen.width}, answer_of_seen_.data());
+        for_each_row(answered, strand_coefficients, [&](size_t in_seen, size_t in_grid) {
+            std::copy_n(&answer_of_seen_[in_seen], answered.width, &answer_[in_grid]);
+        });
+    }
     void push_out(const Pose& head) {
         const Quatf turn = cast<float>(head.rotation), back = conjugate(turn);
         const Vec3f place = cast<float>(head.translation);
@@ -106,6 +133,8 @@ class OnHost final : public LearnedStrands {
     HeadShapes head_;
     std::vector<ShapeView> views_;  // of its shapes
     std::vector<float> input_, answer_;
+    std::optional<Crop> crop_;
+    std::vector<float> seen_, answer_of_seen_;
     Strands low_;
     const Vec3f* from_ = nullptr;
     Vec3f* to_ = nullptr;

@@ -28,6 +28,10 @@ class LearnedStrands {
     // length shortened to that; roots stay. For networks of displayed strands: after others Eq 10 follows,
     // and does the same. Throws Error where depths and edges are not one a particle.
     virtual void keep_outside(const HeadShapes& head) = 0;
+    // From now on the network is asked for the smallest rectangle of the root grid alone that holds the
+    // strands wanted, (high strands) 0 or 1; beyond it strands are `base`. In it nothing changes: it still
+    // sees what is around. Throws Error for a network that looks at the whole grid.
+    virtual void crop(const std::vector<uint8_t>& wanted) = 0;
     // Where the frames lie: low (low strands, particles) world positions of the dry low-resolution strands
     // [m], out (high strands, particles) the wet ones; both in the host's memory, or both in that of the CUDA
     // device it runs on, where nothing is copied then. Throws Error where the device is another's.

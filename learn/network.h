@@ -24,6 +24,8 @@ class Network {
     // Not for two threads at once.
     virtual void run(const float* input, std::array<long, 4> shape, float* output,
                      bool on_device = false) = 0;
+    // How many pixels around one its output depends on; below 0: all there are.
+    virtual int reach() const = 0;
     // The same function of a pixel's channels, normalisation included, where the network is nothing but dense
     // layers with LeakyReLU between them and one output.
     virtual std::optional<DenseLayers> layers() const = 0;

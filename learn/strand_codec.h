@@ -64,6 +64,7 @@ class StrandCodec {
                 const Strands* shape = nullptr, bool low_is_wet = false, double reach = 0,
                 const Settled* settled = nullptr);
 
+    const RootGrid& grid() const { return grid_; }
     int height() const { return grid_.height; }
     int width() const { return grid_.width; }
     int particles() const { return dct_.particles(); }

@@ -23,6 +23,8 @@ struct Model : torch::nn::Module {
     virtual Tensor forward(const Tensor& input) = 0;
     // The same function of a pixel, where nothing but dense layers makes it.
     virtual std::optional<DenseLayers> dense_layers() const { return std::nullopt; }
+    // How many pixels around one its output depends on; below 0: all there are.
+    virtual int reach() const { return -1; }
     // For inference alone: the weights of the body take its type and the order of the device's convolutions,
     // which they are else brought into at each run.
     virtual void freeze();

@@ -41,6 +41,8 @@ StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, 
     set_zero(*last_);
 }
 
+int StrandMlp::reach() const { return int(mixers_.size()) * (kernel / 2); }
+
 Tensor StrandMlp::mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor& mask, const Tensor& like) {
     const Tensor weight = layer->weight.to(x.scalar_type());
     const Tensor around = torch::conv2d(from_rows(mask.defined() ? x * mask : x, like), weight, {},

@@ -16,6 +16,7 @@ class StrandMlp : public Model {
               bool neighbours);
     // (B, C, H, W) in the units of the pairs file to residual amplitudes (B, outputs, H, W) [m].
     Tensor forward(const Tensor& input) override;
+    int reach() const override;
     // On a CUDA device in half precision the kernels of models/strand_mlp_kernels.h run it from then on.
     void freeze() override;
 
@@ -39,6 +40,7 @@ class StrandLinear : public Model {
     StrandLinear(const Tensor& mean, const Tensor& deviation, const Tensor& scale);
     // As of StrandMlp.
     Tensor forward(const Tensor& input) override;
+    int reach() const override { return 0; }
 
   private:
     Tensor mean_, deviation_, scale_;

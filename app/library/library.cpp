@@ -116,6 +116,13 @@ void wetcurl_low_at_rest(const wetcurl_hair* hair, float* low) {
     for (const Vec3f& p : hair->low.rest.points) *low++ = p.x, *low++ = p.y, *low++ = p.z;
 }
 
+int wetcurl_crop(wetcurl_hair* hair) {
+    return guarded(-1, [&] {
+        hair->learned->crop(wet_strands_of(hair->scene));
+        return 0;
+    });
+}
+
 int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_device) {
     static_assert(sizeof(Vec3f) == 3 * sizeof(float));
     return guarded(-1, [&] {

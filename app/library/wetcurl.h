@@ -36,6 +36,11 @@ WETCURL_API int wetcurl_particles(const wetcurl_hair* hair); /* of a strand */
 /* The dry strands at rest in the head's frame, [wetcurl_low_strands][wetcurl_particles][3]. */
 WETCURL_API void wetcurl_low_at_rest(const wetcurl_hair* hair, float* low);
 
+/* From now on the network is asked only for the rectangle of the root grid that holds all wet strands; the
+ * others stay where it starts from. Costs less where little is wet, and errs by more on what is dry. Fails
+ * for a network that looks at the whole grid. */
+WETCURL_API int wetcurl_crop(wetcurl_hair* hair);
+
 /* Where each frame is read, [low strands][particles][3], and written, [high strands][particles][3].
  * on_device: both are memory of the hair's CUDA device, and nothing is copied to or from the host (what
  * writes `low` must be through before wetcurl_run). */

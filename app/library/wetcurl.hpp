@@ -31,6 +31,8 @@ class Hair {
         wetcurl_low_at_rest(hair_.get(), out.data());
         return out;
     }
+    // As of wetcurl_crop.
+    void crop() { check(wetcurl_crop(hair_.get())); }
     // As of wetcurl_bind: low (low strands, particles, 3), high (high strands, particles, 3) [m], world.
     void bind(const float* low, float* high, bool on_device = false) {
         check(wetcurl_bind(hair_.get(), low, high, on_device));

@@ -360,6 +360,14 @@ TEST_F(Commands, before_cohesion_strands_are_the_same_and_nothing_is_displayed_o
     EXPECT_FALSE(fs::exists(low.output));
 }
 
+TEST_F(Commands, a_crop_is_refused_where_no_network_is_asked) {
+    simulate_command(simulation("low.h5", 16));
+    InferOptions o = inference("quad", 4);
+    o.crop = true;
+    expect_error<Misuse>([&] { infer_command(o); }, {"--crop", "no network"});
+    EXPECT_FALSE(fs::exists(o.output));
+}
+
 TEST_F(Commands, water_that_nothing_takes_up_is_refused) {
     simulate_command(simulation("low.h5", 16));
     for (const std::string kind : {"nearest", "quad", "core"}) {

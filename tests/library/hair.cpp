@@ -45,6 +45,11 @@ int main(int argc, char** argv) try {
         }
         throw std::runtime_error("something that is not finite was computed with");
     };
+    // The whole grid is wet, so that a crop leaves out nothing.
+    hair.crop();
+    hair.restart();
+    hair.run(head_at(0));
+    if (high != first) throw std::runtime_error("a crop of all of it is not all of it");
     refused([&] { hair.run({0, NAN, 0, 1, 0, 0, 0}); });
     refused([&] { hair.run({0, 0, 0, 2, 0, 0, 0}); });
     low[7] = NAN;

@@ -221,6 +221,52 @@ TEST(RootNetwork, OnTheDeviceIsThatOfTheHost) {
 #endif
 }
 
+// What is wanted, of the strands at the rows and columns below 3 of the grid.
+std::vector<uint8_t> corner_of(const Groom& groom) {
+    std::vector<uint8_t> wanted(size_t(groom.rest.count), 0);
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column)
+            if (const int s = groom.grid.at(column, row); s >= 0) wanted[size_t(s)] = 1;
+    return wanted;
+}
+
+TEST(CroppedStrands, AreThoseOfTheWholeGridAndTheOthersAreWhereItStartsFrom) {
+    Scratch scratch;
+    for (const char* architecture : {"strand_mlp", "strand_depthwise", "strand_linear"}) {
+        const std::string model = made_model(scratch.path("m.h5"), architecture, inputs);
+        Swaying whole, part, none;
+        ASSERT_GT(whole.high.grid.width, 5);
+        auto learned = learned_strands(load_network(model, "cpu", 1, Body::single_precision), whole.codec()),
+             cropped = learned_strands(load_network(model, "cpu", 1, Body::single_precision), part.codec()),
+             unasked = learned_strands(load_network(model, "cpu", 1, Body::single_precision), none.codec());
+        const std::vector<uint8_t> wanted = corner_of(part.high);
+        cropped->crop(wanted);
+        unasked->crop(std::vector<uint8_t>(wanted.size(), 0));
+        learned->bind(whole.in.points.data(), whole.out.points.data());
+        cropped->bind(part.in.points.data(), part.out.points.data());
+        unasked->bind(none.in.points.data(), none.out.points.data());
+        for (int f = 0; f < 3; ++f) {
+            const HeadWindow heads = whole.take(f);
+            learned->run(heads), cropped->run(part.take(f)), unasked->run(none.take(f));
+            const Strands base = learned->base(heads.now);
+            EXPECT_LT(testing::largest_distance(none.out, base), 1e-6) << architecture;
+            double moved = 0;
+            for (size_t k = 0; k < base.points.size(); ++k) {
+                const bool asked = wanted[k / size_t(base.particles)];
+                EXPECT_LT(norm(part.out.points[k] - (asked ? whole.out : base).points[k]), 1e-6)
+                    << architecture << ' ' << k;
+                moved = std::max(moved, double(norm(whole.out.points[k] - base.points[k])));
+            }
+            EXPECT_GT(moved, 1e-3) << architecture;
+        }
+        expect_error([&] { learned->crop({1, 0}); }, {"2 strands"});
+    }
+    const std::string image = made_model(scratch.path("i.h5"), "strand_recursive_residual", inputs);
+    Swaying hair;
+    auto learned = learned_strands(load_network(image, "cpu", 1), hair.codec());
+    expect_error([&] { learned->crop(corner_of(hair.high)); }, {"strand_recursive_residual", "whole grid"});
+}
+
 TEST(LearnedStrands, OnTheDeviceAreThoseOfTheHost) {
 #ifdef WETCURL_NETWORKS_ON_DEVICE
     if (!torch::cuda::is_available()) GTEST_SKIP() << "SKIP: no CUDA device";
@@ -269,6 +315,11 @@ TEST(LearnedStrands, OnTheDeviceAreThoseOfTheHost) {
         on_device->restart(), on_host->restart();
         on_host->run(host.take(0)), on_device->run(device.take(0));
         EXPECT_LT(testing::largest_distance(device.out, host.out), 2e-5) << architecture;
+        on_host->crop(corner_of(host.high)), on_device->crop(corner_of(host.high));
+        for (int f = 1; f < 4; ++f) {
+            on_host->run(host.take(f)), on_device->run(device.take(f));
+            EXPECT_LT(testing::largest_distance(device.out, host.out), 2e-5) << architecture << " " << f;
+        }
     }
 #else
     GTEST_SKIP() << "SKIP: built without CUDA, or LibTorch is";
