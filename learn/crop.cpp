@@ -31,7 +31,8 @@ Crop crop_to(const RootGrid& grid, const std::vector<uint8_t>& wanted, int reach
             if (s < 0) continue;
             if (size_t(s) >= wanted.size())
                 throw Error("crop: found " + std::to_string(wanted.size()) +
-                            " strands wanted or not, allowed one for each, strand " + std::to_string(s) + " too");
+                            " strands wanted or not, allowed one for each, strand " + std::to_string(s) +
+                            " too");
             if (!wanted[size_t(s)]) continue;
             first = std::min(first, row), last = std::max(last, row);
             left = std::min(left, column), right = std::max(right, column);

@@ -1,7 +1,8 @@
-// Where wet strands come to rest from dry ones, and what starts from there.
+// Strand networks on the hair of scenes: dry strands put where wet ones come to rest, and crops.
 // Ours.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -95,6 +96,37 @@ TEST(Settled, is_found_of_scenes_that_do_not_settle) {
     std::string short_time = wet;
     short_time.replace(short_time.find("settle = 8"), 10, "settle = 1.5");
     EXPECT_EQ(largest(settled_of_text(text).more, settled_of_text(short_time).more), 0);
+}
+
+// Where little of the hair is wet, that is what a cropped network answers for.
+TEST(Infer, cropped_says_the_same_of_wet_strands_and_nothing_of_others_far_from_them) {
+    const Scratch scratch;
+    low_run(scratch, true);
+    scratch.file("part.toml",
+                 standing + "[wetness]\npattern = 'region'\ncenter = [0.1, 0, 0]\nradius = 0.1\n");
+    const std::vector<uint8_t> is_wet = wet_strands_of(load_scene(scratch.path("part.toml")));
+    const auto wet_ones = std::count(is_wet.begin(), is_wet.end(), 1);
+    ASSERT_GT(wet_ones, 4);
+    ASSERT_LT(wet_ones, 32);
+    InferOptions o;
+    o.input = scratch.path("dry4.h5"), o.wetness = scratch.path("part.toml"), o.threads = 1;
+    o.model = WETCURL_SOURCE_DIR "/models/weights/displayed_s.h5", o.output = scratch.path("whole.h5");
+    infer_command(o);
+    const Strands whole = first_frame(o.output);
+    o.crop = true, o.output = scratch.path("cropped.h5");
+    infer_command(o);
+    const RunReader run(o.output);
+    EXPECT_EQ(run.header().method, "strand_depthwise displayed_s, cropped");
+    const Strands cropped = run.frame(0).positions;
+    int others = 0;
+    for (int s = 0; s < whole.count; ++s) {
+        const float apart = norm(cropped.at(s, whole.particles - 1) - whole.at(s, whole.particles - 1));
+        if (is_wet[size_t(s)])
+            EXPECT_LT(apart, 1e-4) << s;
+        else
+            others += apart > 1e-3;
+    }
+    EXPECT_GT(others, 4);
 }
 
 // A network that learned from wet runs adds to the rest shape as settled strands carry it.
