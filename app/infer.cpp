@@ -67,14 +67,11 @@ class InterpolationMethod final : public Method {
 
 class StrandMethod final : public Method {
   public:
-    // `settled`: from dry strands moved so; `cropped`: asked where hair is wet alone; `cohesion`: Eq 10
-    // follows even a network of displayed strands.
-    StrandMethod(std::unique_ptr<LearnedStrands> learned, const std::string& model, bool settled,
-                 bool cropped, bool cohesion, int strands, int particles)
+    StrandMethod(std::unique_ptr<LearnedStrands> learned, const InferOptions& o, int strands, int particles)
         : learned_(std::move(learned)),
-          name_(learned_->card().architecture + " " + std::filesystem::path(model).stem().string() +
-                (settled ? ", settled" : "") + (cropped ? ", cropped" : "") + (cohesion ? ", Eq 10" : "")),
-          cohesion_(cohesion),
+          cohesion_(o.cohesion || learned_->card().target != "displayed"),
+          name_(learned_->card().architecture + " " + std::filesystem::path(o.model).stem().string() +
+                (o.settled ? ", settled" : "") + (o.crop ? ", cropped" : "") + (cohesion_ ? ", Eq 10" : "")),
           out_(strands, particles) {}
     std::string name() const override { return name_; }
     bool before_cohesion() const override { return cohesion_; }
@@ -91,8 +88,8 @@ class StrandMethod final : public Method {
 
   private:
     std::unique_ptr<LearnedStrands> learned_;
+    bool cohesion_;  // Eq 10 follows
     std::string name_;
-    bool cohesion_;
     Strands low_, out_;
 };
 
@@ -221,9 +218,8 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
         auto learned = learned_strands_of(o.model, scene, scene_name(o), low.groom, o.device, o.threads,
                                           o.settled ? &settled : nullptr);
         if (o.crop) learned->crop(wet_strands_of(scene));
-        return std::make_unique<StrandMethod>(std::move(learned), o.model, o.settled, o.crop,
-                                              o.cohesion || card.target != "displayed",
-                                              scene.groom.rest.count, scene.groom.rest.particles);
+        return std::make_unique<StrandMethod>(std::move(learned), o, scene.groom.rest.count,
+                                              scene.groom.rest.particles);
     }
     if (o.crop) throw Misuse("--crop is for models of the strand codec; this one predicts images");
     if (o.cohesion) throw Misuse("--cohesion is for --interpolate and models of the strand codec");

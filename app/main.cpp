@@ -12,6 +12,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
+#include "solver/terms/cohesion.h"
 
 using namespace wetcurl;
 
@@ -22,6 +23,13 @@ struct Shared {
     std::string log_level = "info";
     int threads = 0;
 };
+
+// What a scene may name for that key of its [cohesion].
+CLI::Range cohesion_range(const std::string& key) {
+    for (const auto& row : Cohesion::parameters)
+        if (row.key == key) return {row.minimum, row.maximum};
+    throw Error("[cohesion] has no " + key);
+}
 
 // Options that every command takes.
 void add_common(CLI::App* command, CommonOptions& o, Shared& shared) {
@@ -183,10 +191,10 @@ int main(int argc, char** argv) {
          "--spacing", infer.spacing,
          "about how far apart along a strand Eq 10 is asked for [m], in place of the scene's; 0: at each "
          "particle")
-        ->check(CLI::Range(0.0, 1.0));
+        ->check(cohesion_range("spacing"));
     c->add_option("--relaxation", infer.relaxation,
                   "about how many passes of Eq 10 an over-relaxed sweep stands for, in place of the scene's")
-        ->check(CLI::Range(1.0, 3.4));
+        ->check(cohesion_range("relaxation"));
     c->add_option("--wetness", infer.wetness, "scene whose wetness and cohesion to predict for");
     c->add_option("-o,--output", infer.output, "run cache (HDF5)")->required();
 

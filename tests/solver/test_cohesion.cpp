@@ -241,7 +241,7 @@ TEST(OverRelaxedSweeps, move_slow_modes_as_far_as_all_passes_and_let_none_grow) 
             EXPECT_NEAR(sum, passes, 1e-9);
             for (double x = 0; x <= 1; x += 0.01) {
                 EXPECT_LE(std::abs(left_of(term, x)), 1 + 1e-12) << passes << ' ' << relaxation << ' ' << x;
-                // The first of each kind leaves nothing farther off, too.
+                // Nor does the first sweep alone leave anything farther off.
                 EXPECT_LE(std::abs(1 - x * term.relaxed(0)), 1 + 1e-12);
             }
         }
