@@ -85,10 +85,6 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
         HeadShapes head;
         for (const Solid& solid : scene.solids) head.shapes.push_back(solid.shape);
         head.depth = rest_depths_of(scene);
-        const Strands& rest = scene.groom.rest;
-        for (int s = 0; s < rest.count; ++s)
-            for (int i = 0; i < rest.particles; ++i)
-                head.edge.push_back(i == 0 ? 0 : norm(rest.at(s, i) - rest.at(s, i - 1)));
         learned->keep_outside(head);
     }
     return learned;

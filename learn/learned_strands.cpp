@@ -35,10 +35,10 @@ void require_finite(const Vec3f* low, size_t count, int particles) {
 }
 
 void require_each(const HeadShapes& head, size_t particles) {
-    if (head.depth.size() != particles || head.edge.size() != particles)
-        throw Error("learned strands: found " + std::to_string(head.depth.size()) +
-                    " depths in what is attached to the head and " + std::to_string(head.edge.size()) +
-                    " edges, allowed one a particle: " + std::to_string(particles));
+    if (head.depth.size() != particles)
+        throw Error(
+            "learned strands: found " + std::to_string(head.depth.size()) +
+            " depths in what is attached to the head, allowed one a particle: " + std::to_string(particles));
 }
 
 namespace {
@@ -78,13 +78,18 @@ class OnHost final : public LearnedStrands {
         codec_.dynamic(low_, heads, input_.data() + codec_.fixed().size());
         ask();
         codec_.decode(answer_.data(), heads.now, to_);
+        codec_.lead_edges(to_);
         if (!head_.shapes.empty()) push_out(heads.now);
     }
     DeviceStream begin(const HeadWindow&) override {
         throw Error("learned strands: found a frame begun on the CPU, allowed is that on a CUDA device");
     }
     void restart() override { codec_.restart(); }
-    Strands base(const Pose& head) override { return codec_.base(head); }
+    Strands base(const Pose& head) override {
+        Strands out = codec_.base(head);
+        codec_.lead_edges(out.points.data());
+        return out;
+    }
 
   private:
     static constexpr int inputs = static_channels + dynamic_channels;
@@ -124,7 +129,7 @@ class OnHost final : public LearnedStrands {
             const size_t root = size_t(s) * size_t(n);
             for (size_t k = root + 1; k < root + size_t(n); ++k) to_[k] = out_of_shapes(k)(to_[k]);
             for (size_t k = root + 1; k < root + size_t(n); ++k)
-                to_[k] = led_around(to_[k - 1], to_[k], torn_lengths * head_.edge[k], out_of_shapes(k));
+                to_[k] = led_around(to_[k - 1], to_[k], torn_lengths * codec_.edges()[k], out_of_shapes(k));
         }
     }
 

@@ -13,11 +13,11 @@
 
 namespace wetcurl {
 
-// What is attached to the head, in its frame; how deep each particle may lie in it, 0 or as deep as at rest,
-// below 0; and how long the edge to it is at rest. (high strand, particle) [m].
+// What is attached to the head, in its frame, and how deep each particle may lie in it, 0 or as deep as at
+// rest, below 0: (high strand, particle) [m].
 struct HeadShapes {
     std::vector<Shape> shapes;
-    std::vector<float> depth, edge;
+    std::vector<float> depth;
 };
 
 class LearnedStrands {
@@ -26,7 +26,7 @@ class LearnedStrands {
     virtual const ModelCard& card() const = 0;
     // From now on strands are moved out of these and led around them, edges of more than about twice their
     // length shortened to that; roots stay. For networks of displayed strands: after others Eq 10 follows,
-    // and does the same. Throws Error where depths and edges are not one a particle.
+    // and does the same. Throws Error where depths are not one a particle.
     virtual void keep_outside(const HeadShapes& head) = 0;
     // From now on the network is asked for the smallest rectangle of the root grid alone that holds the
     // strands wanted, (high strands) 0 or 1; beyond it strands are `base`. In it nothing changes: it still
@@ -54,7 +54,7 @@ class LearnedStrands {
 // On the CPU; the network alone may run elsewhere. Throws Error where network and codec do not fit.
 std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec);
 
-// Throws Error unless there is a depth and an edge for each of so many particles.
+// Throws Error unless there is a depth for each of so many particles.
 void require_each(const HeadShapes& head, size_t particles);
 // Throws Error unless the card's network takes what the codec gives.
 void require_fit(const ModelCard& card, const StrandCodec& codec);

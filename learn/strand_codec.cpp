@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "learn/edge_lengths.h"
 #include "learn/root_grid.h"
 
 namespace wetcurl {
@@ -53,6 +54,7 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
     for (int pixel : pixel_of_) mask_[size_t(pixel)] = 1;
     fixed_.assign(size_t(static_channels) * pixels(), 0);
     length_.assign(pixels(), 0);
+    edges_.assign(high.rest.points.size(), 0);
     const Strands& rest = shape ? *shape : high.rest;
     encode(rest, Pose{}, fixed_.data());
     const auto radius = curl_radii(rest);
@@ -63,6 +65,8 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
             profile(saturation.data() + size_t(s) * n, n, at + size_t(strand_coefficients) * pixels(),
                     pixels());
         length_[pixel] = float(arc_length(high.rest.strand(s), n));
+        for (int i = 1; i < n; ++i)
+            edges_[size_t(s) * n + i] = norm(high.rest.at(s, i) - high.rest.at(s, i - 1));
         at += size_t(strand_coefficients + saturation_pieces) * pixels();
         for (float x :
              {length_[pixel], radius[size_t(s)], 0.0f, root_spacing(high, int(pixel)), float(reach)}) {
@@ -170,6 +174,14 @@ void StrandCodec::decode(const float* coefficients, const Pose& head, Vec3f* out
         const Vec3f root = roots_.root_at(s, head);
         for (int i = 0; i < n; ++i) p[i] = root + rotate(to_world, base_.at(s, i) + p[i]);
     }
+}
+
+void StrandCodec::lead_edges(Vec3f* strands) const {
+    const int n = particles();
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < roots_.count(); ++s)
+        for (int round = 0; round < length_rounds; ++round)
+            lead_to_lengths(n, &edges_[size_t(s) * n], strands + size_t(s) * n);
 }
 
 }  // namespace wetcurl

@@ -78,6 +78,8 @@ class StrandCodec {
     const std::vector<float>& fixed() const { return fixed_; }    // "static": (85, H, W)
     const std::vector<uint8_t>& mask() const { return mask_; }    // (H, W)
     const std::vector<float>& length() const { return length_; }  // (H, W) [m]
+    // (strand, particle): how long the edge to it is at rest [m], 0 at the root.
+    const std::vector<float>& edges() const { return edges_; }
 
     // out (153, H, W): features of one frame, whose base it takes up; low: world positions of the dry
     // low-resolution strands [m]. For every frame of a run, in order.
@@ -93,6 +95,9 @@ class StrandCodec {
     void decode(const float* coefficients, const Pose& head, Strands& out) const;
     void decode(const float* coefficients, const Pose& head, Vec3f* out) const;  // (high strand, particle)
 
+    // What was decoded (high strand, particle), its edges led toward their lengths (learn/edge_lengths.h).
+    void lead_edges(Vec3f* strands) const;
+
   private:
     // Amplitudes of offsets in root frames.
     void project(const Strands& offsets, float* out) const;
@@ -105,7 +110,7 @@ class StrandCodec {
     Strands base_;             // offsets in the root frames
     std::vector<float> past_;  // (lag 0 to 8, round robin; strand, 18)
     long frames_ = 0;
-    std::vector<float> fixed_, length_;
+    std::vector<float> fixed_, length_, edges_;
     std::vector<uint8_t> mask_;
 };
 

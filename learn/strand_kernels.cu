@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "learn/edge_lengths.h"
 #include "learn/strand_kernels.h"
 
 namespace wetcurl {
@@ -221,8 +222,8 @@ __global__ void describe_kernel(const HeadState* head, int pixels, const int* __
 struct Outside {
     const ShapeView* shapes;
     int count;
-    const float *depth, *edge;  // (particle, pixel)
-    unsigned char* torn;        // (pixel)
+    const float* depth;   // (particle, pixel)
+    unsigned char* torn;  // (pixel)
 
     // x in the head's frame.
     __device__ Vec3f pushed(Vec3f x, float allowed) const {
@@ -232,22 +233,27 @@ struct Outside {
 };
 
 constexpr int axes = 3, place_rows = axes * tile_rows, of_four = 4;
+// A round that leads edges needs the particles beside; the one before a block's own is told with them.
+constexpr int held_before = length_rounds + 1, held_after = length_rounds,
+              held = tile + held_before + held_after, turns = (held + place_rows - 1) / place_rows;
 
 // A block: `tile` strands of a row of the grid by up to `tile` particles, turned over in shared memory so
-// that both sides are read and written in order. `offsets` (n, 24): of unit amplitudes.
+// that both sides are read and written in order. `offsets` (n, 24): of unit amplitudes. `lengths` (n, S).
 __global__ void __launch_bounds__(tile* place_rows)
     place_kernel(const HeadState* head, int pixels, int n, int particles, const int* __restrict__ strand,
                  const Quatf* __restrict__ turn, const Vec3f* __restrict__ root,
                  const float* __restrict__ base, const float* __restrict__ offsets,
-                 const float* __restrict__ answer, const Outside outside, Vec3f* __restrict__ out) {
-    constexpr int held = tile + 1;  // particles: the one before them first
+                 const float* __restrict__ answer, const float* __restrict__ lengths, const Outside outside,
+                 Vec3f* __restrict__ out) {
+    static_assert(axes * held % 2 == 1, "strands lie in different banks");
     __shared__ float near[tile][axes * held];
     __shared__ float depths[held][tile], edges[held][tile];
     __shared__ float4 rise[held][dct_kept / of_four];
     __shared__ float4 amplitudes[tile][strand_coefficients / of_four + 1];  // strands lie in different banks
     const int first = int(blockIdx.x) * tile, column = int(threadIdx.x), s = first + column,
               row = int(threadIdx.y), thread = row * tile + column, begin = int(blockIdx.y) * particles,
-              end = min(begin + particles, n), before = max(begin - 1, 0), count = end - before;
+              end = min(begin + particles, n), before = max(begin - held_before, 0),
+              count = min(end + held_after, n) - before;
     // All of it is asked for at once.
     const int own = min(s, pixels - 1), mine = s < pixels ? strand[own] : -1;
     const Quatf to_head = turn[own];
@@ -269,10 +275,11 @@ __global__ void __launch_bounds__(tile* place_rows)
         for (int i = row / axes; i < count; i += tile_rows)
             __pipeline_memcpy_async(&near[column][axes * i + axis], of_axis + size_t(i) * pixels,
                                     sizeof(float));
-        for (int i = row; outside.count > 0 && i < count; i += place_rows) {
+        for (int i = row; i < count; i += place_rows) {
             const size_t at = size_t(before + i) * pixels + s;
-            __pipeline_memcpy_async(&depths[i][column], outside.depth + at, sizeof(float));
-            __pipeline_memcpy_async(&edges[i][column], outside.edge + at, sizeof(float));
+            __pipeline_memcpy_async(&edges[i][column], lengths + at, sizeof(float));
+            if (outside.count > 0)
+                __pipeline_memcpy_async(&depths[i][column], outside.depth + at, sizeof(float));
         }
     }
     __pipeline_commit();
@@ -296,21 +303,45 @@ __global__ void __launch_bounds__(tile* place_rows)
         }
     }
     __syncthreads();
+    const auto offset_of = [&](int i) {
+        const float* p = &near[column][axes * i];
+        return Vec3f{p[0], p[1], p[2]};
+    };
+    for (int round = 0; round < length_rounds; ++round) {
+        Vec3f led[turns];
+#pragma unroll
+        for (int k = 0; k < turns; ++k) {
+            const int i = row + k * place_rows;
+            if (!there || i >= count) continue;
+            led[k] = offset_of(i);
+            if (i == 0) continue;  // the root, or beyond what the rounds leave right
+            const Vec3f here = led[k];
+            led[k] += half_lacking(here - offset_of(i - 1), edges[i][column]);
+            if (i + 1 < count) led[k] -= half_lacking(offset_of(i + 1) - here, edges[i + 1][column]);
+        }
+        __syncthreads();
+#pragma unroll
+        for (int k = 0; k < turns; ++k) {
+            const int i = row + k * place_rows;
+            if (!there || i >= count) continue;
+            float* p = &near[column][axes * i];
+            p[0] = led[k].x, p[1] = led[k].y, p[2] = led[k].z;
+        }
+        __syncthreads();
+    }
     if (there) {  // positions
         for (int i = row; i < count; i += place_rows) {
             float* p = &near[column][axes * i];
-            Vec3f x = from + rotate(to_head, Vec3f{p[0], p[1], p[2]});
+            Vec3f x = from + rotate(to_head, offset_of(i));
             if (outside.count > 0 && before + i > 0) x = outside.pushed(x, depths[i][column]);
             x = head->translation + rotate(head->rotation, x);
             p[0] = x.x, p[1] = x.y, p[2] = x.z;
         }
     }
     __syncthreads();
-    for (int i = 1 + row; outside.count > 0 && there && i < count; i += place_rows) {
-        const float* p = &near[column][axes * i];
-        if (is_torn({p[0] - p[-3], p[1] - p[-2], p[2] - p[-1]}, torn_lengths * edges[i][column]))
-            outside.torn[s] = 1;
-    }
+    for (int i = max(begin, 1) - before + row; outside.count > 0 && there && i < end - before;
+         i += place_rows)
+        if (is_torn(offset_of(i) - offset_of(i - 1), torn_lengths * edges[i][column])) outside.torn[s] = 1;
     for (int k = row; k < tile; k += place_rows) {
         const int to = __shfl_sync(~0u, mine, k);
         if (to < 0) continue;
@@ -321,7 +352,7 @@ __global__ void __launch_bounds__(tile* place_rows)
 
 // Torn strands, a warp each; all its lanes go along the strand, whose next 32 particles they hold.
 __global__ void lead_kernel(const HeadState* head, int pixels, int n, const int* __restrict__ strand,
-                            const Outside outside, Vec3f* out) {
+                            const float* __restrict__ lengths, const Outside outside, Vec3f* out) {
     const int s = int(blockIdx.x) * threads + int(threadIdx.x), lane = int(threadIdx.x) % tile;
     constexpr unsigned all = ~0u;
     const bool torn = s < pixels && outside.torn[s];
@@ -335,7 +366,7 @@ __global__ void lead_kernel(const HeadState* head, int pixels, int n, const int*
             const int mine = min(begin + lane, n - 1);
             Vec3f own = x[mine];
             const float depth = outside.depth[size_t(mine) * pixels + pixel],
-                        edge = outside.edge[size_t(mine) * pixels + pixel];
+                        edge = lengths[size_t(mine) * pixels + pixel];
             for (int k = 0; k < tile && begin + k < n; ++k) {
                 Vec3f p{__shfl_sync(all, own.x, k), __shfl_sync(all, own.y, k), __shfl_sync(all, own.z, k)};
                 const float allowed = __shfl_sync(all, depth, k), length = __shfl_sync(all, edge, k);
@@ -410,6 +441,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
         }
     }
     take_rest(codec);
+    length_ = by_pixels(codec.edges(), strand);
     if (carrier.low_is_wet()) {
         std::vector<int> kept(S, -1);
         for (int s = 0; s < low_; ++s) kept[size_t(codec.pixel_of()[size_t(around.twin[size_t(s)])])] = s;
@@ -491,6 +523,16 @@ void StrandKernels::take_rest(const StrandCodec& codec) {
     edges_ = DeviceBuffer<RestEdge>(edges), details_ = DeviceBuffer<RestDetail>(details);
 }
 
+DeviceBuffer<float> StrandKernels::by_pixels(const std::vector<float>& of_particles,
+                                             const std::vector<int>& strand) const {
+    std::vector<float> out(size_t(n_) * pixels_, 0);
+    for (int i = 0; i < n_; ++i)
+        for (int s = 0; s < pixels_; ++s)
+            if (strand[size_t(s)] >= 0)
+                out[size_t(i) * pixels_ + s] = of_particles[size_t(strand[size_t(s)]) * n_ + i];
+    return DeviceBuffer<float>(out);
+}
+
 void StrandKernels::keep_outside(const HeadShapes& head) {
     require_each(head, size_t(high_) * n_);
     grids_.clear();
@@ -506,15 +548,7 @@ void StrandKernels::keep_outside(const HeadShapes& head) {
     shapes_ = DeviceBuffer<ShapeView>(shapes);
     std::vector<int> strand(size_t(pixels_), -1);
     strand_.download(strand.data());
-    auto by_pixels = [&](const std::vector<float>& of_particles) {
-        std::vector<float> out(size_t(n_) * pixels_, 0);
-        for (int i = 0; i < n_; ++i)
-            for (int s = 0; s < pixels_; ++s)
-                if (strand[size_t(s)] >= 0)
-                    out[size_t(i) * pixels_ + s] = of_particles[size_t(strand[size_t(s)]) * n_ + i];
-        return DeviceBuffer<float>(out);
-    };
-    depth_ = by_pixels(head.depth), edge_ = by_pixels(head.edge);
+    depth_ = by_pixels(head.depth, strand);
     torn_ = DeviceBuffer<unsigned char>(std::vector<unsigned char>(size_t(pixels_), 0));
 }
 
@@ -556,15 +590,15 @@ void StrandKernels::describe(cudaStream_t stream) const {
 
 void StrandKernels::place(const float* answer, Vec3f* out, cudaStream_t stream, bool within_shapes) const {
     const Outside outside{shapes_.data(), within_shapes ? 0 : int(shapes_.size()), depth_.data(),
-                          edge_.data(), torn_.data()};
+                          torn_.data()};
     const unsigned parts = blocks_of(n_, tile);  // of a strand
     place_kernel<<<dim3(blocks_of(pixels_, tile), parts), dim3(tile, place_rows), 0, stream>>>(
         head_.data(), pixels_, n_, int(blocks_of(n_, int(parts))), strand_.data(), turn_.data(), root_.data(),
-        base_.data(), offsets_.data(), answer, outside, out);
+        base_.data(), offsets_.data(), answer, length_.data(), outside, out);
     check_launch("placement in the world");
     if (outside.count == 0) return;
     lead_kernel<<<blocks_of(pixels_), threads, 0, stream>>>(head_.data(), pixels_, n_, strand_.data(),
-                                                            outside, out);
+                                                            length_.data(), outside, out);
     check_launch("strands led around the head");
 }
 

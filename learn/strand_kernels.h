@@ -68,12 +68,16 @@ class StrandKernels {
     void depart(const Vec3f* low, cudaStream_t stream) const;
     void carry(cudaStream_t stream) const;
     void describe(cudaStream_t stream) const;
-    // Of B and what the network answered: amplitudes (S, 72), 16 bytes aligned, null: nothing.
+    // Of B and what the network answered: amplitudes (S, 72), 16 bytes aligned, null: nothing. Edges are led
+    // toward their lengths.
     // `within_shapes`: where they are, even in what is attached to the head.
     void place(const float* answer, Vec3f* out, cudaStream_t stream, bool within_shapes = false) const;
 
   private:
     void take_rest(const StrandCodec& codec);
+    // (high strand, particle) to (n, S), 0 where there is no strand.
+    DeviceBuffer<float> by_pixels(const std::vector<float>& of_particles,
+                                  const std::vector<int>& strand) const;
     float* dynamic() const { return image_.data() + size_t(static_channels) * pixels_; }
 
     int n_, low_, high_, pixels_, width_;
@@ -97,7 +101,8 @@ class StrandKernels {
     DeviceBuffer<int> strand_;                // (S): of the pixel, or -1
     std::vector<DeviceBuffer<float>> grids_;  // of level sets
     DeviceBuffer<ShapeView> shapes_;          // attached to the head
-    DeviceBuffer<float> depth_, edge_;        // (n, S), as of HeadShapes
+    DeviceBuffer<float> depth_;               // (n, S), as of HeadShapes
+    DeviceBuffer<float> length_;              // (n, S): of the edge to a particle at rest
     DeviceBuffer<unsigned char> torn_;        // (S)
     DeviceBuffer<float> past_;                // (9, 18, S)
     DeviceBuffer<float> cores_;               // F

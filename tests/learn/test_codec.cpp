@@ -6,6 +6,7 @@
 #include "base/geometry/kernels.h"
 #include "learn/core_detail.h"
 #include "learn/dct.h"
+#include "learn/edge_lengths.h"
 #include "learn/root_codec.h"
 #include "learn/root_frame.h"
 #include "tests/learn/hair.h"
@@ -42,6 +43,52 @@ TEST(Kernel, gradient_is_the_difference_of_its_values) {
                         1e-5 * kernel_at_zero(h) / h);
     }
     EXPECT_EQ(norm(kernel_gradient(Vec3d{0, 0, 0}, h)), 0);
+}
+
+// A helix whose radius was averaged away by a fifth: its edges come back, itself stays where it was.
+TEST(EdgeLengths, are_led_back_and_leave_the_core) {
+    const int n = 64;
+    auto helix = [&](float radius) {
+        std::vector<Vec3f> x(n);
+        for (int i = 0; i < n; ++i)
+            x[size_t(i)] = {radius * (std::cos(0.6f * float(i)) - 1), -1e-3f * float(i),
+                            radius * std::sin(0.6f * float(i))};
+        return x;
+    };
+    const std::vector<Vec3f> rest = helix(5e-3f);
+    std::vector<float> length(n, 0);
+    for (size_t i = 1; i < n; ++i) length[i] = norm(rest[i] - rest[i - 1]);
+    auto lacking = [&](const std::vector<Vec3f>& x) {
+        double sum = 0;
+        for (size_t i = 1; i < n; ++i) sum += std::abs(norm(x[i] - x[i - 1]) / length[i] - 1);
+        return sum / (n - 1);
+    };
+    std::vector<Vec3f> x = helix(4e-3f);
+    const std::vector<Vec3f> flat = x;
+    double before = lacking(x);
+    EXPECT_GT(before, 0.15);
+    for (int round = 0; round < length_rounds; ++round) {
+        lead_to_lengths(n, length.data(), x.data());
+        EXPECT_LT(lacking(x), 0.97 * before);
+        before = lacking(x);
+    }
+    EXPECT_EQ(norm(x[0] - flat[0]), 0);
+    Vec3f drift{0, 0, 0};
+    for (size_t i = 1; i < n; ++i) drift += x[i] - flat[i];
+    EXPECT_LT(norm((1.f / n) * drift), 2e-5);  // of 1e-3 in which the helix rises an edge
+    EXPECT_GT(norm(x[20] - flat[20]), 5e-5);   // outwards
+    EXPECT_GT(norm(Vec3f{x[20].x + 4e-3f, 0, x[20].z}), 4.05e-3);
+
+    // What has its lengths stays, and no length is no direction.
+    x = rest;
+    lead_to_lengths(n, length.data(), x.data());
+    for (size_t i = 0; i < n; ++i) EXPECT_LT(norm(x[i] - rest[i]), 1e-8);
+    std::vector<Vec3f> knot(n, Vec3f{1, 2, 3});
+    lead_to_lengths(n, length.data(), knot.data());
+    for (const Vec3f& p : knot) EXPECT_EQ(norm(p - Vec3f{1, 2, 3}), 0);
+    Vec3f alone{1, 2, 3};
+    lead_to_lengths(1, length.data(), &alone);
+    EXPECT_EQ(norm(alone - Vec3f{1, 2, 3}), 0);
 }
 
 // Of particle i of n, as the trapezoid rule has it over a length of 1.

@@ -1,0 +1,30 @@
+// Edges of learned strands, led back toward their lengths at rest. What a network cannot know it answers with
+// the mean of, and means of curls are shorter than these. Distances as of position-based dynamics (Müller et
+// al. 2007), all edges of a strand at once, a few rounds: what is large along a strand stays.
+#pragma once
+
+#include "base/pack.h"
+#include "base/vec3.h"
+
+namespace wetcurl {
+
+inline constexpr int length_rounds = 2;
+
+// Half of what an edge lacks of its length, along it.
+WETCURL_HD inline Vec3f half_lacking(const Vec3f& edge, float length) {
+    const float longer = length / maximum(norm(edge), tiny_length<float>) - 1;
+    return 0.5f * longer * edge;
+}
+
+// A round of one strand x (n); length[i]: of the edge to particle i. The root stays.
+inline void lead_to_lengths(int n, const float* length, Vec3f* x) {
+    Vec3f before{0, 0, 0}, here = x[0];
+    for (int i = 1; i < n; ++i) {
+        const Vec3f next = x[i], lacking = half_lacking(next - here, length[i]);
+        if (i > 1) x[i - 1] = here + before - lacking;
+        before = lacking, here = next;
+    }
+    if (n > 1) x[n - 1] = here + before;
+}
+
+}  // namespace wetcurl
