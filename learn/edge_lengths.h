@@ -1,6 +1,6 @@
 // Edges of learned strands, led back toward their lengths at rest. What a network cannot know it answers with
 // the mean of, and means of curls are shorter than these. Distances as of position-based dynamics (Müller et
-// al. 2007), all edges of a strand at once, a few rounds: what is large along a strand stays.
+// al. 2007), all edges of a strand at once, four rounds: what is large along a strand stays.
 #pragma once
 
 #include "base/pack.h"
@@ -8,7 +8,7 @@
 
 namespace wetcurl {
 
-inline constexpr int length_rounds = 2;
+inline constexpr int length_rounds = 4;
 
 // Half of what an edge lacks of its length, along it.
 WETCURL_HD inline Vec3f half_lacking(const Vec3f& edge, float length) {
