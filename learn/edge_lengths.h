@@ -12,8 +12,8 @@ inline constexpr int length_rounds = 4;
 
 // Half of what an edge lacks of its length, along it.
 WETCURL_HD inline Vec3f half_lacking(const Vec3f& edge, float length) {
-    const float longer = length / maximum(norm(edge), tiny_length<float>) - 1;
-    return 0.5f * longer * edge;
+    const float square = dot(edge, edge), least = tiny_length<float> * tiny_length<float>;
+    return (0.5f * length / std::sqrt(maximum(square, least)) - 0.5f) * edge;
 }
 
 // A round of one strand x (n); length[i]: of the edge to particle i. The root stays.

@@ -307,36 +307,47 @@ __global__ void __launch_bounds__(tile* place_rows)
         const float* p = &near[column][axes * i];
         return Vec3f{p[0], p[1], p[2]};
     };
+    const auto put = [&](int i, const Vec3f& v) {
+        float* p = &near[column][axes * i];
+        p[0] = v.x, p[1] = v.y, p[2] = v.z;
+    };
+    // Edges: a thread has some particles one after the other, and meets those beside in `near`.
+    const int own_first = row * turns, own_count = there ? min(turns, count - own_first) : 0;
+    Vec3f x[turns];
+    float length[turns + 1];
+#pragma unroll
+    for (int k = 0; k <= turns; ++k) {
+        length[k] = own_first + k < count ? edges[own_first + k][column] : 0;
+        if (k < own_count) x[k] = offset_of(own_first + k);
+    }
     for (int round = 0; round < length_rounds; ++round) {
-        Vec3f led[turns];
+        Vec3f lacking{0, 0, 0};
+        if (own_count > 0 && own_first > 0)
+            lacking = half_lacking(x[0] - offset_of(own_first - 1), length[0]);
 #pragma unroll
         for (int k = 0; k < turns; ++k) {
-            const int i = row + k * place_rows;
-            if (!there || i >= count) continue;
-            led[k] = offset_of(i);
-            if (i == 0) continue;  // the root, or beyond what the rounds leave right
-            const Vec3f here = led[k];
-            led[k] += half_lacking(here - offset_of(i - 1), edges[i][column]);
-            if (i + 1 < count) led[k] -= half_lacking(offset_of(i + 1) - here, edges[i + 1][column]);
+            if (k >= own_count) continue;
+            Vec3f after{0, 0, 0};
+            if (own_first + k + 1 < count)
+                after =
+                    half_lacking((k + 1 < turns ? x[(k + 1) % turns] : offset_of(own_first + turns)) - x[k],
+                                 length[k + 1]);
+            if (own_first + k > 0) x[k] += lacking - after;
+            lacking = after;
         }
         __syncthreads();
 #pragma unroll
-        for (int k = 0; k < turns; ++k) {
-            const int i = row + k * place_rows;
-            if (!there || i >= count) continue;
-            float* p = &near[column][axes * i];
-            p[0] = led[k].x, p[1] = led[k].y, p[2] = led[k].z;
-        }
+        for (int k = 0; k < turns; k += turns - 1)
+            if (k < own_count) put(own_first + k, x[k]);
         __syncthreads();
     }
-    if (there) {  // positions
-        for (int i = row; i < count; i += place_rows) {
-            float* p = &near[column][axes * i];
-            Vec3f x = from + rotate(to_head, offset_of(i));
-            if (outside.count > 0 && before + i > 0) x = outside.pushed(x, depths[i][column]);
-            x = head->translation + rotate(head->rotation, x);
-            p[0] = x.x, p[1] = x.y, p[2] = x.z;
-        }
+#pragma unroll
+    for (int k = 0; k < turns; ++k) {  // positions
+        if (k >= own_count) continue;
+        const int i = own_first + k;
+        Vec3f at = from + rotate(to_head, x[k]);
+        if (outside.count > 0 && before + i > 0) at = outside.pushed(at, depths[i][column]);
+        put(i, head->translation + rotate(head->rotation, at));
     }
     __syncthreads();
     for (int i = max(begin, 1) - before + row; outside.count > 0 && there && i < end - before;
