@@ -13,7 +13,8 @@ inline constexpr int length_rounds = 4;
 // Half of what an edge lacks of its length, along it.
 WETCURL_HD inline Vec3f half_lacking(const Vec3f& edge, float length) {
     const float square = dot(edge, edge), least = tiny_length<float> * tiny_length<float>;
-    return (0.5f * length / std::sqrt(maximum(square, least)) - 0.5f) * edge;
+    const float inverse = 1 / std::sqrt(maximum(square, least));  // one instruction on a device
+    return (0.5f * length * inverse - 0.5f) * edge;
 }
 
 // A round of one strand x (n); length[i]: of the edge to particle i. The root stays.
