@@ -599,6 +599,22 @@ TEST(Training, OverfitsOneFrameOfStrandsFiftyfold) {
         }
 }
 
+TEST(Training, RateFallsAsHalfACosineOrStays) {
+    for (const std::string schedule : {"cosine", "constant"}) {
+        Job job(Codec::strand, {"epochs=4", "width=0.125", "learning_rate=2e-3", "schedule=" + schedule});
+        job.request.architecture = "strand_mlp";
+        train(job.request);
+        const auto lines = job.lines();
+        ASSERT_EQ(lines.size(), 4u);
+        // After a quarter, a half, three quarters and all of the steps.
+        const double left[] = {(2 + std::sqrt(2.0)) / 4, 0.5, (2 - std::sqrt(2.0)) / 4, 0};
+        for (size_t e = 0; e < 4; ++e)
+            EXPECT_NEAR(lines[e]["learning_rate"].get<double>(), 2e-3 * (schedule == "cosine" ? left[e] : 1),
+                        1e-12)
+                << schedule << ", epoch " << e + 1;
+    }
+}
+
 TEST(Training, OverfitsOneBatchOfPatchesWithEitherRootNetwork) {
     for (const auto& device : devices())
         for (const char* architecture : {"unet_vgg19", "recursive_residual"}) {
