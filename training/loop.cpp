@@ -42,6 +42,9 @@ struct Validation {
     double loss = 0, base_loss = 0;          // the same loss of no network at all
     double distance = 0, base_distance = 0;  // [m]
     bool positions = false;
+    // Of adhesion, whose loss is a mean square in units of the largest force of Eq 11.
+    double nrmse() const { return std::sqrt(loss); }
+    double base_nrmse() const { return std::sqrt(base_loss); }
 };
 
 class Trainer {
@@ -325,7 +328,10 @@ class Trainer {
                 note << ", held out " << 1e3 * found.distance << " mm (base " << 1e3 * found.base_distance
                      << ")";
             } else {
-                note << ", held out " << found.loss << " (base " << found.base_loss << ")";
+                line.insert(line.end(),
+                            {{"validation_nrmse", found.nrmse()}, {"base_nrmse", found.base_nrmse()}});
+                note << ", held out nRMSE " << found.nrmse() << " (force of the step before "
+                     << found.base_nrmse() << ")";
             }
             best_note_ = note.str();
             keep_if_best(found.loss);
@@ -370,6 +376,9 @@ class Trainer {
         if (found.positions) {
             card_.numbers["validation_mm"] = 1e3 * found.distance;
             card_.numbers["base_mm"] = 1e3 * found.base_distance;
+        } else if (data_->validation_batches() > 0) {
+            card_.numbers["validation_nrmse"] = found.nrmse();
+            card_.numbers["base_nrmse"] = found.base_nrmse();
         }
         card_.recipe = recipe_.text;
         card_.inputs = inputs_;

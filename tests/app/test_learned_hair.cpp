@@ -1,8 +1,9 @@
-// Strand networks on the hair of scenes: dry strands put where wet ones come to rest, and crops.
+// Networks on the hair of scenes: dry strands put where wet ones come to rest, crops; adhesion in the loop.
 // Ours.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -182,6 +183,31 @@ TEST(Settled, dry_runs_serve_networks_of_wet_ones) {
     expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "learned from wet runs", "from dry ones"});
     o.model.clear(), o.interpolate = "quad";
     expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "--interpolate rest"});
+}
+
+// Scene 15, all of its 280 frames, with a quarter of its strands: wet hair sticks to a ball, is drawn down
+// with it and lets go, by Eq 11 and by the released network.
+TEST(AdhesionNetwork, holds_scene_15_as_far_from_the_solids_as_Eq_11) {
+    const Scratch scratch;
+    SimulateOptions by_eq_11;
+    by_eq_11.scene = WETCURL_SOURCE_DIR "/scenes/scene15.toml", by_eq_11.output = scratch.path("eq11.h5");
+    by_eq_11.set = {"groom.grid=[8,8]"}, by_eq_11.threads = 1;
+    ASSERT_EQ(simulate_command(by_eq_11), 0);
+    InferOptions by_network;
+    by_network.input = by_eq_11.scene, by_network.output = scratch.path("network.h5");
+    by_network.set = by_eq_11.set, by_network.threads = 1;
+    ASSERT_EQ(infer_command(by_network), 0);
+    CompareOptions o;
+    o.reference = by_eq_11.output, o.others = {by_network.output}, o.json = scratch.path("compared.json");
+    ASSERT_EQ(compare_command(o), 0);
+    const auto found = nlohmann::json::parse(std::ifstream(o.json))["others"][0];
+    EXPECT_EQ(found["frames"], 280);
+    for (const char* of : {"mean", "p95"}) {
+        EXPECT_LT(found["solid_distance_mm"][of].get<double>(), 1) << of;
+        EXPECT_LT(found["position_mm"][of].get<double>(), 1) << of;
+    }
+    // Two ways to the force, not one.
+    EXPECT_GT(found["solid_distance_mm"]["max"].get<double>(), 0);
 }
 
 }  // namespace

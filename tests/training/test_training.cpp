@@ -637,6 +637,9 @@ TEST(Training, TeachesTheAdhesionNetworkItsFunction) {
         // On samples not seen, against the force of the step before.
         const auto last = job.lines().back();
         EXPECT_LT(last["validation_loss"].get<double>(), 0.02 * last["base_loss"].get<double>()) << device;
+        const auto numbers = load_model(job.request.output).first.numbers;
+        EXPECT_LT(numbers.at("validation_nrmse"), 0.15 * numbers.at("base_nrmse")) << device;
+        EXPECT_NE(job.said.find("nRMSE"), std::string::npos);
     }
 }
 
