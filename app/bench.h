@@ -78,6 +78,7 @@ struct Workload {
     int particles = 100;    // a strand
     double angle = 25;      // [degrees] by which the head turns to either side; 0: it rests
     double relaxation = 1;  // of those passes
+    double spacing = 0;     // [m] along a strand, of those that feel them; 0: all particles
     int strands() const { return across * along; }
 };
 // Every `stride`-th root each way.

@@ -81,7 +81,7 @@ constexpr double bytes_a_particle = 350, bytes_seen = sizeof(Vec3f);
 const std::vector<Strands>& reference_frames(const Workload& w, bool wet, const std::string& device) {
     static std::map<std::string, std::vector<Strands>> known;
     Workload passes = w;
-    passes.relaxation = 1;
+    passes.relaxation = 1, passes.spacing = 0;
     const Scene scene = scene_of(passes, wet);
     // Those of much hair take gigabytes, and are asked for once.
     std::erase_if(
@@ -173,8 +173,10 @@ std::string name_of_precision(const std::string& precision) {
 }
 
 std::string series_of(const Workload& w, bool wet) {
+    const std::string spaced = w.spacing > 0 ? fmt::format(" every {:g} mm", 1e3 * w.spacing) : "",
+                      relaxed = w.relaxation > 1 ? " over-relaxed" : "";
     return fmt::format("{} frame{}{}", wet ? "wet" : "dry", w.angle == 0 ? ", head at rest" : "",
-                       w.relaxation > 1 ? ", Eq 10 over-relaxed" : "");
+                       spaced.empty() && relaxed.empty() ? "" : ", Eq 10" + spaced + relaxed);
 }
 std::string name_of(const Workload& w, bool wet) {
     return fmt::format("{}, {} strands", series_of(w, wet), w.strands());
@@ -204,6 +206,7 @@ Scene scene_with(const char* beside, const Workload& w, const std::vector<std::s
 Scene scene_of(const Workload& w, bool wet, const std::vector<std::string>& given, int stride) {
     auto set = given;
     if (w.relaxation > 1) set.push_back(fmt::format("cohesion.relaxation={}", w.relaxation));
+    if (w.spacing > 0) set.push_back(fmt::format("cohesion.spacing={}", w.spacing));
     Scene scene = scene_with(shown_wet, w, set, stride);
     if (!wet) make_dry(scene);
     return scene;

@@ -29,16 +29,18 @@ Scene low_scene_of(const Workload& w, const ModelCard& card) {
     return low;
 }
 
-// What of a frame is timed: the network, the run before it too, and Eq 10 after it: at every particle, every
-// 10 mm, and every 12.5 mm in over-relaxed sweeps.
-enum class Part { network, with_run, with_cohesion, thinned, relaxed };
+// What of a frame is timed: the network, the run before it too, and Eq 10 after it.
+enum class Part { network, with_run, with_cohesion };
+
+// With Eq 10 at particles so far apart along a strand [m], and over-relaxed.
+Workload thinned(Workload w, double spacing, double relaxation = 1) {
+    w.spacing = spacing, w.relaxation = relaxation;
+    return w;
+}
 
 // As `infer` shows it.
-Scene high_scene_of(const Workload& w, const ModelCard& card, Part part) {
-    std::vector<std::string> set;
-    if (part == Part::thinned) set = {"cohesion.spacing=0.01"};
-    if (part == Part::relaxed) set = {"cohesion.spacing=0.0125", "cohesion.relaxation=3.4"};
-    Scene high = scene_of(w, true, set);
+Scene high_scene_of(const Workload& w, const ModelCard& card) {
+    Scene high = scene_of(w, true);
     if (card.target == "displayed") high.cohesion->passes = passes_after_displayed(high.cohesion->passes);
     return high;
 }
@@ -48,11 +50,13 @@ class LearnedHair {
   public:
     LearnedHair(const Workload& w, const std::string& model, const std::string& device, int threads,
                 Part part)
-        : high_(high_scene_of(w, network_module().card(model), part)),
+        : high_(high_scene_of(w, network_module().card(model))),
           low_(low_scene_of(w, network_module().card(model))),
           device_(device),
           part_(part),
-          learned_(learned_strands_of(model, high_, high_.title, low_.groom, device, threads)) {}
+          learned_(learned_strands_of(model, high_, high_.title, low_.groom, device, threads)) {
+        if (part_ == Part::with_cohesion) learned_->lead_edges(most_length_rounds);
+    }
 
     const Strands& high() const { return high_.groom.rest; }
     const Scene& low() const { return low_; }
@@ -148,18 +152,19 @@ Line learned_frame(const Workload& w, const std::string& model, const std::strin
 std::vector<Entry> learned_entries(const std::vector<std::string>& models, const std::string& device,
                                    int threads) {
     std::vector<Entry> out;
-    // What they stand in for, where no other entry is that.
+    // What they stand in for, where no other entry is that; and the cheapest of its kind.
     const Workload& large = workloads[1];
     if (!models.empty())
-        out.push_back({names_of(large, true), "wet frame",
-                       [=](Results& results) {
-                           const auto lines = whole_frames(large, true, device, false);
-                           results.lines.insert(results.lines.end(), lines.begin(), lines.end());
-                       },
-                       ""});
+        for (const Workload& w : {large, thinned(large, 0.0125, 3.4)})
+            out.push_back({names_of(w, true), "wet frame",
+                           [=](Results& results) {
+                               const auto lines = whole_frames(w, true, device, false);
+                               results.lines.insert(results.lines.end(), lines.begin(), lines.end());
+                           },
+                           ""});
     for (const auto& model : models)
         for (const Workload& w : workloads) {
-            auto add = [&](const std::string& what, Part part) {
+            auto add = [&](const std::string& what, Part part, const Workload& w) {
                 const std::string name = fmt::format("{}, {} strands, {}", what, w.strands(),
                                                      std::filesystem::path(model).stem().string());
                 out.push_back({{name},
@@ -171,14 +176,15 @@ std::vector<Entry> learned_entries(const std::vector<std::string>& models, const
                                ""});
             };
             if (network_module().card(model).target == "displayed") {
-                add("learned frame", Part::network);
-                add("simulated and learned frame", Part::with_run);
+                add("learned frame", Part::network, w);
+                add("simulated and learned frame", Part::with_run, w);
             } else {
-                add("learned frame before cohesion", Part::network);
-                add("simulated and learned frame with Eq 10", Part::with_cohesion);
+                add("learned frame before cohesion", Part::network, w);
+                add("simulated and learned frame with Eq 10", Part::with_cohesion, w);
             }
-            add("simulated and learned frame with Eq 10 every 10 mm", Part::thinned);
-            add("simulated and learned frame with Eq 10 every 12.5 mm over-relaxed", Part::relaxed);
+            add("simulated and learned frame with Eq 10 every 10 mm", Part::with_cohesion, thinned(w, 0.01));
+            add("simulated and learned frame with Eq 10 every 12.5 mm over-relaxed", Part::with_cohesion,
+                thinned(w, 0.0125, 3.4));
         }
     return out;
 }

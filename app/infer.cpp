@@ -72,7 +72,9 @@ class StrandMethod final : public Method {
           cohesion_(o.cohesion || learned_->card().target != "displayed"),
           name_(learned_->card().architecture + " " + std::filesystem::path(o.model).stem().string() +
                 (o.settled ? ", settled" : "") + (o.crop ? ", cropped" : "") + (cohesion_ ? ", Eq 10" : "")),
-          out_(strands, particles) {}
+          out_(strands, particles) {
+        if (cohesion_) learned_->lead_edges(most_length_rounds);
+    }
     std::string name() const override { return name_; }
     bool before_cohesion() const override { return cohesion_; }
     void apply(const RunFrame& low, const HeadWindow& heads, Strands& p) override {

@@ -35,6 +35,7 @@ class OnDevice final : public LearnedStrands {
         kernels_.emplace(codec, low);
         std::tie(card_, model_) = load_model(path);
         require_fit(card_, codec);
+        rounds_ = length_rounds_of(card_);
         model_->to(device_);
         model_->body = half ? torch::kHalf : torch::kFloat;
         model_->whole_grid = kernels_->high_strands() == kernels_->pixels();
@@ -52,6 +53,13 @@ class OnDevice final : public LearnedStrands {
     void keep_outside(const HeadShapes& head) override {
         const c10::cuda::CUDAGuard guard(device_);
         kernels_->keep_outside(head);
+        begin_anew();
+    }
+
+    void lead_edges(int rounds) override {
+        require_rounds(rounds);
+        const c10::cuda::CUDAGuard guard(device_);
+        rounds_ = rounds;
         begin_anew();
     }
 
@@ -104,7 +112,7 @@ class OnDevice final : public LearnedStrands {
         kernels_->head().rotation = cast<float>(head.rotation);
         kernels_->head().translation = cast<float>(head.translation);
         kernels_->take_head(stream_);
-        kernels_->place(nullptr, world.data(), stream_, /*within_shapes=*/true);
+        kernels_->place(nullptr, rounds_, world.data(), stream_, /*within_shapes=*/true);
         check_cuda(cudaStreamSynchronize(stream_), "base");
         Strands out(kernels_->high_strands(), kernels_->particles());
         world.download(out.points.data());
@@ -152,7 +160,7 @@ class OnDevice final : public LearnedStrands {
         kernels_->carry(stream_);
         kernels_->describe(stream_);
         ask();
-        kernels_->place(answer_.data_ptr<float>(), out_, stream_);
+        kernels_->place(answer_.data_ptr<float>(), rounds_, out_, stream_);
     }
 
     // answer_ becomes (S, 72).
@@ -184,6 +192,7 @@ class OnDevice final : public LearnedStrands {
     const Vec3f *low_ = nullptr, *host_low_ = nullptr;
     Vec3f *out_ = nullptr, *host_out_ = nullptr;
     DeviceBuffer<Vec3f> own_low_, own_out_;
+    int rounds_ = 0;  // that lead edges
     std::optional<Crop> crop_;
     Captured captured_;
     bool first_ = true;

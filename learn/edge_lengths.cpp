@@ -4,11 +4,11 @@
 
 namespace wetcurl {
 
-void lead_to_lengths(int n, const float* length, Vec3f* x, float* room) {
+void lead_to_lengths(int n, const float* length, int rounds, Vec3f* x, float* room) {
     float *const at[] = {room, room + n, room + 2 * n}, *const lacks[] = {room + 3 * n, room + 4 * n,
                                                                           room + 5 * n};
     for (int i = 0; i < n; ++i) at[0][i] = x[i].x, at[1][i] = x[i].y, at[2][i] = x[i].z;
-    for (int round = 0; round < length_rounds; ++round) {
+    for (int round = 0; round < rounds; ++round) {
 #pragma omp simd
         for (int i = 1; i < n; ++i) {
             const Vec3f lacking = half_lacking(

@@ -41,6 +41,14 @@ void require_each(const HeadShapes& head, size_t particles) {
             " depths in what is attached to the head, allowed one a particle: " + std::to_string(particles));
 }
 
+int length_rounds_of(const ModelCard& card) { return card.target == "displayed" ? 1 : most_length_rounds; }
+
+void require_rounds(int rounds) {
+    if (rounds < 0 || rounds > most_length_rounds)
+        throw Error("learned strands: found " + std::to_string(rounds) +
+                    " rounds that lead edges, allowed are 0 to " + std::to_string(most_length_rounds));
+}
+
 namespace {
 
 class OnHost final : public LearnedStrands {
@@ -48,6 +56,7 @@ class OnHost final : public LearnedStrands {
     OnHost(std::unique_ptr<Network> network, StrandCodec codec)
         : network_(std::move(network)),
           codec_(std::move(codec)),
+          rounds_(length_rounds_of(network_->card())),
           input_(size_t(static_channels + dynamic_channels) * codec_.pixels()),
           answer_(size_t(strand_coefficients) * codec_.pixels()) {
         require_fit(network_->card(), codec_);
@@ -61,6 +70,7 @@ class OnHost final : public LearnedStrands {
         views_.clear();
         for (const Shape& shape : head_.shapes) views_.push_back(view_of(shape));
     }
+    void lead_edges(int rounds) override { require_rounds(rounds), rounds_ = rounds; }
     void crop(const std::vector<uint8_t>& wanted) override {
         crop_ = crop_to(codec_.grid(), wanted, network_->reach(), card().architecture);
         const size_t seen = size_t(crop_->seen.height) * crop_->seen.width;
@@ -78,7 +88,7 @@ class OnHost final : public LearnedStrands {
         codec_.dynamic(low_, heads, input_.data() + codec_.fixed().size());
         ask();
         codec_.decode(answer_.data(), heads.now, to_);
-        codec_.lead_edges(to_);
+        codec_.lead_edges(rounds_, to_);
         if (!head_.shapes.empty()) push_out(heads.now);
     }
     DeviceStream begin(const HeadWindow&) override {
@@ -87,7 +97,7 @@ class OnHost final : public LearnedStrands {
     void restart() override { codec_.restart(); }
     Strands base(const Pose& head) override {
         Strands out = codec_.base(head);
-        codec_.lead_edges(out.points.data());
+        codec_.lead_edges(rounds_, out.points.data());
         return out;
     }
 
@@ -135,6 +145,7 @@ class OnHost final : public LearnedStrands {
 
     std::unique_ptr<Network> network_;
     StrandCodec codec_;
+    int rounds_;  // that lead edges
     HeadShapes head_;
     std::vector<ShapeView> views_;  // of its shapes
     std::vector<float> input_, answer_;

@@ -8,6 +8,7 @@
 
 #include "base/device_stream.h"
 #include "base/geometry/shapes.h"
+#include "learn/edge_lengths.h"
 #include "learn/network.h"
 #include "learn/strand_codec.h"
 
@@ -28,6 +29,9 @@ class LearnedStrands {
     // length shortened to that; roots stay. For networks of displayed strands: after others Eq 10 follows,
     // and does the same. Throws Error where depths are not one a particle.
     virtual void keep_outside(const HeadShapes& head) = 0;
+    // From now on edges are led toward their lengths at rest in so many rounds (learn/edge_lengths.h), 0 to
+    // most_length_rounds; until then in length_rounds_of(card()). Throws Error on other numbers.
+    virtual void lead_edges(int rounds) = 0;
     // From now on the network is asked for the smallest rectangle of the root grid alone that holds the
     // strands wanted, (high strands) 0 or 1; beyond it strands are `base`. In it nothing changes: it still
     // sees what is around. Throws Error for a network that looks at the whole grid.
@@ -54,6 +58,11 @@ class LearnedStrands {
 // On the CPU; the network alone may run elsewhere. Throws Error where network and codec do not fit.
 std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec);
 
+// All there are, but one for displayed strands: their edges are shorter than at rest, if Eq 10 does not
+// follow.
+int length_rounds_of(const ModelCard& card);
+// Throws Error unless there are so many rounds.
+void require_rounds(int rounds);
 // Throws Error unless there is a depth for each of so many particles.
 void require_each(const HeadShapes& head, size_t particles);
 // Throws Error unless the card's network takes what the codec gives.

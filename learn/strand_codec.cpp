@@ -176,14 +176,14 @@ void StrandCodec::decode(const float* coefficients, const Pose& head, Vec3f* out
     }
 }
 
-void StrandCodec::lead_edges(Vec3f* strands) const {
+void StrandCodec::lead_edges(int rounds, Vec3f* strands) const {
     const int n = particles();
 #pragma omp parallel
     {
         std::vector<float> room(6 * size_t(n));
 #pragma omp for schedule(static)
         for (int s = 0; s < roots_.count(); ++s)
-            lead_to_lengths(n, &edges_[size_t(s) * n], strands + size_t(s) * n, room.data());
+            lead_to_lengths(n, &edges_[size_t(s) * n], rounds, strands + size_t(s) * n, room.data());
     }
 }
 

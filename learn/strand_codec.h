@@ -95,8 +95,9 @@ class StrandCodec {
     void decode(const float* coefficients, const Pose& head, Strands& out) const;
     void decode(const float* coefficients, const Pose& head, Vec3f* out) const;  // (high strand, particle)
 
-    // What was decoded (high strand, particle), its edges led toward their lengths (learn/edge_lengths.h).
-    void lead_edges(Vec3f* strands) const;
+    // What was decoded (high strand, particle), its edges led toward their lengths in so many rounds
+    // (learn/edge_lengths.h).
+    void lead_edges(int rounds, Vec3f* strands) const;
 
   private:
     // Amplitudes of offsets in root frames.

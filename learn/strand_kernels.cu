@@ -234,7 +234,7 @@ struct Outside {
 
 constexpr int axes = 3, place_rows = axes * tile_rows, of_four = 4;
 // A round that leads edges needs the particles beside; the one before a block's own is told with them.
-constexpr int held_before = length_rounds + 1, held_after = length_rounds,
+constexpr int held_before = most_length_rounds + 1, held_after = most_length_rounds,
               held = tile + held_before + held_after, turns = (held + place_rows - 1) / place_rows;
 
 // A block: `tile` strands of a row of the grid by up to `tile` particles, turned over in shared memory so
@@ -243,8 +243,8 @@ __global__ void __launch_bounds__(tile* place_rows)
     place_kernel(const HeadState* head, int pixels, int n, int particles, const int* __restrict__ strand,
                  const Quatf* __restrict__ turn, const Vec3f* __restrict__ root,
                  const float* __restrict__ base, const float* __restrict__ offsets,
-                 const float* __restrict__ answer, const float* __restrict__ lengths, const Outside outside,
-                 Vec3f* __restrict__ out) {
+                 const float* __restrict__ answer, const float* __restrict__ lengths, int rounds,
+                 const Outside outside, Vec3f* __restrict__ out) {
     static_assert(axes * held % 2 == 1, "strands lie in different banks");
     __shared__ float near[tile][axes * held];
     __shared__ float depths[held][tile], edges[held][tile];
@@ -313,25 +313,23 @@ __global__ void __launch_bounds__(tile* place_rows)
     };
     // Edges: a thread has some particles one after the other, and meets those beside in `near`.
     const int own_first = row * turns, own_count = there ? min(turns, count - own_first) : 0;
-    Vec3f x[turns];
+    Vec3f x[turns + 1];
     float length[turns + 1];
 #pragma unroll
     for (int k = 0; k <= turns; ++k) {
         length[k] = own_first + k < count ? edges[own_first + k][column] : 0;
         if (k < own_count) x[k] = offset_of(own_first + k);
     }
-    for (int round = 0; round < length_rounds; ++round) {
+    for (int round = 0; round < rounds; ++round) {
         Vec3f lacking{0, 0, 0};
+        if (own_first + turns < count) x[turns] = offset_of(own_first + turns);
         if (own_count > 0 && own_first > 0)
             lacking = half_lacking(x[0] - offset_of(own_first - 1), length[0]);
 #pragma unroll
         for (int k = 0; k < turns; ++k) {
             if (k >= own_count) continue;
             Vec3f after{0, 0, 0};
-            if (own_first + k + 1 < count)
-                after =
-                    half_lacking((k + 1 < turns ? x[(k + 1) % turns] : offset_of(own_first + turns)) - x[k],
-                                 length[k + 1]);
+            if (own_first + k + 1 < count) after = half_lacking(x[k + 1] - x[k], length[k + 1]);
             if (own_first + k > 0) x[k] += lacking - after;
             lacking = after;
         }
@@ -599,13 +597,14 @@ void StrandKernels::describe(cudaStream_t stream) const {
     check_launch("features of motion");
 }
 
-void StrandKernels::place(const float* answer, Vec3f* out, cudaStream_t stream, bool within_shapes) const {
+void StrandKernels::place(const float* answer, int rounds, Vec3f* out, cudaStream_t stream,
+                          bool within_shapes) const {
     const Outside outside{shapes_.data(), within_shapes ? 0 : int(shapes_.size()), depth_.data(),
                           torn_.data()};
     const unsigned parts = blocks_of(n_, tile);  // of a strand
     place_kernel<<<dim3(blocks_of(pixels_, tile), parts), dim3(tile, place_rows), 0, stream>>>(
         head_.data(), pixels_, n_, int(blocks_of(n_, int(parts))), strand_.data(), turn_.data(), root_.data(),
-        base_.data(), offsets_.data(), answer, length_.data(), outside, out);
+        base_.data(), offsets_.data(), answer, length_.data(), rounds, outside, out);
     check_launch("placement in the world");
     if (outside.count == 0) return;
     lead_kernel<<<blocks_of(pixels_), threads, 0, stream>>>(head_.data(), pixels_, n_, strand_.data(),

@@ -68,10 +68,11 @@ class StrandKernels {
     void depart(const Vec3f* low, cudaStream_t stream) const;
     void carry(cudaStream_t stream) const;
     void describe(cudaStream_t stream) const;
-    // Of B and what the network answered: amplitudes (S, 72), 16 bytes aligned, null: nothing. Edges are led
-    // toward their lengths.
+    // Of B and what the network answered: amplitudes (S, 72), 16 bytes aligned, null: nothing. So many
+    // rounds lead edges toward their lengths.
     // `within_shapes`: where they are, even in what is attached to the head.
-    void place(const float* answer, Vec3f* out, cudaStream_t stream, bool within_shapes = false) const;
+    void place(const float* answer, int rounds, Vec3f* out, cudaStream_t stream,
+               bool within_shapes = false) const;
 
   private:
     void take_rest(const StrandCodec& codec);

@@ -24,9 +24,10 @@ using testing::expect_error;
 using testing::Scratch;
 
 // A network of small random weights that moves strands by some millimetres.
-std::string made_model(const std::string& path, const char* architecture, int inputs) {
+std::string made_model(const std::string& path, const char* architecture, int inputs,
+                       const char* target = "strands") {
     ModelCard card;
-    card.codec = "strand", card.architecture = architecture, card.target = "strands";
+    card.codec = "strand", card.architecture = architecture, card.target = target;
     card.width = 0.25, card.particles = 50;
     card.input_channels = inputs, card.output_channels = strand_coefficients;
     card.arrays["input_mean"].assign(size_t(inputs), 0);
@@ -87,7 +88,7 @@ TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
         network->run(input.data(), {1, inputs, codec.height(), codec.width()}, answer.data());
         Strands expected;
         codec.decode(answer.data(), heads.now, expected);
-        codec.lead_edges(expected.points.data());
+        codec.lead_edges(most_length_rounds, expected.points.data());
         EXPECT_EQ(testing::largest_distance(hair.out, expected), 0) << f;
         EXPECT_GT(testing::largest_distance(learned->base(heads.now), expected), 1e-3);
         shown.push_back(hair.out);
@@ -122,6 +123,31 @@ TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
                             hair.codec());
         },
         {"strand_mlp", "163", std::to_string(inputs)});
+}
+
+// Displayed strands are led in one round; where Eq 10 follows, as others.
+TEST(LearnedStrands, LeadEdgesAsOftenAsTheyAreTold) {
+    Scratch scratch;
+    Swaying hair;
+    std::vector<Strands> shown;
+    for (const auto& [target, rounds] : {std::pair{"strands", -1},
+                                         {"displayed", most_length_rounds},
+                                         {"displayed", -1},
+                                         {"strands", 1},
+                                         {"strands", 0}}) {
+        const std::string model = made_model(scratch.path("m.h5"), "strand_depthwise", inputs, target);
+        auto learned = learned_strands(load_network(model, "cpu", 1), hair.codec());
+        if (rounds >= 0) learned->lead_edges(rounds);
+        learned->bind(hair.in.points.data(), hair.out.points.data());
+        learned->run(hair.take(0));
+        shown.push_back(hair.out);
+        expect_error([&] { learned->lead_edges(most_length_rounds + 1); }, {"5 rounds", "0 to 4"});
+        expect_error([&] { learned->lead_edges(-1); }, {"-1 rounds", "0 to 4"});
+    }
+    EXPECT_EQ(testing::largest_distance(shown[0], shown[1]), 0);
+    EXPECT_GT(testing::largest_distance(shown[1], shown[2]), 1e-5);
+    EXPECT_EQ(testing::largest_distance(shown[2], shown[3]), 0);
+    EXPECT_GT(testing::largest_distance(shown[3], shown[4]), 1e-5);
 }
 
 // Of what the network adds, and as it rounds, a walk over the layers.
