@@ -117,7 +117,7 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     // to its surface, but for roots, and where that tears edges strands are led, as the host leads them.
     // Every fourth strand may lie in it as it likes.
     HeadShapes head{{Sphere{0.12}}, std::vector<float>(high.rest.points.size(), 0)};
-    for (size_t k = 0; k < head.depth.size(); ++k) head.depth[k] = k / n % 4 ? 0 : 1;
+    for (size_t k = 0; k < head.depth.size(); ++k) head.depth[k] = k / n % 4 ? 0 : -1;
     Strands inside(high.rest.count, high.rest.particles);
     kernels.place(answer_there.data(), most_length_rounds, out_there.data(), nullptr);
     out_there.download(inside.points.data());
@@ -148,7 +148,7 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
                 led += norm(wanted.at(s, i) - x) > 1e-3;
             }
             for (int i = 0; i < wanted.particles; ++i)
-                if (depth_of(s, i) > 0) {
+                if (depth_of(s, i) < 0) {
                     EXPECT_LT(norm(around.at(s, i) - inside.at(s, i)), 1e-6);
                 } else if (i > 0) {
                     EXPECT_GT(norm(pose.inverse(cast<double>(around.at(s, i)))), 0.12 - 1e-5);
