@@ -85,6 +85,7 @@ MovingLevelSetDevice::MovingLevelSetDevice(const Mesh& mesh, const Bounds& box, 
                                            cudaStream_t stream)
     : stream_(stream),
       mesh_(mesh),
+      surface_(mesh_),
       band_(mesh, box, spacing, band),
       triangles_(mesh.triangles.size()),
       original_(mesh.triangles.size()),
@@ -128,8 +129,8 @@ MovingGrid MovingLevelSetDevice::grid(double share) const {
 
 void MovingLevelSetDevice::find_tree(const std::vector<Vec3f>& vertices) {
     mesh_.vertices = vertices;
-    const MeshDistance surface(mesh_);
-    const TriangleTree tree = surface.tree();
+    surface_.rebuild(mesh_);
+    const TriangleTree tree = surface_.tree();
     triangles_.fill(tree.triangles), original_.fill(tree.original), place_.fill(tree.place);
     tree_nodes_.fill(tree.nodes), vertices_.fill(mesh_.vertices);
 }

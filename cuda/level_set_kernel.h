@@ -51,6 +51,7 @@ class MovingLevelSetDevice {
 
     const cudaStream_t stream_;
     Mesh mesh_;
+    MeshDistance surface_;  // its
     const NarrowBand band_;
     double per_second_ = 0;
     SentBuffer<TriangleTree::Triangle> triangles_;

@@ -77,19 +77,23 @@ Deformation::Deformation(const Table& solid, double metres) {
 }
 
 Mesh Deformation::at(double time) const {
+    Mesh mesh{{}, triangles_};
+    vertices_at(time, mesh.vertices);
+    return mesh;
+}
+
+void Deformation::vertices_at(double time, std::vector<Vec3f>& out) const {
     const auto after =
         std::upper_bound(keys_.begin(), keys_.end(), time, [](double x, const Key& k) { return x < k.time; });
-    if (after == keys_.begin()) return {keys_.front().vertices, triangles_};
-    if (after == keys_.end()) return {keys_.back().vertices, triangles_};
+    out = (after == keys_.begin() ? keys_.front() : after[-1]).vertices;
+    if (after == keys_.begin() || after == keys_.end()) return;
     const Key &from = after[-1], &to = *after;
     const double h = to.time - from.time;
     const HermiteWeights w = hermite_weights((time - from.time) / h, h);
-    Mesh mesh{from.vertices, triangles_};
-    for (size_t v = 0; v < mesh.vertices.size(); ++v)
-        mesh.vertices[v] = cast<float>(
-            w.from * cast<double>(from.vertices[v]) + w.from_slope * cast<double>(from.slopes[v]) +
-            w.to * cast<double>(to.vertices[v]) + w.to_slope * cast<double>(to.slopes[v]));
-    return mesh;
+    for (size_t v = 0; v < out.size(); ++v)
+        out[v] = cast<float>(w.from * cast<double>(from.vertices[v]) +
+                             w.from_slope * cast<double>(from.slopes[v]) +
+                             w.to * cast<double>(to.vertices[v]) + w.to_slope * cast<double>(to.slopes[v]));
 }
 
 Bounds Deformation::box() const {

@@ -16,6 +16,8 @@ class Deformation {
     Deformation(const Table& solid, double metres);
     // Held before the first keyframe and after the last.
     Mesh at(double time) const;
+    // Its vertices [m]; allocates nothing where `out` had as many.
+    void vertices_at(double time, std::vector<Vec3f>& out) const;
     // Holds the mesh at all times [m]: no vertex goes beyond its keyframes.
     Bounds box() const;
 

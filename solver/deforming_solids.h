@@ -37,8 +37,7 @@ class DeformingSolidsOf {
     }
     // All is held as it is at `time` [s].
     void hold(double time) {
-        for (size_t k = 0; k < solids_.size(); ++k)
-            level_sets_[k].hold(solids_[k]->deformation->at(time).vertices);
+        for (size_t k = 0; k < solids_.size(); ++k) level_sets_[k].hold(vertices_at(k, time));
         lay_views(1);
     }
     // Rebuilds them for a span [s] of so many substeps, from `begin` [s] on; `hair` as of a schedule.
@@ -46,7 +45,7 @@ class DeformingSolidsOf {
     void advance(const Hair&, double begin, double span, int substeps) {
         const StageTimer timer(seconds);
         for (size_t k = 0; k < solids_.size(); ++k)
-            level_sets_[k].advance(solids_[k]->deformation->at(begin + span).vertices, span);
+            level_sets_[k].advance(vertices_at(k, begin + span), span);
         lay_views(substeps);
     }
     void finish() {}  // once the frame is shown
@@ -65,6 +64,11 @@ class DeformingSolidsOf {
     double seconds = 0;  // in the frame at hand
 
   private:
+    // Valid until the next call.
+    const std::vector<Vec3f>& vertices_at(size_t k, double time) {
+        solids_[k]->deformation->vertices_at(time, vertices_);
+        return vertices_;
+    }
     void lay_views(int substeps) {
         views_.clear();
         for (int done = 0; done <= substeps; ++done)
@@ -74,6 +78,7 @@ class DeformingSolidsOf {
     std::vector<const Solid*> solids_;      // those that deform
     std::deque<MovingSurface> level_sets_;  // they stay where they are made
     std::vector<MovingGrid> views_;         // (substep and one, solid)
+    std::vector<Vec3f> vertices_;
 };
 
 using DeformingSolids = DeformingSolidsOf<MovingLevelSet>;

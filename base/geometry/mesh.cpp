@@ -46,49 +46,43 @@ Bounds bounding_box(const Mesh& mesh) {
     return box;
 }
 
-// A triangle as the hierarchy asks for it time and again.
-struct MeshDistance::Given {
-    Triangle corners;
-    Vec3d centroid, area;  // area vector [m^2]
-    double size;           // its length
-    bool counts;           // one without an area has no surface to be near to, and no weights
-};
-
-MeshDistance::MeshDistance(const Mesh& mesh) {
-    std::vector<Given> given(mesh.triangles.size());
-#pragma omp parallel for schedule(static) if (given.size() > size_t(alone))
-    for (size_t t = 0; t < given.size(); ++t) {
+void MeshDistance::rebuild(const Mesh& mesh) {
+    given_.resize(mesh.triangles.size());
+#pragma omp parallel for schedule(static) if (given_.size() > size_t(alone))
+    for (size_t t = 0; t < given_.size(); ++t) {
         const auto corner = [&](size_t k) {
             return cast<double>(mesh.vertices[size_t(mesh.triangles[t][k])]);
         };
         const Vec3d a = corner(0), b = corner(1), c = corner(2);
         const Vec3d ab = b - a, ac = c - a, bc = c - b, twice = cross(ab, ac), area = 0.5 * twice;
         const double longest = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
-        given[t] = {{a, b, c}, (1.0 / 3) * (a + b + c), area, norm(area), norm(twice) > 1e-12 * longest};
+        given_[t] = {{a, b, c}, (1.0 / 3) * (a + b + c), area, norm(area), norm(twice) > 1e-12 * longest};
     }
-    for (size_t t = 0; t < given.size(); ++t)
-        if (given[t].counts) original_.push_back(int(t));
+    original_.clear();
+    for (size_t t = 0; t < given_.size(); ++t)
+        if (given_[t].counts) original_.push_back(int(t));
     if (original_.empty())
-        throw Error("distance to a mesh: none of its " + std::to_string(given.size()) +
+        throw Error("distance to a mesh: none of its " + std::to_string(given_.size()) +
                     " triangles has an area");
     nodes_.resize(original_.size());
     int used = 1;
 #pragma omp parallel if (original_.size() > size_t(alone))
 #pragma omp single
-    build(0, 0, int(original_.size()), given, used);
+    build(0, 0, int(original_.size()), used);
     nodes_.resize(size_t(used));
-    place_.assign(given.size(), -1);
+    place_.assign(given_.size(), -1);
+    triangles_.clear();
     for (int t : original_) {
         place_[size_t(t)] = int(triangles_.size());
-        triangles_.push_back(given[size_t(t)].corners);
+        triangles_.push_back(given_[size_t(t)].corners);
     }
 }
 
 // Where nodes lie depends on who comes first, the tree that they make does not.
-void MeshDistance::build(int node, int first, int count, const std::vector<Given>& given, int& used) {
+void MeshDistance::build(int node, int first, int count, int& used) {
     constexpr int leaf = 4;
     const std::span<int> members(original_.data() + first, size_t(count));
-    nodes_[size_t(node)] = summary(members, given);
+    nodes_[size_t(node)] = summary(members);
     if (count <= leaf) {
         nodes_[size_t(node)].first = first;
         nodes_[size_t(node)].count = count;
@@ -98,7 +92,7 @@ void MeshDistance::build(int node, int first, int count, const std::vector<Given
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const int half = count / 2;
     std::nth_element(members.begin(), members.begin() + half, members.end(), [&](int s, int t) {
-        return component(given[size_t(s)].centroid, axis) < component(given[size_t(t)].centroid, axis);
+        return component(given_[size_t(s)].centroid, axis) < component(given_[size_t(t)].centroid, axis);
     });
     int children;
 #pragma omp atomic capture
@@ -109,19 +103,19 @@ void MeshDistance::build(int node, int first, int count, const std::vector<Given
     nodes_[size_t(node)].first = children;
     nodes_[size_t(node)].count = 0;
 #pragma omp task default(shared) firstprivate(children, first, half) if (count > alone)
-    build(children, first, half, given, used);
-    build(children + 1, first + half, count - half, given, used);
+    build(children, first, half, used);
+    build(children + 1, first + half, count - half, used);
 #pragma omp taskwait
 }
 
-MeshDistance::Node MeshDistance::summary(std::span<const int> members, const std::vector<Given>& given) {
+MeshDistance::Node MeshDistance::summary(std::span<const int> members) const {
     const Bounds none = empty_bounds();
     Node node{none.low, none.high, {0, 0, 0}, {0, 0, 0}, 0, 0, 0};
     double total = 0, farthest = 0;  // farthest: squared
     for (int t : members) {
-        const auto& [a, b, c] = given[size_t(t)].corners;
-        const double size = given[size_t(t)].size;
-        node.area += given[size_t(t)].area;
+        const auto& [a, b, c] = given_[size_t(t)].corners;
+        const double size = given_[size_t(t)].size;
+        node.area += given_[size_t(t)].area;
         node.centre += (size / 3) * (a + b + c);
         total += size;
         node.low = lower(node.low, lower(a, lower(b, c)));
@@ -129,11 +123,16 @@ MeshDistance::Node MeshDistance::summary(std::span<const int> members, const std
     }
     node.centre = (1 / total) * node.centre;
     for (int t : members) {
-        const auto& [a, b, c] = given[size_t(t)].corners;
+        const auto& [a, b, c] = given_[size_t(t)].corners;
         for (const Vec3d& p : {a, b, c}) farthest = std::max(farthest, dot(p - node.centre, p - node.centre));
     }
     node.radius = std::sqrt(farthest);
     return node;
+}
+
+size_t MeshDistance::bytes() const {
+    return given_.capacity() * sizeof(Given) + triangles_.capacity() * sizeof(Triangle) +
+           (original_.capacity() + place_.capacity()) * sizeof(int) + nodes_.capacity() * sizeof(Node);
 }
 
 MeshDistance::Closest MeshDistance::closest(const Vec3d& x, int guess) const {

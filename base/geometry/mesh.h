@@ -35,23 +35,33 @@ Bounds bounding_box(const Mesh& mesh);
 class MeshDistance {
   public:
     // Throws Error where no triangle has an area; those that have none are left out.
-    explicit MeshDistance(const Mesh& mesh);
+    explicit MeshDistance(const Mesh& mesh) { rebuild(mesh); }
+    // Of another mesh, or one that moved; memory is kept.
+    void rebuild(const Mesh& mesh);
 
     // As TriangleTree's.
     using Closest = TriangleTree::Closest;
     Closest closest(const Vec3d& x, int guess = -1) const;
     double winding_number(const Vec3d& x) const;
     bool inside(const Vec3d& x) const;
-    // Valid as long as this lives.
+    size_t bytes() const;
+    // Valid until it is rebuilt.
     TriangleTree tree() const { return {triangles_, original_, place_, nodes_}; }
 
   private:
     using Triangle = TriangleTree::Triangle;
     using Node = TriangleTree::Node;
-    struct Given;
-    void build(int node, int first, int count, const std::vector<Given>& given, int& used);
-    static Node summary(std::span<const int> members, const std::vector<Given>& given);
+    // A triangle as building asks for it time and again.
+    struct Given {
+        Triangle corners;
+        Vec3d centroid, area;  // area vector [m^2]
+        double size;           // its length
+        bool counts;           // one without an area has no surface to be near to, and no weights
+    };
+    void build(int node, int first, int count, int& used);
+    Node summary(std::span<const int> members) const;
 
+    std::vector<Given> given_;
     // What the tree views.
     std::vector<Triangle> triangles_;
     std::vector<int> original_, place_;

@@ -11,6 +11,7 @@ NarrowBand::NarrowBand(const Mesh& mesh, const Bounds& box, double spacing, doub
 
 MovingLevelSet::MovingLevelSet(Mesh mesh, const Bounds& box, double spacing, double band)
     : mesh_(std::move(mesh)),
+      surface_(mesh_),
       band_(mesh_, box, spacing, band),
       phi_(band_.nodes()),
       velocity_(band_.nodes()),
@@ -39,11 +40,11 @@ MovingGrid MovingLevelSet::grid(double share) const {
 
 size_t MovingLevelSet::bytes() const {
     return (phi_.capacity() + phi_before_.capacity()) * sizeof(float) + velocity_.capacity() * sizeof(Vec3f) +
-           triangle_.capacity() * sizeof(int);
+           triangle_.capacity() * sizeof(int) + surface_.bytes();
 }
 
 void MovingLevelSet::build() {
-    const MeshDistance surface(mesh_);
+    surface_.rebuild(mesh_);
     const LevelSetRebuild rebuild{
         band_,       per_second_,      mesh_.triangles.data(), before_.data(), mesh_.vertices.data(),
         phi_.data(), velocity_.data(), triangle_.data()};
@@ -52,7 +53,7 @@ void MovingLevelSet::build() {
 #pragma omp parallel for collapse(2) schedule(dynamic, 4) reduction(+ : exact)
         for (int k = 0; k < band_.grid.nz; k += step)
             for (int j = 0; j < band_.grid.ny; j += step)
-                for (int i = 0; i < band_.grid.nx; i += step) exact += rebuild.set(surface, step, i, j, k);
+                for (int i = 0; i < band_.grid.nx; i += step) exact += rebuild.set(surface_, step, i, j, k);
     exact_ = exact;
 }
 

@@ -90,6 +90,7 @@ class MovingLevelSet {
     void build();
 
     Mesh mesh_;
+    MeshDistance surface_;  // its
     NarrowBand band_;
     double per_second_ = 0;                // 1 / span; 0: at rest
     std::vector<Vec3f> before_;            // vertices at the begin of the span

@@ -35,9 +35,10 @@ namespace {
 
 using namespace testing;
 
-long asked_in_frames(const std::string& text, int before, int frames, AdhesionModel* model = nullptr) {
-    const Scene scene = scene_of(text);
-    const auto simulation = make_simulation(scene, "float");
+long asked_in_frames(const std::string& text, int before, int frames, AdhesionModel* model = nullptr,
+                     const std::vector<std::string>& set = {}, const std::string& precision = "float") {
+    const Scene scene = scene_of(text, set);
+    const auto simulation = make_simulation(scene, precision);
     if (model) simulation->use_adhesion_model(model);
     for (int f = 0; f < before; ++f) simulation->advance();
     const long at_first = asked;
@@ -82,7 +83,19 @@ TEST(Allocations, a_frame_asks_for_none) {
                                      {"kim", compared("kim")},
                                      {"boundary particles", compared("boundary_particles")}})
         EXPECT_EQ(asked_in_frames(text, 48, 12), 0) << name;
+    EXPECT_EQ(asked_in_frames(wet_scene, 48, 12, nullptr, {}, "double"), 0);
+    for (const std::string set : {"cohesion.spacing=0.02", "cohesion.relaxation=2.5",
+                                  "integrator.kind=backward_euler", "integrator.limiter=0.05"})
+        EXPECT_EQ(asked_in_frames(wet_scene, 48, 12, nullptr, {set}), 0) << set;
+    EXPECT_EQ(
+        asked_in_frames(dry_scene, 24, 12, nullptr, {"integrator.kind=explicit", "integrator.substeps=40"}),
+        0);
     EXPECT_EQ(asked_in_frames(flowing_scene(1, 0.5), 96, 12), 0);
+    // Beside the head: it breathes as often as the head turns.
+    const Scratch scratch;
+    const std::string breathes = breathing_sphere(scratch, {0.02, 0.04, 0.02, 0.04, 0.02, 0.04, 0.02}, 0.5,
+                                                  "[0, -0.1, 0.12]", 0.01, 16);
+    EXPECT_EQ(asked_in_frames(wet_scene + breathes, 24, 12), 0);
     NoPull model;
     EXPECT_EQ(asked_in_frames(wet_scene, 48, 12, &model), 0);
     EXPECT_GT(model.asked, 0);

@@ -24,6 +24,14 @@ TEST(Simulation, gives_the_same_bits_for_one_and_three_threads) {
     EXPECT_TRUE(same_bits(one.displayed, three.displayed));
     EXPECT_GT(farthest(one.positions, scene.groom.rest), 1e-3);
     EXPECT_GT(farthest(one.positions, one.displayed), 1e-3);
+    // What goes over all strands at once, its own way each.
+    for (const string set : {"cohesion.spacing=0.02", "cohesion.relaxation=2.5", "cohesion.strength=20"}) {
+        const Scene other = scene_of(wet_scene, {"groom.grid=[8, 8]", set});
+        const auto [alone, shared] = with_one_and_three_threads([&] { return after(other, 6); });
+        EXPECT_TRUE(same_bits(alone.positions, shared.positions)) << set;
+        EXPECT_TRUE(same_bits(alone.displayed, shared.displayed)) << set;
+        EXPECT_GT(farthest(alone.positions, alone.displayed), 1e-3) << set;
+    }
 }
 
 TEST(Simulation, of_low_resolution_is_every_second_strand_of_the_high_one) {
