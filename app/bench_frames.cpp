@@ -81,7 +81,7 @@ constexpr double bytes_a_particle = 350, bytes_seen = sizeof(Vec3f);
 const std::vector<Strands>& reference_frames(const Workload& w, bool wet, const std::string& device) {
     static std::map<std::string, std::vector<Strands>> known;
     Workload passes = w;
-    passes.relaxation = 1, passes.spacing = 0;
+    passes.relaxation = 1, passes.spacing = 0, passes.substeps = 10;
     const Scene scene = scene_of(passes, wet);
     // Those of much hair take gigabytes, and are asked for once.
     std::erase_if(
@@ -113,7 +113,8 @@ const std::vector<std::string> state_buffers{
     "adhesion contact", "adhesion distance", "adhesion normal", "adhesion surface velocity"},
     given_buffers{"positions",    "velocities",   "roots",      "mass",      "rest lengths",
                   "bend targets", "core lengths", "saturation", "rest depth"},
-    other_buffers{"scratch of the threads", "cohesion lists", "displayed positions"};
+    other_buffers{"scratch of the threads", "cohesion lists",       "displayed positions",
+                  "room of the strands",    "frame on its way out", "shown positions"};
 // Those that are none of these: of what a scene names beside them.
 double bytes_beside(const BufferList& buffers) {
     double sum = bytes_of(buffers, {});
@@ -175,7 +176,8 @@ std::string name_of_precision(const std::string& precision) {
 std::string series_of(const Workload& w, bool wet) {
     const std::string spaced = w.spacing > 0 ? fmt::format(" every {:g} mm", 1e3 * w.spacing) : "",
                       relaxed = w.relaxation > 1 ? " over-relaxed" : "";
-    return fmt::format("{} frame{}{}", wet ? "wet" : "dry", w.angle == 0 ? ", head at rest" : "",
+    const std::string substeps = w.substeps == 10 ? "" : fmt::format(" of {} substeps", w.substeps);
+    return fmt::format("{} frame{}{}{}", wet ? "wet" : "dry", substeps, w.angle == 0 ? ", head at rest" : "",
                        spaced.empty() && relaxed.empty() ? "" : ", Eq 10" + spaced + relaxed);
 }
 std::string name_of(const Workload& w, bool wet) {
@@ -205,6 +207,7 @@ Scene scene_with(const char* beside, const Workload& w, const std::vector<std::s
 
 Scene scene_of(const Workload& w, bool wet, const std::vector<std::string>& given, int stride) {
     auto set = given;
+    if (w.substeps != 10) set.push_back(fmt::format("integrator.substeps={}", w.substeps));
     if (w.relaxation > 1) set.push_back(fmt::format("cohesion.relaxation={}", w.relaxation));
     if (w.spacing > 0) set.push_back(fmt::format("cohesion.spacing={}", w.spacing));
     Scene scene = scene_with(shown_wet, w, set, stride);

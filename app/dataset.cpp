@@ -412,7 +412,13 @@ int dataset_command(const DatasetOptions& o) {
         const Json manifest = finish(recipe, to);
         json["whole"] = true;
         for (const auto& [key, value] : manifest.items())
-            if (key.starts_with("floor_")) json[key] = value;
+            if (key.starts_with("floor_mm")) {
+                json[key] = value;
+                log_info(fmt::format("{}: encoding alone costs {:.2f} mm on average", key.substr(9),
+                                     value.get<double>()));
+            } else if (key.starts_with("floor_")) {
+                json[key] = value;
+            }
     }
     write_json(json, o.json);
     log_info(fmt::format("{}: {} scenes made in {:.0f} s{}", o.output, done, json["seconds"].get<double>(),

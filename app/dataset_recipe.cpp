@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "base/config.h"
 #include "base/geometry/strands.h"
@@ -44,17 +42,9 @@ double uniform(long seed, const std::string& scene, const std::string& what) {
     return double((h ^ (h >> 31)) >> 11) * 0x1p-53;
 }
 
-std::string text_of_file(const std::string& path) {
-    std::ifstream in(path);
-    if (!in) throw Error(path + ": cannot be read");
-    std::stringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
 class Members {
   public:
-    Members(const Table& root, std::string base) : base_(std::move(base)) {
+    Members(const Table& root, const Config& base) : base_(base.text()), folder_(base.folder()) {
         seed_ = root.integer("seed", 1, 0, largest_seed);
         all_ = draws_of(root.table("draw")), test_ = draws_of(root.table("test_draw"));
         const Table pick = root.table("pick");
@@ -69,7 +59,8 @@ class Members {
     }
     DatasetMember make(const std::string& split, long index) const {
         DatasetMember m;
-        m.name = fmt::format("{}-{:04d}", split, index), m.split = split, m.text = base_;
+        m.name = fmt::format("{}-{:04d}", split, index), m.split = split;
+        Config scene = Config::parse(base_, "the base scene", folder_);
         std::map<std::string, Table::Ranges> draws;
         auto add = [&](const std::vector<Draw>& more) {
             for (const auto& d : more) draws[d.key] = d.ranges;
@@ -78,9 +69,10 @@ class Members {
         for (const auto& list : lists_) {
             const Entry& entry = picked(list, split, m.name);
             m.picked[list.name] = entry.name;
-            m.text += "\n" + entry.text;
+            scene.replace(entry.text, fmt::format("pick.{} '{}'", list.name, entry.name));
             add(entry.draws);
         }
+        m.text = scene.text();
         if (split == "test") add(test_);
         m.set.push_back(fmt::format("seed={}", long(uniform(seed_, m.name, "seed") * 1e9)));
         for (const auto& [key, ranges] : draws) {
@@ -92,6 +84,18 @@ class Members {
             m.set.push_back(key + "=" + ranges.with(values));
         }
         return m;
+    }
+
+    // What scenes name, and the hash of each.
+    std::map<std::string, std::string> files() const {
+        std::map<std::string, std::string> out;
+        auto add = [&](const Config& config) {
+            for (const auto& file : config.named_files()) out[file] = hash_of_file(file);
+        };
+        add(Config::parse(base_, "the base scene", folder_));
+        for (const auto& list : lists_)
+            for (const auto& entry : list.entries) add(Config::parse(entry.text, entry.name, folder_));
+        return out;
     }
 
   private:
@@ -111,7 +115,7 @@ class Members {
         return *allowed[size_t(uniform(seed_, name, "pick " + list.name) * double(allowed.size()))];
     }
 
-    std::string base_;
+    std::string base_, folder_;
     long seed_ = 1;
     std::vector<Draw> all_, test_;
     std::vector<List> lists_;
@@ -138,7 +142,8 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     r.box = {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
     const std::string scene = root.path("scene");
     if (scene.empty()) throw Misuse(path + ": scene: names the scene that all others start from");
-    const Members members(root, text_of_file(scene));
+    const Config base = Config::load(scene);
+    const Members members(root, base);
     const Table splits = root.table("splits");
     for (const auto& split : dataset_splits)
         for (long k = splits.integer(split, 0, 0, 9999), i = 0; i < k; ++i)
@@ -148,9 +153,11 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     config.require_all_used();
     r.folder = std::filesystem::path(scene).parent_path().string();
     if (r.folder.empty()) r.folder = ".";
-    const std::string base = Config::load(scene).text();
-    r.text = config.text() + "# base scene " + hash_bytes(base.data(), base.size()) + "\n";
+    const std::string text = base.text();
+    r.text = config.text() + "# base scene " + hash_bytes(text.data(), text.size()) + "\n";
     r.files = config.files();
+    for (const auto& [file, hash] : members.files())
+        r.text += "# " + std::filesystem::relative(file, r.folder).string() + " " + hash + "\n";
     return r;
 }
 

@@ -22,7 +22,9 @@
 //   name = "turn"
 //   only = "test"                  test | train (and validation); "": both
 //   weight = 1                     an entry of 2 is picked twice as often
-//   text = """[motion]\naxis = [0, 1, 0]"""   appended to the base scene
+//   text = """[motion]\naxis = [0, 1, 0]"""   its tables take the place of the base scene's, as a [groom]
+//   with
+//                                  file = "hair.data"; [[tables]] are added to the base scene's
 //   [pick.motion.draw]             drawn where the entry is picked
 //   "motion.angle" = [10, 40]
 //
@@ -53,7 +55,7 @@ struct DatasetRecipe {
     ColourBox box;     // of codec root, the same for all
     std::vector<DatasetMember> members;
     std::string folder;              // where the scenes' relative paths start
-    std::string text;                // resolved, TOML, and a hash of the base scene
+    std::string text;                // resolved, TOML, and hashes of the base scene and of files named
     std::vector<std::string> files;  // what it was read from
 };
 

@@ -180,6 +180,18 @@ void Config::set(const std::string& assignment, const std::string& option) {
     body_->written[path] = option.empty() ? "--set " + path : option;
 }
 
+void Config::replace(const std::string& text, const std::string& name) {
+    for (const auto& [key, value] : parse_toml(text, name)) {
+        toml::array *mine = body_->root[key.str()].as_array(), *all = nullptr;
+        const toml::array* more = value.as_array();
+        if (mine && mine->is_array_of_tables() && more && more->is_array_of_tables()) all = mine;
+        if (!all)
+            body_->root.insert_or_assign(key.str(), value);
+        else
+            for (const auto& table : *more) all->push_back(table);
+    }
+}
+
 Table Config::root() {
     Table t;
     t.body_ = body_;
@@ -228,6 +240,21 @@ std::string Config::text() const {
 }
 const std::string& Config::folder() const { return body_->folder; }
 std::vector<std::string> Config::files() const { return {body_->files.begin(), body_->files.end()}; }
+std::vector<std::string> Config::named_files() const {
+    std::vector<std::string> out;
+    std::function<void(const toml::node&)> find = [&](const toml::node& node) {
+        if (const auto* t = node.as_table())
+            for (const auto& [key, value] : *t) find(value);
+        if (const auto* a = node.as_array())
+            for (const auto& value : *a) find(value);
+        std::error_code none;
+        if (const auto* s = node.as_string())
+            if (const fs::path path = fs::path(folder()) / s->get(); fs::is_regular_file(path, none))
+                out.push_back(path.lexically_normal().string());
+    };
+    find(body_->root);
+    return out;
+}
 
 static const toml::table* as_table(const void* node) { return static_cast<const toml::table*>(node); }
 

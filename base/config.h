@@ -29,6 +29,8 @@ class Config {
     // `key.path=value` as TOML, names that hold dots in quotes; a bare word is taken as a string. `option`
     // gave it, where that is not --set, and is what messages name.
     void set(const std::string& assignment, const std::string& option = "");
+    // Another text's tables and values take the place of those of their name; its [[tables]] come after them.
+    void replace(const std::string& text, const std::string& name);
     Table root();
     // Throws Misuse for the first key that nobody asked for, with the nearest key that somebody did.
     void require_all_used() const;
@@ -37,6 +39,8 @@ class Config {
     const std::string& folder() const;
     // The file itself, what it includes, and every path that was asked for.
     std::vector<std::string> files() const;
+    // Every file there is that a value names, from the folder on, asked for or not.
+    std::vector<std::string> named_files() const;
 
   private:
     friend class Table;

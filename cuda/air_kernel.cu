@@ -39,19 +39,20 @@ __global__ void advect(const __grid_constant__ StaggeredGrid g, const __grid_con
     });
 }
 
-// `braked`: k of all faces of all components, then kv; null: no hair.
+// `brakes`: k of all faces of all components, then kv; null: no hair.
 __global__ void blow_and_brake(const __grid_constant__ StaggeredGrid g, const BlowingBall* balls, int count,
-                               const long long* braked, double unit) {
+                               const long long* brakes, double unit) {
     at_my_face(g, [&](int axis, int face, int i, int j, int k) {
         double u = g.u[axis][face];
         for (int b = 0; b < count; ++b)
-            u += balls[b].gust * share_of_ball(balls[b].center, balls[b].radius, g.place(axis, i, j, k)) *
-                 (along(balls[b].velocity, axis) - u);
-        if (braked) {
+            u = blown(u, balls[b].gust,
+                      share_of_ball(balls[b].center, balls[b].radius, g.place(axis, i, j, k)),
+                      along(balls[b].velocity, axis));
+        if (brakes) {
             int at = face;
             for (int a = 0; a < axis; ++a) at += g.faces(a);
             const int all = g.faces(0) + g.faces(1) + g.faces(2);
-            u = (u + unit * double(braked[all + at])) / (1 + unit * double(braked[at]));
+            u = braked(u, unit * double(brakes[at]), unit * double(brakes[all + at]));
         }
         g.u[axis][face] = u;
     });

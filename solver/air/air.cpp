@@ -103,15 +103,13 @@ void AirField::blow(double time) {
         for (int axis = 0; axis < 3; ++axis)
             for_each_face(axis, [&](size_t face, int i, int j, int k) {
                 double& u = grid.u[axis][face];
-                u += gust * share_of_ball(source.center, source.radius, grid.place(axis, i, j, k)) *
-                     (along(source.velocity, axis) - u);
+                u = blown(u, gust, share_of_ball(source.center, source.radius, grid.place(axis, i, j, k)),
+                          along(source.velocity, axis));
             });
     }
 }
 
-// Implicit, so that hair never takes the air beyond its own velocity: (u + k v) / (1 + k) at each face, k =
-// dt drag / (density volume) of the hair around it and v its velocity. A component's faces are one thread's,
-// so that the sums have one order.
+// A component's faces are one thread's, so that the sums have one order.
 void AirField::brake(const std::vector<DragPoint>& hair, double dt) {
     const StaggeredGrid grid = view();
     const double each = dt / (air_.density * cell_ * cell_ * cell_);
@@ -130,7 +128,7 @@ void AirField::brake(const std::vector<DragPoint>& hair, double dt) {
                 k[face] += weight, kv[face] += weight * v;
             });
         }
-        for (size_t f = 0; f < u.size(); ++f) u[f] = (u[f] + kv[f]) / (1 + k[f]);
+        for (size_t f = 0; f < u.size(); ++f) u[f] = braked(u[f], k[f], kv[f]);
     }
 }
 

@@ -111,6 +111,14 @@ WETCURL_HD inline double share_of_ball(const Vec3d& center, double radius, const
     return inside * (2 - inside);
 }
 
+// The air u, of one axis, once the ball's velocity v there has blown for a step.
+WETCURL_HD inline double blown(double u, double gust, double share, double v) {
+    return u + gust * share * (v - u);
+}
+// Once hair has braked it, implicitly, so that hair never takes the air beyond its own velocity: k = dt drag
+// / (density volume) of the hair around a face, kv the same by its velocity.
+WETCURL_HD inline double braked(double u, double k, double kv) { return (u + kv) / (1 + k); }
+
 // Backward Euler of diffusion along a row of n faces, no flux at its ends: (1 + 2a) w_i - a w_{i-1} - a
 // w_{i+1} = u_i, with 1 + a at the ends. Eliminated upwards, then substituted downwards.
 WETCURL_HD inline double eliminated(double u, double before, double a, double factor) {

@@ -19,6 +19,7 @@
 #include "learn/pairs.h"
 #include "tests/base/scratch.h"
 #include "tests/base/threads.h"
+#include "tests/grooms/strand_files.h"
 
 namespace wetcurl {
 namespace {
@@ -604,6 +605,25 @@ TEST_F(Dataset, a_changed_base_scene_is_another_recipe) {
     DatasetOptions o = options(small_recipe + scenes(1, 0, 0), "mine");
     o.resume = true;
     expect_error([&] { dataset_command(o); }, {"mine/recipe.toml", "another recipe"});
+}
+
+// An imported groom in the place of the base scene's; another one under its name makes other scenes.
+TEST_F(Dataset, a_picked_table_takes_the_place_of_the_base_scenes) {
+    auto strands = testing::sample_strands(9, 12);
+    for (size_t s = 0; s < strands.size(); ++s)
+        for (auto& x : strands[s]) x.x = 0.02 * double(s % 3), x.z += 0.02 * double(s / 3);
+    scratch.file("nine.data", testing::data_file(strands));
+    std::string text =
+        small_recipe + scenes(2, 0, 0) +
+        "[[pick.groom]]\nname = \"nine\"\ntext = '''\n[groom]\nfile = \"nine.data\"\nparticles = 30\n'''\n";
+    text.erase(text.find("\"groom.length\" = [0.08"), 30);
+    DatasetOptions o = options(text, "imported");
+    o.resume = true;
+    dataset_command(o);
+    EXPECT_EQ(PairsReader(scratch.path("imported/train_strand.h5")).particles(), 30);
+    strands.pop_back();
+    scratch.file("nine.data", testing::data_file(strands));
+    expect_error([&] { dataset_command(o); }, {"imported/recipe.toml", "another recipe"});
 }
 
 TEST_F(Dataset, a_first_frame_beyond_the_last_is_refused) {
