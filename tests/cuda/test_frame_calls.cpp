@@ -66,7 +66,6 @@ TEST_F(FrameCalls, a_frame_is_one_graph_and_one_wait) {
              {"wind", air + "wind = [1, 0, 0]\n"},
              {"two-way air", air + "two_way = true\nwind = [0, 0, 1]\n[[air.source]]\n"},
              {"flow", flowing_scene(1, 0.5)},
-             {"adhesion", wet_scene + head + "[adhesion]\n"},
              {"strand contact", wet_scene + "[strand_contact]\n"},
              {"cohesion in the solve", coherent},
              {"lin", compared("lin")},

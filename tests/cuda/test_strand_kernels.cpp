@@ -149,7 +149,7 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
             }
             for (int i = 0; i < wanted.particles; ++i)
                 if (depth_of(s, i) < 0) {
-                    EXPECT_LT(norm(around.at(s, i) - inside.at(s, i)), 1e-6);
+                    EXPECT_LT(norm(around.at(s, i) - wanted.at(s, i)), 1e-6);
                 } else if (i > 0) {
                     EXPECT_GT(norm(pose.inverse(cast<double>(around.at(s, i)))), 0.12 - 1e-5);
                 }
