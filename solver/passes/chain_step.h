@@ -112,7 +112,9 @@ template <class S>
 class OwnScratch : public ChainScratch<S> {
   public:
     OwnScratch(int n, const ChainTerms& terms, bool implicit, bool solids) {
-        room_.resize(this->lay(n, terms, implicit, solids, nullptr));
+        // No number: what a step reads and nobody wrote shows.
+        room_.resize(this->lay(n, terms, implicit, solids, nullptr),
+                     S(std::numeric_limits<Plain<S>>::quiet_NaN()));
         this->lay(n, terms, implicit, solids, room_.data());
     }
     OwnScratch(const OwnScratch&) = delete;
@@ -314,7 +316,8 @@ WETCURL_HD void implicit_step(const ChainTerms& terms, const BlockStep<S>& b, Ch
     bool anew = false;
     for (int looks = 1;; ++looks) {
         for (int i = 0; limit && i + 1 < n; ++i)
-            s.limit_edge[i] = select(active > S(0), edge(view, i), s.limit_edge[i]);
+            s.limit_edge[i] =
+                looks > 1 ? select(active > S(0), edge(view, i), s.limit_edge[i]) : edge(view, i);
         bool again = true;
         for (int solves = 1; again; ++solves) {
             solve();
