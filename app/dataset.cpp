@@ -412,12 +412,10 @@ int dataset_command(const DatasetOptions& o) {
         const Json manifest = finish(recipe, to);
         json["whole"] = true;
         for (const auto& [key, value] : manifest.items())
-            if (key.starts_with("floor_mm")) {
+            if (key.starts_with("floor_")) {
                 json[key] = value;
-                log_info(fmt::format("{}: encoding alone costs {:.2f} mm on average", key.substr(9),
-                                     value.get<double>()));
-            } else if (key.starts_with("floor_")) {
-                json[key] = value;
+                log_info(fmt::format("{}: encoding alone costs {:.2f} mm on average ({})", o.output,
+                                     value.get<double>(), key));
             }
     }
     write_json(json, o.json);

@@ -182,13 +182,12 @@ void Config::set(const std::string& assignment, const std::string& option) {
 
 void Config::replace(const std::string& text, const std::string& name) {
     for (const auto& [key, value] : parse_toml(text, name)) {
-        toml::array *mine = body_->root[key.str()].as_array(), *all = nullptr;
+        toml::array* mine = body_->root[key.str()].as_array();
         const toml::array* more = value.as_array();
-        if (mine && mine->is_array_of_tables() && more && more->is_array_of_tables()) all = mine;
-        if (!all)
-            body_->root.insert_or_assign(key.str(), value);
+        if (mine && mine->is_array_of_tables() && more && more->is_array_of_tables())
+            for (const auto& table : *more) mine->push_back(table);
         else
-            for (const auto& table : *more) all->push_back(table);
+            body_->root.insert_or_assign(key.str(), value);
     }
 }
 
