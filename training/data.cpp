@@ -496,7 +496,7 @@ class AdhesionData : public TrainingData {
         return {held_.input.narrow(0, first, count),
                 held_.target.narrow(0, first, count),
                 held_.base.narrow(0, first, count),
-                {},
+                held_.mask.narrow(0, first, count),
                 {}};
     }
     double unit() const override { return 1; }
@@ -511,13 +511,15 @@ class AdhesionData : public TrainingData {
 
     static Batch of(const vector<AdhesionSample>& samples) {
         const long n = long(samples.size());
-        Tensor input = torch::empty({n, adhesion_inputs}), target = torch::empty({n, 1});
+        Tensor input = torch::empty({n, adhesion_inputs}), target = torch::empty({n, 1}),
+               contact = torch::empty({n, 1});
         for (long s = 0; s < n; ++s) {
             std::copy_n(samples[size_t(s)].input.data(), adhesion_inputs,
                         input.data_ptr<float>() + s * adhesion_inputs);
             target.data_ptr<float>()[s] = samples[size_t(s)].target;
+            contact.data_ptr<float>()[s] = samples[size_t(s)].contact;
         }
-        return {image(input), image(target), image(input.narrow(1, force_before, 1)), {}, {}};
+        return {image(input), image(target), image(input.narrow(1, force_before, 1)), image(contact), {}};
     }
 
     Recipe recipe_;

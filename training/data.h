@@ -22,7 +22,8 @@ struct Batch {
     Tensor target;  // strand (P, 72, 1, 1); root (B, 3, 2h, 2w); adhesion (n, 1, 1, 1)
     // strand (P, 72): amplitudes of the base; root (B, 3, 2h, 2w): up(input); adhesion: F.n before
     Tensor base;
-    Tensor mask;    // root alone (B, 1, 2h, 2w): 1 where a strand is
+    // Root (B, 1, 2h, 2w): 1 where a strand is; adhesion, held out (n, 1, 1, 1): 1 in contact.
+    Tensor mask;
     Tensor pixels;  // strand, whole frames with holes: (P) which of the B H W pixels hold a strand
     // Strand: whether the second half of the rows are those of the first a frame later.
     bool in_pairs = false;

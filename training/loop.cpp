@@ -42,9 +42,14 @@ struct Validation {
     double loss = 0, base_loss = 0;          // the same loss of no network at all
     double distance = 0, base_distance = 0;  // [m]
     bool positions = false;
+    double contact_loss = 0, contact_base_loss = 0;  // adhesion: over the samples in contact
     // Of adhesion, whose loss is a mean square in units of the largest force of Eq 11.
-    double nrmse() const { return std::sqrt(loss); }
-    double base_nrmse() const { return std::sqrt(base_loss); }
+    std::vector<std::pair<std::string, double>> nrmse() const {
+        return {{"validation_nrmse", std::sqrt(loss)},
+                {"base_nrmse", std::sqrt(base_loss)},
+                {"validation_nrmse_in_contact", std::sqrt(contact_loss)},
+                {"base_nrmse_in_contact", std::sqrt(contact_base_loss)}};
+    }
 };
 
 class Trainer {
@@ -285,7 +290,9 @@ class Trainer {
 
     Validation validate() {
         const torch::NoGradGuard no_grad;
-        double sums[6] = {};  // loss, base_loss, distance, base_distance, count, batches with positions
+        // loss, base_loss, distance, base_distance, count, batches with positions; in contact: squares, the
+        // base's, count
+        double sums[9] = {};
         for (long i = ranks_.mine; i < data_->validation_batches(); i += ranks_.of) {
             const Batch batch = data_->validation_batch(i).to(device_);
             const Tensor output = output_of(batch), base = loss_->base_output(batch);
@@ -299,12 +306,23 @@ class Trainer {
                 ++sums[5];
             }
             sums[4] += weight;
+            if (codec_ == Codec::adhesion) {
+                auto squares = [&](const Tensor& of) {
+                    return ((of - batch.target).square() * batch.mask).sum().item<double>();
+                };
+                sums[6] += squares(output);
+                sums[7] += squares(base);
+                sums[8] += batch.mask.sum().item<double>();
+            }
         }
         const Tensor all = torch::tensor(at::ArrayRef<double>(sums), torch::kDouble).to(device_);
         group_->sum(all);
         const Tensor found = all.cpu();
-        auto mean = [&](long i) { return found[i].item<double>() / std::max(found[4].item<double>(), 1.0); };
-        return {mean(0), mean(1), mean(2), mean(3), found[5].item<double>() > 0};
+        auto mean = [&](long i, long count) {
+            return found[i].item<double>() / std::max(found[count].item<double>(), 1.0);
+        };
+        return {mean(0, 4), mean(1, 4), mean(2, 4), mean(3, 4), found[5].item<double>() > 0,
+                mean(6, 8), mean(7, 8)};
     }
 
     // The end of an epoch: its line in the log, a validation where one is due, the best kept.
@@ -328,10 +346,11 @@ class Trainer {
                 note << ", held out " << 1e3 * found.distance << " mm (base " << 1e3 * found.base_distance
                      << ")";
             } else {
-                line.insert(line.end(),
-                            {{"validation_nrmse", found.nrmse()}, {"base_nrmse", found.base_nrmse()}});
-                note << ", held out nRMSE " << found.nrmse() << " (force of the step before "
-                     << found.base_nrmse() << ")";
+                const auto nrmse = found.nrmse();
+                line.insert(line.end(), nrmse.begin(), nrmse.end());
+                note << ", held out nRMSE " << nrmse[0].second << " (force of the step before "
+                     << nrmse[1].second << "), in contact " << nrmse[2].second << " (" << nrmse[3].second
+                     << ")";
             }
             best_note_ = note.str();
             keep_if_best(found.loss);
@@ -377,8 +396,7 @@ class Trainer {
             card_.numbers["validation_mm"] = 1e3 * found.distance;
             card_.numbers["base_mm"] = 1e3 * found.base_distance;
         } else if (data_->validation_batches() > 0) {
-            card_.numbers["validation_nrmse"] = found.nrmse();
-            card_.numbers["base_nrmse"] = found.base_nrmse();
+            for (const auto& [name, value] : found.nrmse()) card_.numbers[name] = value;
         }
         card_.recipe = recipe_.text;
         card_.inputs = inputs_;

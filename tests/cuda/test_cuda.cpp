@@ -605,30 +605,36 @@ TEST_F(Cuda, a_network_of_dense_layers_is_asked_by_the_device) {
         }
 }
 
-TEST_F(Cuda, a_network_of_dense_layers_repeats_to_the_bit_and_is_the_one_that_the_host_asks) {
+// One of them a test: under a sanitizer each takes long.
+struct StickyHair : Cuda, ::testing::WithParamInterface<size_t> {};
+
+TEST_P(StickyHair, asks_a_network_of_dense_layers_to_the_bit_and_as_the_host_does) {
     const Scratch scratch;
-    for (const auto& c : sticky(scratch)) {
-        SCOPED_TRACE(c.name);
-        const Scene scene = scene_of(c.text, c.set);
-        auto run = [&](const std::string& precision, bool gives_layers, bool all_shown, bool recorded) {
-            DenseAdhesion model(5, gives_layers);
-            std::vector<AdhesionRecord> records;
-            const auto gpu = make_cuda_simulation(scene, precision, 0);
-            gpu->use_adhesion_model(&model);
-            if (recorded) gpu->record_adhesion(&records);
-            for (int f = 1; f <= 6; ++f) gpu->advance(all_shown || f == 6);
-            EXPECT_EQ(records.empty(), !recorded);
-            RunFrame frame;
-            gpu->snapshot(frame);
-            return frame.positions;
-        };
-        EXPECT_TRUE(same_bits(run("float", true, true, false), run("float", true, true, false)));
-        EXPECT_TRUE(same_bits(run("float", true, true, false), run("float", true, false, false)));
-        const Strands by_device = run("double", true, true, false);
-        EXPECT_LT(farthest(by_device, run("double", false, true, false)), 1e-6);
-        EXPECT_LT(farthest(by_device, run("double", true, true, true)), 1e-6);
-    }
+    const auto cases = sticky(scratch);
+    ASSERT_EQ(cases.size(), 6u);  // as many as below
+    const Case& c = cases[GetParam()];
+    SCOPED_TRACE(c.name);
+    const Scene scene = scene_of(c.text, c.set);
+    auto run = [&](const std::string& precision, bool gives_layers, bool all_shown, bool recorded) {
+        DenseAdhesion model(5, gives_layers);
+        std::vector<AdhesionRecord> records;
+        const auto gpu = make_cuda_simulation(scene, precision, 0);
+        gpu->use_adhesion_model(&model);
+        if (recorded) gpu->record_adhesion(&records);
+        for (int f = 1; f <= 6; ++f) gpu->advance(all_shown || f == 6);
+        EXPECT_EQ(records.empty(), !recorded);
+        RunFrame frame;
+        gpu->snapshot(frame);
+        return frame.positions;
+    };
+    EXPECT_TRUE(same_bits(run("float", true, true, false), run("float", true, true, false)));
+    EXPECT_TRUE(same_bits(run("float", true, true, false), run("float", true, false, false)));
+    const Strands by_device = run("double", true, true, false);
+    EXPECT_LT(farthest(by_device, run("double", false, true, false)), 1e-6);
+    EXPECT_LT(farthest(by_device, run("double", true, true, true)), 1e-6);
 }
+
+INSTANTIATE_TEST_SUITE_P(Of, StickyHair, ::testing::Range(size_t(0), size_t(6)));
 
 TEST_F(Cuda, a_run_goes_on_from_a_state_of_either_device) {
     const Scene scene = scene_of(wet_scene, {"groom.grid=[6, 6]"});

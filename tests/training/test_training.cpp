@@ -639,6 +639,13 @@ TEST(Training, TeachesTheAdhesionNetworkItsFunction) {
         EXPECT_LT(last["validation_loss"].get<double>(), 0.02 * last["base_loss"].get<double>()) << device;
         const auto numbers = load_model(job.request.output).first.numbers;
         EXPECT_LT(numbers.at("validation_nrmse"), 0.15 * numbers.at("base_nrmse")) << device;
+        const auto samples = PairsReader(job.request.pairs[0]).adhesion(0);
+        double squares = 0, touching = 0;
+        for (size_t s = samples.size() * 4 / 5; s < samples.size(); ++s)
+            if (samples[s].contact)
+                squares += std::pow(samples[s].input[7] - samples[s].target, 2), ++touching;
+        EXPECT_NEAR(numbers.at("base_nrmse_in_contact"), std::sqrt(squares / touching), 1e-6);
+        EXPECT_LT(numbers.at("validation_nrmse_in_contact"), 0.15 * numbers.at("base_nrmse_in_contact"));
         EXPECT_NE(job.said.find("nRMSE"), std::string::npos);
     }
 }
