@@ -103,6 +103,7 @@ struct SurfacesOf {
             return hold;
         });
     }
+    // All are asked for: to remember who is far took longer than it saved.
     void sample(int n, const Vec3<S>* x, const NearestView<S>& near) const {
         sample_nearest(p, n, x, near.phi, near.normal, near.velocity);
     }
