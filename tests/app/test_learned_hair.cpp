@@ -18,14 +18,15 @@ namespace {
 using testing::expect_error;
 using testing::Scratch;
 
-// Straight hair that stands off a head, drenched or dry.
+// Straight hair that stands off a head, drenched or dry, in as many substeps as the released networks learned
+// from.
 const std::string standing =
     "frames = 3\n[groom]\ngrid = [8, 8]\nparticles = 25\nlength = 0.1\ncurl_radius = 0\nlift = 0.08\n"
-    "[integrator]\nsubsteps = 4\nsettle = 8\n[stretch]\n[bend]\n[core]\n";
+    "[integrator]\nsubsteps = 10\nsettle = 8\n[stretch]\n[bend]\n[core]\n";
 const std::string wet = standing + "[wetness]\n[cohesion]\nradius = 0.02\n";
 
 // Of every second root each way.
-Settled settled_of_text(const std::string& text, int dry_substeps = 4) {
+Settled settled_of_text(const std::string& text, int dry_substeps = 10) {
     return settled_of(parse_scene(text, "scene", "."), "scene", dry_substeps, "cpu");
 }
 
@@ -37,7 +38,7 @@ double largest(const Strands& a, const Strands& b) {
 }
 
 // The run of every second root each way, as far as its first frame.
-std::string low_run(const Scratch& scratch, bool dry, int substeps = 4) {
+std::string low_run(const Scratch& scratch, bool dry, int substeps = 10) {
     SimulateOptions o;
     o.scene = scratch.file("wet.toml", wet);
     o.output = scratch.path((dry ? "dry" : "wet") + std::to_string(substeps) + ".h5");
@@ -65,7 +66,7 @@ Strands put(const Settled& settled, Strands p) {
 TEST(Settled, puts_dry_strands_at_rest_where_wet_ones_rest) {
     const Scratch scratch;
     const Strands drenched = from_roots(first_frame(low_run(scratch, false)));
-    for (int substeps : {4, 2}) {
+    for (int substeps : {10, 2}) {
         const Strands dry = from_roots(first_frame(low_run(scratch, true, substeps)));
         EXPECT_GT(largest(dry, drenched), 1e-2);
         EXPECT_LT(largest(put(settled_of_text(wet, substeps), dry), drenched), 1e-6) << substeps;
@@ -111,7 +112,7 @@ TEST(Infer, cropped_says_the_same_of_wet_strands_and_nothing_of_others_far_from_
     ASSERT_GT(wet_ones, 4);
     ASSERT_LT(wet_ones, 32);
     InferOptions o;
-    o.input = scratch.path("dry4.h5"), o.wetness = scratch.path("part.toml"), o.threads = 1;
+    o.input = scratch.path("dry10.h5"), o.wetness = scratch.path("part.toml"), o.threads = 1;
     o.model = WETCURL_SOURCE_DIR "/models/weights/displayed_s.h5", o.output = scratch.path("whole.h5");
     infer_command(o);
     const Strands whole = first_frame(o.output);
