@@ -16,6 +16,15 @@ help_if_asked() {
     done
 }
 
+# program_for DEVICE: the path of WETCURL or, without it, of the build that computes there.
+program_for() {
+    local preset=release program
+    [[ $1 == cpu ]] || preset=cuda
+    program=$(realpath -m "${WETCURL:-$root/build/$preset/bin/wetcurl}")
+    [[ -x $program ]] || fail "$program is not there; scripts/build $preset makes it"
+    echo "$program"
+}
+
 # Jobs that processors and free memory allow: a file that includes LibTorch takes about 2 GB to compile.
 jobs_that_fit() {
     awk -v cores="$(nproc)" '/^MemAvailable/ { j = int($2 / 2000000) } END { if (j > cores) j = cores; print j < 1 ? 1 : j }' \
