@@ -129,7 +129,7 @@ class OnHost final : public LearnedStrands {
             return [&, depth = head_.depth[k]](const Vec3f& world) {
                 const Vec3f from = rotate(back, world - place);
                 Vec3f x = from;
-                for (const ShapeView& shape : views_) x = pushed_out(x, distance(shape, x), depth);
+                for (const ShapeView& shape : views_) x = pushed_out(shape, x, depth);
                 return norm(x - from) > 0 ? place + rotate(turn, x) : world;
             };
         };

@@ -227,7 +227,7 @@ struct Outside {
 
     // x in the head's frame.
     __device__ Vec3f pushed(Vec3f x, float allowed) const {
-        for (int h = 0; h < count; ++h) x = pushed_out(x, distance(shapes[h], x), allowed);
+        for (int h = 0; h < count; ++h) x = pushed_out(shapes[h], x, allowed);
         return x;
     }
 };

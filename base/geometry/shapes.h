@@ -97,6 +97,19 @@ inline bool is_ball(const Shape& shape) {
 }
 WETCURL_HD inline bool is_ball(const MovingGrid&) { return false; }
 
+// How many pushes along the gradient bring a point to its surface: one, but where the distance is sampled,
+// least in a crease. Those after the first are for what is deeper than `near_surface` [m].
+constexpr int most_pushes = 4;
+constexpr float near_surface = 1e-5f;
+WETCURL_HD inline int pushes_of(const ShapeView& shape) {
+    return shape.kind == ShapeView::Kind::grid || shape.kind == ShapeView::Kind::moving_grid ? most_pushes
+                                                                                             : 1;
+}
+inline int pushes_of(const Shape& shape) {
+    return std::holds_alternative<std::shared_ptr<const LevelSet>>(shape) ? most_pushes : 1;
+}
+WETCURL_HD inline int pushes_of(const MovingGrid&) { return most_pushes; }
+
 template <class S>
 WETCURL_HD DistanceSample<S> distance(const ShapeView& shape, const Vec3<S>& x) {
     switch (shape.kind) {
@@ -113,9 +126,15 @@ WETCURL_HD DistanceSample<S> distance(const ShapeView& shape, const Vec3<S>& x) 
     }
 }
 
-// x, of that sample, moved out to where its distance is `allowed` [m], at most 0, if it is deeper.
-WETCURL_HD inline Vec3f pushed_out(const Vec3f& x, const DistanceSample<float>& d, float allowed) {
-    return d.phi < allowed ? x + (allowed - d.phi) * d.normal : x;
+// x moved out to where its distance is `allowed` [m], at most 0, if it is deeper.
+WETCURL_HD inline Vec3f pushed_out(const ShapeView& shape, Vec3f x, float allowed) {
+    const int rounds = pushes_of(shape);
+    for (int round = 0; round < rounds; ++round) {
+        const DistanceSample<float> d = distance(shape, x);
+        if (!(d.phi < allowed - (round > 0 ? near_surface : 0.f))) break;
+        x += (allowed - d.phi) * d.normal;
+    }
+    return x;
 }
 
 // Of a strand whose particles were pushed out each by itself, two in a row may lie on either side of a solid.

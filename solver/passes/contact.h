@@ -50,12 +50,18 @@ WETCURL_HD Vec3<S> velocity_at(const PosedSolid<Plain<S>, Body>& solid, const Ve
 template <int count, class Solids>
 WETCURL_HD void push_out(const Solids& solids, Vec3f (&x)[count], const float (&allowed)[count]) {
     for (const auto& solid : solids) {
-        WETCURL_UNROLL(count)
-        for (int k = 0; k < count; ++k) {
-            const auto d =
-                distance_in_world(solid, cast<typename std::decay_t<decltype(solid)>::Number>(x[k]));
-            const float depth = (solid.attached ? allowed[k] : 0.f) - float(d.phi);
-            if (depth > 0) x[k] += depth * cast<float>(d.normal);
+        const int rounds = pushes_of(*solid.shape);
+        bool pushed = true;
+        for (int round = 0; round < rounds && pushed; ++round) {
+            pushed = false;
+            WETCURL_UNROLL(count)
+            for (int k = 0; k < count; ++k) {
+                const auto d =
+                    distance_in_world(solid, cast<typename std::decay_t<decltype(solid)>::Number>(x[k]));
+                const float depth = (solid.attached ? allowed[k] : 0.f) - float(d.phi);
+                if (depth > (round > 0 ? near_surface : 0.f))
+                    x[k] += depth * cast<float>(d.normal), pushed = true;
+            }
         }
     }
 }

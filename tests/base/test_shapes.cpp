@@ -144,10 +144,32 @@ double area_of(const Mesh& mesh) {
     return sum;
 }
 
+// Where distances are sampled one push does not reach the surface; another goes on from there.
+TEST(PushedOut, of_a_level_set_in_as_many_pushes_as_it_takes) {
+    const LevelSet body(triangulated(Box{{0.05, 0.03, 0.04}}), 0.01);
+    const ShapeView shape = view_of(std::make_shared<const LevelSet>(body));
+    std::mt19937 random(8);
+    std::uniform_real_distribution<float> in(-0.05f, 0.05f);
+    float after_one = 0, after_all = 0;
+    for (int k = 0; k < 2000; ++k) {
+        const Vec3f x{in(random), 0.6f * in(random), 0.8f * in(random)};
+        for (const float allowed : {0.f, -0.005f}) {
+            const auto d = distance(shape, x);
+            const Vec3f once = d.phi < allowed ? x + (allowed - d.phi) * d.normal : x,
+                        out = pushed_out(shape, x, allowed);
+            after_one = std::max(after_one, allowed - distance(shape, once).phi);
+            after_all = std::max(after_all, allowed - distance(shape, out).phi);
+            if (d.phi >= allowed) EXPECT_EQ(norm(out - x), 0);
+        }
+    }
+    EXPECT_GT(after_one, 1e-3f);
+    EXPECT_LT(after_all, 0.2f * after_one);
+}
+
 // Straight through a ball, past its centre: each particle comes out on its own side.
 TEST(LedAround, a_strand_goes_around_what_it_would_cross_at_no_more_than_twice_its_length) {
     const ShapeView ball = view_of(Sphere{0.1});
-    auto out = [&](const Vec3f& x) { return pushed_out(x, distance(ball, x), 0.f); };
+    auto out = [&](const Vec3f& x) { return pushed_out(ball, x, 0.f); };
     constexpr int n = 60;
     constexpr float length = 0.01f;
     std::vector<Vec3f> straight, strand;

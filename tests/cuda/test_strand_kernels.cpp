@@ -132,9 +132,8 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
         out_there.download(around.points.data());
         auto out_of_ball = [&](const Vec3f& x, float depth) {
             const Vec3f in_head = cast<float>(pose.inverse(cast<double>(x)));
-            return cast<float>(
-                rotate(pose.rotation, cast<double>(pushed_out(in_head, distance(ball, in_head), depth))) +
-                pose.translation);
+            return cast<float>(rotate(pose.rotation, cast<double>(pushed_out(ball, in_head, depth))) +
+                               pose.translation);
         };
         for (int s = 0; s < wanted.count; ++s) {
             for (int i = 1; i < wanted.particles; ++i) {
