@@ -97,9 +97,10 @@ inline bool is_ball(const Shape& shape) {
 }
 WETCURL_HD inline bool is_ball(const MovingGrid&) { return false; }
 
-// How many pushes along the gradient bring a point to its surface: one, but where the distance is sampled,
-// least in a crease. Those after the first are for what is deeper than `near_surface` [m].
-constexpr int most_pushes = 4;
+// How many pushes along the gradient bring a point to its surface: one, but where the distance is sampled;
+// most in a crease (a head: 4 leave 0.02 % of a groom up to 2.7 mm inside, 16 a thousandth up to 0.7 mm).
+// Those after the first are for what is deeper than `near_surface` [m].
+constexpr int most_pushes = 16;
 constexpr float near_surface = 1e-5f;
 WETCURL_HD inline int pushes_of(const ShapeView& shape) {
     return shape.kind == ShapeView::Kind::grid || shape.kind == ShapeView::Kind::moving_grid ? most_pushes

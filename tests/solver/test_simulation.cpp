@@ -328,18 +328,24 @@ TEST(Simulation, without_bend_and_core_has_no_frames_targets_or_cores) {
     EXPECT_TRUE(any_names(buffer_names(scene_of(dry_scene)), "bend"));
 }
 
-TEST(Simulation, memory_of_a_wet_scene_stays_under_400_bytes_a_particle) {
+TEST(Simulation, memory_is_220_bytes_a_wet_particle_and_100_a_dry_one_at_most) {
     const Scene scene = scene_of(wet_scene, {"groom.grid=[32, 32]", "groom.particles=50", "groom.length=0.25",
                                              "cohesion.radius=0.0073", "integrator.settle=1"});
-    const auto simulation = make_simulation(scene, "float");
-    simulation->advance();
-    size_t bytes = 0;
-    for (const auto& b : simulation->buffers())
-        if (b.name != "scratch of the threads") bytes += b.bytes;
-    const double each = double(bytes) / double(scene.groom.rest.points.size());
-    std::printf("wet scene: %.0f bytes a particle, %.1f neighbours\n", each, simulation->neighbours_mean());
-    EXPECT_NEAR(simulation->neighbours_mean(), 35, 5);
-    EXPECT_LE(each, 400);
+    auto bytes_each = [&](const Simulation& simulation) {
+        size_t bytes = 0;
+        for (const auto& b : simulation.buffers())
+            if (b.name != "scratch of the threads") bytes += b.bytes;
+        return double(bytes) / double(scene.groom.rest.points.size());
+    };
+    Scene without_water = scene;
+    make_dry(without_water);
+    const auto wet = make_simulation(scene, "float"), dry = make_simulation(without_water, "float");
+    wet->advance();
+    std::printf("%.0f bytes a wet particle, %.0f a dry one, %.1f neighbours\n", bytes_each(*wet),
+                bytes_each(*dry), wet->neighbours_mean());
+    EXPECT_NEAR(wet->neighbours_mean(), 35, 5);
+    EXPECT_LE(bytes_each(*wet), 220);
+    EXPECT_LE(bytes_each(*dry), 100);
 }
 
 // --- every parameter matters
