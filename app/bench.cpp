@@ -198,11 +198,12 @@ int bench_command(const BenchOptions& o) {
     InterruptGuard guard;
     Results results;
     std::string told;
-    size_t width = 40;
+    size_t width = 40, done = 0;
     for (const Entry& entry : all)
         for (const auto& name : entry.names) width = std::max(width, name.size());
     for (const Entry& entry : all) {
-        if (guard.asked()) throw Interrupted("interrupted: nothing is kept of the measurements");
+        if (guard.asked()) break;
+        ++done;
         if (!entry.measure) {
             if (told != entry.absent) log_info(entry.series + ": " + entry.absent);
             told = entry.absent;
@@ -246,7 +247,12 @@ int bench_command(const BenchOptions& o) {
                        slope, at_last);
     }
     json["machine"]["peak_bytes"] = peak_bytes();
-    write_json(json, o.json);
+    const bool whole = done == all.size();
+    write_json(json, whole || o.json.empty() || o.json == "-" ? o.json : o.json + ".partial");
+    if (!whole)
+        throw Interrupted(
+            fmt::format("interrupted: {} of {} entries are {}", done, all.size(),
+                        o.json.empty() || o.json == "-" ? "printed" : "kept in " + o.json + ".partial"));
     return 0;
 }
 
