@@ -98,9 +98,10 @@ inline bool is_ball(const Shape& shape) {
 WETCURL_HD inline bool is_ball(const MovingGrid&) { return false; }
 
 // How many pushes along the gradient bring a point to its surface: one, but where the distance is sampled;
-// most in a crease (a head: 4 leave 0.02 % of a groom up to 2.7 mm inside, 16 a thousandth up to 0.7 mm).
-// Those after the first are for what is deeper than `near_surface` [m].
-constexpr int most_pushes = 16;
+// most in a crease, to which each push comes a part of the way (a learned groom on a head: 4 leave 0.02 % of
+// it up to 2.7 mm inside, 16 0.001 % up to 0.7, 64 one in 10^6 up to 0.2). Those after the first are for what
+// is deeper than `near_surface` [m].
+constexpr int most_pushes = 64;
 constexpr float near_surface = 1e-5f;
 WETCURL_HD inline int pushes_of(const ShapeView& shape) {
     return shape.kind == ShapeView::Kind::grid || shape.kind == ShapeView::Kind::moving_grid ? most_pushes
