@@ -24,6 +24,11 @@ for signal in INT TERM; do
     expect 130 'wetcurl: interrupted' "set -m; '$wetcurl' simulate '$scene' --dry --strands 256 -o run.h5 --set integrator.settle=1000 &
         sleep 1; kill -$signal \$!; wait \$!"
 done
+# Of what takes longer, what was measured is kept.
+expect 130 'of 4 entries are kept in bench.json.partial' "set -m; '$wetcurl' bench --filter 'level set build' --json bench.json >said &
+    until grep -q 16 said; do sleep 0.02; done; kill -INT \$!; wait \$!"
+grep -q '"level set build 16' bench.json.partial || { echo "FAILED: bench.json.partial lacks what was measured"; failures=$((failures + 1)); }
+rm -f said bench.json.partial
 left=$(ls -A)
 [[ -z $left ]] || { echo "FAILED: left behind: $left"; failures=$((failures + 1)); }
 exit $((failures > 0))
