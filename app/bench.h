@@ -79,7 +79,7 @@ struct Workload {
     double angle = 25;      // [degrees] by which the head turns to either side; 0: it rests
     double relaxation = 1;  // of those passes
     double spacing = 0;     // [m] along a strand, of those that feel them; 0: all particles
-    int substeps = 10;
+    int substeps = 10, passes = 10;
     int strands() const { return across * along; }
 };
 // Every `stride`-th root each way.

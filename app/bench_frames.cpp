@@ -175,10 +175,14 @@ std::string name_of_precision(const std::string& precision) {
 
 std::string series_of(const Workload& w, bool wet) {
     const std::string spaced = w.spacing > 0 ? fmt::format(" every {:g} mm", 1e3 * w.spacing) : "",
-                      relaxed = w.relaxation > 1 ? " over-relaxed" : "";
+                      relaxed = w.relaxation > 1 ? " over-relaxed" : "",
+                      passes = w.passes == 10  ? ""
+                               : w.passes == 1 ? " in one pass"
+                                               : fmt::format(" in {} passes", w.passes),
+                      shown = spaced + relaxed + passes;
     const std::string substeps = w.substeps == 10 ? "" : fmt::format(" of {} substeps", w.substeps);
     return fmt::format("{} frame{}{}{}", wet ? "wet" : "dry", substeps, w.angle == 0 ? ", head at rest" : "",
-                       spaced.empty() && relaxed.empty() ? "" : ", Eq 10" + spaced + relaxed);
+                       shown.empty() ? "" : ", Eq 10" + shown);
 }
 std::string name_of(const Workload& w, bool wet) {
     return fmt::format("{}, {} strands", series_of(w, wet), w.strands());
@@ -208,6 +212,7 @@ Scene scene_with(const char* beside, const Workload& w, const std::vector<std::s
 Scene scene_of(const Workload& w, bool wet, const std::vector<std::string>& given, int stride) {
     auto set = given;
     if (w.substeps != 10) set.push_back(fmt::format("integrator.substeps={}", w.substeps));
+    if (w.passes != 10) set.push_back(fmt::format("cohesion.passes={}", w.passes));
     if (w.relaxation > 1) set.push_back(fmt::format("cohesion.relaxation={}", w.relaxation));
     if (w.spacing > 0) set.push_back(fmt::format("cohesion.spacing={}", w.spacing));
     Scene scene = scene_with(shown_wet, w, set, stride);
@@ -387,9 +392,10 @@ std::vector<Entry> frame_entries(const std::string& device) {
     std::vector<Workload> frames(std::begin(workloads), std::end(workloads));
     frames.push_back(fixed), frames.back().angle = 0;
     for (const Workload& w : {fixed, workloads[3]}) frames.push_back(w), frames.back().relaxation = 2.5;
+    frames.push_back(workloads[3]), frames.back().passes = 1;
     for (bool wet : {true, false})
         for (Workload w : frames) {
-            if (!wet && w.relaxation > 1) continue;
+            if (!wet && (w.relaxation > 1 || w.passes != 10)) continue;
             if (device != "cpu") w.settle = fixed.settle;  // minutes on a CPU, seconds there
             auto measure = [w, wet, device, most_with_error](Results& out) {
                 if (!fits(w)) return;
