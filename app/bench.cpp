@@ -247,12 +247,12 @@ int bench_command(const BenchOptions& o) {
                        slope, at_last);
     }
     json["machine"]["peak_bytes"] = peak_bytes();
-    const bool whole = done == all.size();
-    write_json(json, whole || o.json.empty() || o.json == "-" ? o.json : o.json + ".partial");
+    const bool whole = done == all.size(), printed = o.json.empty() || o.json == "-";
+    const std::string file = whole || printed ? o.json : o.json + ".partial";
+    write_json(json, file);
     if (!whole)
-        throw Interrupted(
-            fmt::format("interrupted: {} of {} entries are {}", done, all.size(),
-                        o.json.empty() || o.json == "-" ? "printed" : "kept in " + o.json + ".partial"));
+        throw Interrupted(fmt::format("interrupted: {} of {} entries are {}", done, all.size(),
+                                      printed ? "printed" : "kept in " + file));
     return 0;
 }
 

@@ -176,9 +176,7 @@ std::string name_of_precision(const std::string& precision) {
 std::string series_of(const Workload& w, bool wet) {
     const std::string spaced = w.spacing > 0 ? fmt::format(" every {:g} mm", 1e3 * w.spacing) : "",
                       relaxed = w.relaxation > 1 ? " over-relaxed" : "",
-                      passes = w.passes == 10  ? ""
-                               : w.passes == 1 ? " in one pass"
-                                               : fmt::format(" in {} passes", w.passes),
+                      passes = w.passes == 10 ? "" : fmt::format(" with passes = {}", w.passes),
                       shown = spaced + relaxed + passes;
     const std::string substeps = w.substeps == 10 ? "" : fmt::format(" of {} substeps", w.substeps);
     return fmt::format("{} frame{}{}{}", wet ? "wet" : "dry", substeps, w.angle == 0 ? ", head at rest" : "",

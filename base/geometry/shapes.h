@@ -102,7 +102,7 @@ WETCURL_HD inline bool is_ball(const MovingGrid&) { return false; }
 // it up to 2.7 mm inside, 16 0.001 % up to 0.7, 64 one in 10^6 up to 0.2). Those after the first are for what
 // is deeper than `near_surface` [m].
 constexpr int most_pushes = 64;
-constexpr float near_surface = 1e-5f;
+constexpr double near_surface = 1e-5;
 WETCURL_HD inline int pushes_of(const ShapeView& shape) {
     return shape.kind == ShapeView::Kind::grid || shape.kind == ShapeView::Kind::moving_grid ? most_pushes
                                                                                              : 1;
@@ -133,7 +133,7 @@ WETCURL_HD inline Vec3f pushed_out(const ShapeView& shape, Vec3f x, float allowe
     const int rounds = pushes_of(shape);
     for (int round = 0; round < rounds; ++round) {
         const DistanceSample<float> d = distance(shape, x);
-        if (!(d.phi < allowed - (round > 0 ? near_surface : 0.f))) break;
+        if (!(d.phi < allowed - (round > 0 ? float(near_surface) : 0.f))) break;
         x += (allowed - d.phi) * d.normal;
     }
     return x;

@@ -59,7 +59,7 @@ WETCURL_HD void push_out(const Solids& solids, Vec3f (&x)[count], const float (&
                 const auto d =
                     distance_in_world(solid, cast<typename std::decay_t<decltype(solid)>::Number>(x[k]));
                 const float depth = (solid.attached ? allowed[k] : 0.f) - float(d.phi);
-                if (depth > (round > 0 ? near_surface : 0.f))
+                if (depth > (round > 0 ? float(near_surface) : 0.f))
                     x[k] += depth * cast<float>(d.normal), pushed = true;
             }
         }
@@ -120,7 +120,7 @@ template <class S>
 WETCURL_HD void weigh(const S& pushed, const S& stiff, const Vec3<S>& v, Hold<S>& hold) {
     constexpr Plain<S> creep = 1e-6;  // [m/s]
     hold.stiff = select(pushed > S(0), stiff, S(0));
-    hold.weight = select(hold.gap < S(Plain<S>(1e-5)), hold.stiff, S(0));
+    hold.weight = select(hold.gap < S(Plain<S>(near_surface)), hold.stiff, S(0));
     hold.drag = minimum(hold.friction * pushed / maximum(norm(slide_of(hold, v)), S(creep)), hold.stiff);
 }
 // Whether the row's solution d leaves the particle with the surface says whether it is held: not where the
@@ -196,7 +196,7 @@ WETCURL_HD bool resolve_contact(const PosedSolid<Plain<S>, Body>& solid, Plain<S
     for (int round = 0; round < rounds; ++round) {
         const DistanceSample<S> d = distance_in_world(solid, x);
         const S depth = allowed - d.phi;
-        if (!any_positive(depth - S(round > 0 ? Plain<S>(1e-5) : 0))) return round > 0;
+        if (!any_positive(depth - S(round > 0 ? Plain<S>(near_surface) : 0))) return round > 0;
         const auto hit = depth > S(0);
         const Vec3<S> relative = v - velocity_at(solid, x);
         const S inward = minimum(dot(relative, d.normal), S(0));
