@@ -239,7 +239,8 @@ TEST(EveryNetwork, GivesTheSameInChannelsLast) {
     }
 }
 
-// A bfloat16 has 8 bits: 0.4 % a rounding, which grows as a walk over the layers, to 1.2 % over the deepest.
+// A bfloat16 has 8 bits: 0.4 % a rounding, which grows as a walk over the layers: to 0.6 % over those that
+// are released, to 1.2 % over the deepest.
 TEST(EveryNetwork, AgreesWithItselfInBfloat16) {
     torch::NoGradGuard no_grad;
     for (const auto& a : architectures()) {
@@ -251,7 +252,10 @@ TEST(EveryNetwork, AgreesWithItselfInBfloat16) {
         const Tensor found = model->forward(x) - base;
         ASSERT_EQ(found.sizes(), expected.sizes()) << a.name;
         ASSERT_GT(largest(expected), 1e-2) << a.name;
-        EXPECT_LT((found - expected).norm().item<double>(), 0.015 * expected.norm().item<double>()) << a.name;
+        const bool released = a.name == "strand_depthwise" || a.name == "strand_mlp";
+        EXPECT_LT((found - expected).norm().item<double>(),
+                  (released ? 0.01 : 0.015) * expected.norm().item<double>())
+            << a.name;
         EXPECT_GT(largest(found - expected), 0) << a.name << ": nothing ran in bfloat16";
     }
 }
