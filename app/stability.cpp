@@ -15,6 +15,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
+#include "solver/scene.h"
 #include "solver/stability/battery.h"
 
 namespace wetcurl {
@@ -89,6 +90,8 @@ int stability_command(const StabilityCommandOptions& o) {
     StabilityOptions options;
     options.quick = o.quick, options.scene = o.scene, options.set = o.set, options.only = o.only;
     if (o.seed) options.set.push_back(fmt::format("seed={}", *o.seed));
+    // What is wrong with it is said now, not when S9's turn comes.
+    if (!o.scene.empty()) load_scene(o.scene, {.set = options.set});
 
     InterruptGuard guard;
     const auto go_on = [&] {
