@@ -266,7 +266,8 @@ int main(int argc, char** argv) {
     StabilityCommandOptions stability;
     c = command("stability", "put ways of stepping through the battery of stability, S1 to S9", stability,
                 stability_command);
-    c->add_option("scene", stability.scene, "scene (TOML) for S9, in place of the battery's own");
+    c->add_option("scene", stability.scene,
+                  "scene (TOML) whose head comes to rest, for S9 in place of the battery's own");
     c->add_option("--method", stability.methods, "by name (repeatable); none: all")->expected(1)->take_all();
     c->add_option("--case", stability.only, "S1 to S9 (repeatable); none: all")
         ->expected(1)

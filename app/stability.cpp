@@ -80,6 +80,18 @@ void print_row(const StabilityCase& c) {
                words(c.parameters), c.measured.empty() ? "" : "; " + words(c.measured));
 }
 
+// S9 waits for hair to come to rest.
+void require_rest(const Scene& scene, const std::string& name) {
+    const Vec3d far{0.1, 0.2, 0.3};
+    const double longest = 60;  // [s] that it waits
+    const double moved = norm(scene.motion.at(longest)(far) - scene.motion.at(longest + 0.37)(far));
+    if (moved > 1e-9)
+        throw Misuse(
+            fmt::format("{}: its head still moves after {} s; for S9 it must come to rest before, as by "
+                        "[[motion.keyframe]]",
+                        name, longest));
+}
+
 }  // namespace
 
 int stability_command(const StabilityCommandOptions& o) {
@@ -91,7 +103,7 @@ int stability_command(const StabilityCommandOptions& o) {
     options.quick = o.quick, options.scene = o.scene, options.set = o.set, options.only = o.only;
     if (o.seed) options.set.push_back(fmt::format("seed={}", *o.seed));
     // What is wrong with it is said now, not when S9's turn comes.
-    if (!o.scene.empty()) load_scene(o.scene, {.set = options.set});
+    if (!o.scene.empty()) require_rest(load_scene(o.scene, {.set = options.set}), o.scene);
 
     InterruptGuard guard;
     const auto go_on = [&] {

@@ -19,6 +19,7 @@ expect 2 '--yaw nan' "'$wetcurl' render run.h5 -o run.png --yaw nan"
 expect 2 '--method: found' "'$wetcurl' stability --method limb"
 expect 2 'reads no scene' "'$wetcurl' stability --set fps=30"
 expect 2 'nofile.toml: cannot be read' "'$wetcurl' stability nofile.toml --case S1 --quick"
+expect 2 'its head still moves after 60 s' "'$wetcurl' stability '$scene' --case S1 --quick"
 expect 2 '--roots' "'$wetcurl' infer run.h5 --interpolate quad -o out.h5 --roots 5"
 # Settling takes a minute or two, and nothing is kept of it.
 for signal in INT TERM; do
