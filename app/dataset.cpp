@@ -214,8 +214,9 @@ Ranks part_of(const std::string& text) {
     Ranks part;
     long k = 0;
     char rest = 0;
-    if (std::sscanf(text.c_str(), "%ld/%ld%c", &k, &part.of, &rest) != 2 || k < 1 || k > part.of)
-        throw Misuse("--part: found '" + text + "', allowed K/N with 1 <= K <= N");
+    if (std::sscanf(text.c_str(), "%ld/%ld%c", &k, &part.of, &rest) != 2 || k < 1 || k > part.of ||
+        part.of > 1000000)
+        throw Misuse("--part: found '" + text + "', allowed K/N with 1 <= K <= N <= 1000000");
     part.mine = k - 1;
     return part;
 }
@@ -361,6 +362,7 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
 
 int dataset_command(const DatasetOptions& o) {
     require_device(o.device);
+    if (o.output.empty()) throw Misuse("output: found an empty folder name");
     if (o.seed) throw Misuse("--seed: a recipe's is --set seed=" + std::to_string(*o.seed));
     const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.set);
     const Folder to(o.output);

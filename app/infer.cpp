@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -19,6 +20,7 @@
 #include "learn/quad_transform.h"
 #include "learn/root_codec.h"
 #include "learn/strand_codec.h"
+#include "solver/chain_state.h"
 #include "solver/rest_state.h"
 
 namespace wetcurl {
@@ -297,12 +299,16 @@ int simulate_with(const InferOptions& o, const Scene& scene) {
 
 int infer_command(const InferOptions& given) {
     InferOptions o = given;
+    // A range of the command line lets what is no number pass.
+    if ((o.spacing && std::isnan(*o.spacing)) || (o.relaxation && std::isnan(*o.relaxation)))
+        throw Misuse("--spacing and --relaxation: found nan, a number is needed");
     if (!o.model.empty() && !o.interpolate.empty())
         throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core|rest");
     if (!o.interpolate.empty() && !o.reconstruct.empty())
         throw Misuse("--reconstruct is for models; --interpolate says itself how strands are made");
     if (!o.interpolate.empty() && !o.cohesion && !o.settled)
         refuse_device(o, "interpolation without --cohesion and --settled");
+    require_device(o.device);
     if (o.crop && !o.interpolate.empty()) throw Misuse("--crop is for models; --interpolate asks no network");
     if (o.wet_shape && o.interpolate != "rest")
         throw Misuse("--wet-shape is for --interpolate rest, which alone starts from a shape at rest");
@@ -378,6 +384,11 @@ int infer_command(const InferOptions& given) {
         const RunFrame& frame = window.now();
         const double begin = omp_get_wtime();
         method->apply(frame, window.heads(), out.positions);
+        if (!is_finite(out.positions.points))
+            throw Error(
+                fmt::format("{}: frame {}: {} gives positions that are not finite; is the run, or the model, "
+                            "damaged?",
+                            o.input, done, method->name()));
         const double reconstructed = omp_get_wtime();
         if (display) {
             out.displayed = out.positions;

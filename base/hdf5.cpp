@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <mutex>
 #include <type_traits>
+#include <utility>
 
 namespace wetcurl {
 
@@ -15,8 +16,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The library takes one caller at a time.
+// The library takes one caller at a time. It prints its own stack on standard error unless each thread tells
+// it not to: our message says it once.
 class Turn {
+  public:
+    Turn() {
+        thread_local const bool quiet = H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0;
+        (void)quiet;
+    }
+
+  private:
     static std::recursive_mutex& mutex() {
         static std::recursive_mutex only;
         return only;
@@ -33,11 +42,12 @@ struct Handle {
     }
     Handle(const Handle&) = delete;
     operator hid_t() const { return id; }
+    // Closes it now: false where what was kept back could not be written.
+    bool closed() { return close(std::exchange(id, -1)) >= 0; }
 };
 
-// The library prints its own stack on standard error unless told not to: our message says it once.
-// Nor does it clean up behind us at exit: after a full disk that crashes, and our owners close all they open.
-const bool quiet = [] { return H5dont_atexit() >= 0 && H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0; }();
+// It must not clean up behind us at exit: after a full disk that crashes, and our owners close all they open.
+const bool left_alone = H5dont_atexit() >= 0;
 
 template <class T>
 hid_t type_of() {
@@ -114,7 +124,7 @@ void H5Writer::write(const std::string& name, const T* data, const std::vector<s
         H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), untimed, H5P_DEFAULT),
         H5Dclose);
     check(set >= 0, path_, "dataset '" + name + "' cannot be made");
-    check(H5Dwrite(set, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path_,
+    check(H5Dwrite(set, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0 && set.closed(), path_,
           "dataset '" + name + "' cannot be written (disk full?)");
 }
 
@@ -148,7 +158,7 @@ void H5Writer::append(const std::string& name, const T* data, const std::vector<
     Handle space(H5Dget_space(set), H5Sclose);
     H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, row.data(), nullptr);
     Handle memory(H5Screate_simple(rank, row.data(), nullptr), H5Sclose);
-    check(H5Dwrite(set, type_of<T>(), memory, space, H5P_DEFAULT, data) >= 0, path_,
+    check(H5Dwrite(set, type_of<T>(), memory, space, H5P_DEFAULT, data) >= 0 && set.closed(), path_,
           "dataset '" + name + "' cannot be written (disk full?)");
 }
 
@@ -163,8 +173,8 @@ void H5Writer::attribute(const std::string& name, const std::string& value) {
     Handle set(H5Dcreate2(file_, ("about/" + name).c_str(), type, space, intermediate_groups(), untimed,
                           H5P_DEFAULT),
                H5Dclose);
-    check(set >= 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.c_str()) >= 0, path_,
-          "attribute '" + name + "' cannot be written");
+    check(set >= 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.c_str()) >= 0 && set.closed(),
+          path_, "attribute '" + name + "' cannot be written");
 }
 
 void H5Writer::attribute(const std::string& name, double value) { write("about/" + name, &value, {1}); }
@@ -178,7 +188,8 @@ void H5Writer::link(const std::string& name, const std::string& file, const std:
 
 void H5Writer::flush() {
     const Turn turn;
-    H5Fflush(file_, H5F_SCOPE_GLOBAL);
+    check(H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0, path_,
+          "cannot be written (disk full?); what was written is in " + partial_);
 }
 
 void H5Writer::commit() {
