@@ -84,6 +84,7 @@ void print_row(const StabilityCase& c) {
 void require_rest(const Scene& scene, const std::string& name) {
     const Vec3d far{0.1, 0.2, 0.3};
     const double longest = 60;  // [s] that it waits
+    // Two moments that are a whole period of no usual swing apart.
     const double moved = norm(scene.motion.at(longest)(far) - scene.motion.at(longest + 0.37)(far));
     if (moved > 1e-9)
         throw Misuse(
