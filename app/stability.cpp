@@ -104,7 +104,11 @@ int stability_command(const StabilityCommandOptions& o) {
     options.quick = o.quick, options.scene = o.scene, options.set = o.set, options.only = o.only;
     if (o.seed) options.set.push_back(fmt::format("seed={}", *o.seed));
     // What is wrong with it is said now, not when S9's turn comes.
-    if (!o.scene.empty()) require_rest(load_scene(o.scene, {.set = options.set}), o.scene);
+    if (!o.scene.empty()) {
+        SceneOptions as_asked;
+        as_asked.set = options.set;
+        require_rest(load_scene(o.scene, as_asked), o.scene);
+    }
 
     InterruptGuard guard;
     const auto go_on = [&] {
