@@ -260,9 +260,12 @@ int main(int argc, char** argv) {
         "--no-labels", [&] { render.labels = false; }, "no text under the panels");
 
     PlotOptions plot;
-    c = command("plot", "draw the energy of runs, or the loss of trainings, over time, side by side", plot,
-                plot_command);
-    c->add_option("runs", plot.runs, "RUN.h5, or logs of trainings: MODEL.h5.jsonl")->required();
+    c = command("plot", "draw the energy of runs or the loss of trainings over time, or charts, side by side",
+                plot, plot_command);
+    c->add_option("runs", plot.runs,
+                  "RUN.h5, logs of trainings: MODEL.h5.jsonl, or charts: CHART.json {\"title\", \"x_label\", "
+                  "\"y_label\", \"dx\", \"curves\": [{\"name\", \"values\"}]}")
+        ->required();
     c->add_option("-o,--output", plot.output, "energy.png")->required();
     c->add_option("--width", plot.width, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
     c->add_option("--height", plot.height, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
