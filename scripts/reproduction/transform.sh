@@ -6,7 +6,8 @@
 # (weights 0), the colours of the paper's networks, trained here; the colours of the wet run itself, which no network
 # predicts better; and the best weights of all, a bound for any colours, gain and units.
 
-gains=(1 3.16 10 31.6 100 316 1000) # half decades, so that the chart's axis is their logarithm
+every_gain=(1 3.16 10 31.6 100 316 1000) # half decades, so that the chart's axis is their logarithm
+gains=("${every_gain[@]}")
 forms=(paper core) inputs=(dry_low wet_low)
 
 # transformed OUTPUT FOLDER INPUT OPTION...: OUTPUT, what `compare` says of the strands that `infer` makes, which are not kept.
@@ -73,7 +74,7 @@ measured dry_low.paper.printed demo dry_low --reconstruct paper --oracle-colours
 for gain in 1 10 100; do
     measured "dry_low.paper.printed_colours.$gain" demo dry_low --reconstruct paper --oracle-colours transform/demo/wet.h5 --colour-units printed --gain "$gain"
 done
-first=24
+first=24 gains=(1 10 100)
 runs_in waves scenes/scene12.toml 128 --frames 48
 oracles_in waves
 runs_in curls scenes/dataset/base.toml 256 --frames 48 --seed 5 --set groom.length=0.32 --set groom.curl_radius=0.01 \
@@ -129,7 +130,7 @@ done
 
 # chart_of INPUT: a line for each kind of colours; it ends where strands clump to more than half again the error.
 chart_of() {
-    jq --argjson names "$names" --arg input "$1" --arg title "the demo, from ${title[$1]}" --argjson gains "$(printf '%s\n' "${gains[@]}" | jq -s .)" '
+    jq --argjson names "$names" --arg input "$1" --arg title "the demo, from ${title[$1]}" --argjson gains "$(printf '%s\n' "${every_gain[@]}" | jq -s .)" '
         [.[] | select(.input == $input and .form == "paper")] as $all | ($all[] | select(.colours == "none") | .error_mm) as $none |
         {$title, x_label: "log10 of the gain", y_label: "error [mm]", dx: 0.5, curves: [
          ["none", "unet_vgg19", "recursive_residual", "oracle", "bound"][] as $colours | {name: $names[$colours], values:
