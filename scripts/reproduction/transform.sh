@@ -54,9 +54,9 @@ oracles_in() {
     done
 }
 
-# Scenes: the demo, whose last quarter no training sees; Fig 34's loose waves; curls as of the data sets' test.
-first=72
-runs_in demo scenes/demo.toml 256
+# Scenes: half of the demo, whose last quarter no training sees; Fig 34's loose waves; curls as of the data sets' test.
+first=36
+runs_in demo scenes/demo.toml 256 --frames 48
 oracles_in demo
 networks=(unet_vgg19 recursive_residual)
 for input in "${inputs[@]}"; do
@@ -74,10 +74,10 @@ measured dry_low.paper.printed demo dry_low --reconstruct paper --oracle-colours
 for gain in 1 10 100; do
     measured "dry_low.paper.printed_colours.$gain" demo dry_low --reconstruct paper --oracle-colours transform/demo/wet.h5 --colour-units printed --gain "$gain"
 done
-first=24 gains=(1 10 100)
-runs_in waves scenes/scene12.toml 128 --frames 48
+first=16 gains=(1 10 100)
+runs_in waves scenes/scene12.toml 128 --frames 32
 oracles_in waves
-runs_in curls scenes/dataset/base.toml 256 --frames 48 --seed 5 --set groom.length=0.32 --set groom.curl_radius=0.01 \
+runs_in curls scenes/dataset/base.toml 256 --frames 32 --seed 5 --set groom.length=0.32 --set groom.curl_radius=0.01 \
     --set groom.pitch=0.03 --set groom.phase_noise=3 --set wetness.level=0.8 --set 'motion.axis=[1,0,0]' --set motion.angle=15 --set motion.period=1.4
 oracles_in curls
 
