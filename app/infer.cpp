@@ -496,10 +496,10 @@ int infer_command(const InferOptions& given) {
         const double begin = omp_get_wtime();
         method->apply(frame, window.heads(), out.positions);
         if (!is_finite(out.positions.points))
-            throw Error(
-                fmt::format("{}: frame {}: {} gives positions that are not finite; is the run, or the model, "
-                            "damaged?",
-                            o.input, done, method->name()));
+            throw Error(fmt::format(
+                "{}: frame {}: {} gives positions that are not finite or beyond 1e6 m; is the run, "
+                "or the model, damaged, or the gain of Eq 18 too large?",
+                o.input, done, method->name()));
         const double reconstructed = omp_get_wtime();
         if (display) {
             out.displayed = out.positions;

@@ -85,11 +85,12 @@ TEST(Plot, refuses_what_has_no_energy_and_what_is_no_png) {
     std::ofstream(folder / "log.jsonl") << "{\"epoch\":1,\"loss\":2}\n{\"epoch\":2}\n";
     options.output = (folder / "loss.png").string(), options.runs = {(folder / "log.jsonl").string()};
     testing::expect_error([&] { plot_command(options); }, {"log.jsonl:2", "log"});
-    options.runs.push_back((folder / "chart.json").string());
-    testing::expect_error<Misuse>([&] { plot_command(options); }, {"chart.json", "one kind"});
-    options.runs[1] = run;
+    options.runs.push_back(run);
     std::ofstream(folder / "log.jsonl") << "{\"epoch\":1,\"loss\":2}\n{\"epoch\":2,\"loss\":1}\n";
     EXPECT_THROW(plot_command(options), Misuse);
+    std::ofstream(folder / "chart.json") << "{}";
+    options.runs[1] = (folder / "chart.json").string();
+    testing::expect_error<Misuse>([&] { plot_command(options); }, {"chart.json", "one kind"});
     std::filesystem::remove_all(folder);
 }
 

@@ -80,10 +80,10 @@ TEST_F(Transform, without_gain_is_the_interpolation_bit_for_bit_and_else_moves_a
 }
 
 TEST_F(Transform, a_run_says_how_it_was_made_and_that_no_network_made_it) {
-    InferOptions o = by_colours(30, "core");
+    InferOptions o = by_colours(0.5, "core");
     o.units = "printed", o.colour_units = "printed";
     infer_command(o);
-    EXPECT_EQ(method_of(o), "oracle colours, core and detail, gain 30, Eq 18 as printed, Eq 16 as printed");
+    EXPECT_EQ(method_of(o), "oracle colours, core and detail, gain 0.5, Eq 18 as printed, Eq 16 as printed");
     const RunHeader header = RunReader(o.output).header();
     EXPECT_EQ(header.inputs, (std::vector<std::string>{dry, wet}));
     EXPECT_EQ(kind_of(header), "interpolated");
@@ -161,6 +161,9 @@ TEST_F(Transform, what_has_no_meaning_is_refused) {
     refused(o, {"--gain", "--oracle-colours"});
     o = by_colours(std::numeric_limits<double>::quiet_NaN());
     refused(o, {"--gain", "nan"});
+    o = by_colours(1e9), o.units = "printed";
+    expect_error([&] { infer_command(o); },
+                 {"gain 1e+09, Eq 18 as printed", "beyond 1e6 m", "gain of Eq 18"});
     o = by_colours(1), o.cohesion = true;
     refused(o, {"oracle", "--cohesion"});
     o = by_colours(1), o.wetness = scratch->path("scene.toml");
