@@ -18,7 +18,8 @@ using testing::expect_error;
 
 const std::string wet_curls =
     "frames = 3\n[groom]\ngrid = [8, 8]\nparticles = 25\nlength = 0.1\npitch = 0.04\n[integrator]\n"
-    "substeps = 4\n[stretch]\n[bend]\n[core]\n[wetness]\n[curl]\n[cohesion]\nradius = 0.03\n";
+    "substeps = 4\n[stretch]\n[bend]\n[core]\n[wetness]\n[curl]\n[cohesion]\nradius = 0.03\n[motion]\n"
+    "angle = 40\nperiod = 0.4\n";
 
 // A dry run of 16 strands and the wet one of 64.
 class Transform : public ::testing::Test {
