@@ -174,8 +174,8 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"nearest", "quad", "core", "rest"}));
     c->add_option(
         "--oracle-colours", infer.oracle_colours,
-        "in place of a network of the root codec: the colours of this wet run (Eq 16), the best that it "
-        "could predict");
+        "in place of a network of the root codec: the colours of this wet run (Eq 16), which a network "
+        "without error predicts");
     c->add_option(
         "--oracle-weights", infer.oracle_weights,
         "in place of any colours: the weights in Eq 18 that bring each strand nearest to this wet run, a "
