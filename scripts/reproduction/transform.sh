@@ -146,7 +146,8 @@ note "So nearly all of what the paper shows as learned wet hair must come from t
 
 # chart_of INPUT: a line for each kind of colours; it ends where strands clump to more than half again the error.
 chart_of() {
-    jq --argjson names "$names" --arg input "$1" --arg title "the demo, from ${title[$1]}" --argjson gains "$(printf '%s\n' "${every_gain[@]}" | jq -s .)" '
+    jq --argjson names '{"none": "no network", "unet_vgg19": "unet_vgg19", "recursive_residual": "residual", "oracle": "true", "bound": "bound"}' \
+        --arg input "$1" --arg title "from ${title[$1]}" --argjson gains "$(printf '%s\n' "${every_gain[@]}" | jq -s .)" '
         [.[] | select(.input == $input and .form == "paper")] as $all | ($all[] | select(.colours == "none") | .error_mm) as $none |
         {$title, x_label: "log10 of the gain", y_label: "error [mm]", dx: 0.5, curves: [
          ["none", "unet_vgg19", "recursive_residual", "oracle", "bound"][] as $colours | {name: $names[$colours], values:
