@@ -85,8 +85,8 @@ struct StrandImages {
 // One scene at both resolutions, frame by frame.
 class MemberRun {
   public:
-    MemberRun(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to,
-              Places places, const std::string& device)
+    MemberRun(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to, Places places,
+              const std::string& device)
         : recipe_(recipe),
           member_(m),
           to_(to),
@@ -239,18 +239,13 @@ std::string text_of(const std::string& path) {
     return text.str();
 }
 
-// Whole or not at all, by the first of several parts; the others find what it wrote.
-void write_once(const std::string& path, const std::string& text, long part) {
-    const std::string draft = path + "." + std::to_string(part);
-    std::ofstream out(draft);
-    out << text;
-    if (!out.flush()) throw Error(draft + ": cannot be written");
-    std::error_code failed;
-    fs::create_hard_link(draft, path, failed);
-    if (failed && !fs::exists(path))
-        fs::rename(draft, path);  // a file system without links
-    else
-        fs::remove(draft);
+// By the first of several parts; the others find what it wrote.
+void write_once(const std::string& path, const std::string& text) {
+    OutputFile file(path, true, "", LockedFile::Others::wait);
+    if (!fs::exists(path)) {
+        file.write(text);
+        file.commit();
+    }
     if (text_of(path) != text)
         throw Error(path + ": found another recipe, written just now; every part needs the same one");
 }
@@ -272,7 +267,7 @@ void take_folder(const CommonOptions& o, const Folder& to, const DatasetRecipe& 
     }
     fs::create_directories(to.of("shards"));
     if (!recipe.runs.empty()) fs::create_directories(to.of("runs"));
-    write_once(path, recipe.text, part.mine);
+    write_once(path, recipe.text);
 }
 
 // File -> hash, of many and large ones.
@@ -373,8 +368,7 @@ int dataset_command(const DatasetOptions& o) {
     // Processes that a launcher started write the same one, each in its turn.
     const bool launched = !part.alone() && o.part.empty();
     ResultFile results(launched ? "" : o.json, o.overwrite);
-    const OutputFolder filled(o.output,
-                              part.alone() ? LockedFile::Kind::alone : LockedFile::Kind::shared);
+    const OutputFolder filled(o.output, part.alone() ? LockedFile::Kind::alone : LockedFile::Kind::shared);
     take_folder(o, to, recipe, part);
 
     std::vector<const DatasetMember*> mine;

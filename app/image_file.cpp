@@ -143,7 +143,8 @@ VideoFile::VideoFile(const std::string& path, int width, int height, double fps,
     const std::string webm = fs::path(path).replace_extension(".webm").string();
     if (mp4 && b.open(path, "avc1", fps)) return;
     if (b.open(webm, "VP80", fps)) {
-        if (mp4) log_warning(path + ": this OpenCV has no H.264 encoder; writing VP8 to " + webm + " instead");
+        if (mp4)
+            log_warning(path + ": this OpenCV has no H.264 encoder; writing VP8 to " + webm + " instead");
         return;
     }
     b.folder = fs::path(path).replace_extension().string() + "_frames";

@@ -13,12 +13,12 @@ namespace wetcurl {
 
 using Json = nlohmann::ordered_json;
 
-// A text that a command writes when it is done. No other process can write the file meanwhile: a second command
-// is refused when it begins, not when its work is done.
+// A text that a command writes when it is done. No other process can write the file meanwhile: a second
+// command is refused when it begins, not when its work is done.
 class ResultFile {
   public:
-    // `path`: "" for nowhere, "-" for standard output; to a device or a pipe text is written as it comes. Throws
-    // as OutputFile does.
+    // `path`: "" for nowhere, "-" for standard output; to a device or a pipe text is written as it comes.
+    // Throws as OutputFile does.
     ResultFile(const std::string& path, bool overwrite,
                LockedFile::Others others = LockedFile::Others::refuse);
     // Where --json says.

@@ -214,7 +214,8 @@ void H5Writer::commit() {
     place_.keep();
     const bool flushed = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;
     const bool closed = H5Fclose(std::exchange(file_, -1)) >= 0;
-    check(flushed && closed, path_, "cannot be finished (disk full?); what was written is in " + place_.partial());
+    check(flushed && closed, path_,
+          "cannot be finished (disk full?); what was written is in " + place_.partial());
     place_.commit();
 }
 
@@ -250,8 +251,8 @@ H5Reader::H5Reader(const std::string& path, const std::string& format, int versi
     const bool empty = fs::file_size(path) == 0;
     if (empty || H5Fis_hdf5(path.c_str()) <= 0) {
         require_unwritten(path, writer_of(path));
-        throw Error(path +
-                    (empty ? ": the file is empty" : ": found no HDF5 file, a '" + format + "' file is needed"));
+        throw Error(path + (empty ? ": the file is empty"
+                                  : ": found no HDF5 file, a '" + format + "' file is needed"));
     }
     file_ = opened_to_read(path);
     try {

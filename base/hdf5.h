@@ -12,8 +12,8 @@ namespace wetcurl {
 
 // Both may be used by several threads, an object by one at a time.
 
-// A file of ours: it carries a format name and a version, and is written as an OutputFile, which gets its name
-// when `commit` is called. One that is destroyed uncommitted stays as NAME.partial, readable.
+// A file of ours: it carries a format name and a version, and is written as an OutputFile, which gets its
+// name when `commit` is called. One that is destroyed uncommitted stays as NAME.partial, readable.
 class H5Writer {
   public:
     // Throws Error where `path` exists and `overwrite` is false, where another process writes it, or where it
@@ -41,8 +41,8 @@ class H5Writer {
     void attribute(const std::string& name, double value);
     // `name` here is what lies at `target` in another file, whose path starts at this one's folder.
     void link(const std::string& name, const std::string& file, const std::string& target);
-    void flush();   // what is written so far survives a crash
-    void commit();  // closes and renames to the final name
+    void flush();    // what is written so far survives a crash
+    void commit();   // closes and renames to the final name
     void discard();  // closes and removes what was written
     const std::string& path() const { return path_; }
 

@@ -20,8 +20,8 @@ static long milliseconds() {
     return 1 + now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
-// timeout(1), and shells and schedulers that end a whole group, send a process the same signal twice: to itself
-// and to its group.
+// timeout(1), and shells and schedulers that end a whole group, send a process the same signal twice: to
+// itself and to its group.
 static bool is_the_same_again() {
     constexpr long moment = 1000;  // [ms]
     const long before = asked_at;

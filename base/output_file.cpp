@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -82,8 +83,8 @@ bool same_inode(const struct stat& a, const struct stat& b) {
     return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
-// The process that holds a lock of flock(2) on the file, and whether it may write: from the kernel's list. None
-// where that does not say (another host, another container).
+// The process that holds a lock of flock(2) on the file, and whether it may write: from the kernel's list.
+// None where that does not say, or names one that has ended and left the file open to another.
 struct Holder {
     int process;
     bool writes;
@@ -99,8 +100,8 @@ std::optional<Holder> holder_of(int descriptor) {
         unsigned long inode = 0;
         if (std::sscanf(line.c_str(), "%*d: FLOCK ADVISORY %15s %d %x:%x:%lu", kind, &process, &major_number,
                         &minor_number, &inode) == 5 &&
-            inode == file.st_ino && major_number == major(file.st_dev) && minor_number == minor(file.st_dev) &&
-            process > 0)
+            inode == file.st_ino && major_number == major(file.st_dev) &&
+            minor_number == minor(file.st_dev) && process > 0 && (kill(process, 0) == 0 || errno == EPERM))
             return Holder{process, std::strcmp(kind, "WRITE") == 0};
     }
     return std::nullopt;
@@ -140,7 +141,8 @@ bool is_stream(const std::string& path) {
 }
 
 void write_to_stream(const std::string& path, const std::string& text) {
-    // A descriptor of this process is written where it stands: opened anew it would begin at its file's start.
+    // A descriptor of this process is written where it stands: opened anew it would begin at its file's
+    // start.
     if (const auto own = descriptor_at(followed(path)); own && own->own) {
         std::fflush(stdout);
         return write_all(own->number, path, text.data(), text.size());
@@ -163,8 +165,9 @@ void require_place(const std::string& path, bool overwrite) {
     const fs::file_type type = fs::status(target, error).type();
     if (type == fs::file_type::directory) throw Error(path + ": is a folder, a file name is needed");
     if (descriptor_at(target) || is_stream_type(type))
-        throw Error(path + ": found " + word_for(type) +
-                    ", allowed is the name of a file, which is written beside its name and renamed when whole");
+        throw Error(
+            path + ": found " + word_for(type) +
+            ", allowed is the name of a file, which is written beside its name and renamed when whole");
     if (type != fs::file_type::not_found && type != fs::file_type::none && !overwrite)
         throw Error(path + ": is there already; --overwrite replaces it");
 }
@@ -180,7 +183,8 @@ LockedFile::LockedFile(const std::string& path, const std::string& named, Kind k
     : path_(path), named_(named) {
     for (;;) {
         // A link or a pipe that lies there is not what this program left; a pipe must not make it wait.
-        descriptor_ = open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
+        descriptor_ =
+            open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
         if (descriptor_ < 0) throw Error(named + ": cannot be written: " + path + ": " + reason());
         struct stat opened;
         if (fstat(descriptor_, &opened) != 0 || !S_ISREG(opened.st_mode)) {
@@ -195,8 +199,8 @@ LockedFile::LockedFile(const std::string& path, const std::string& named, Kind k
                 throw;
             }
         }
-        // Between opening and locking, the process before may have renamed or removed the file: the lock would
-        // be one on its finished work.
+        // Between opening and locking, the process before may have renamed or removed the file: the lock
+        // would be one on its finished work.
         if (has_its_name()) return;
         close(descriptor_);
     }
@@ -315,8 +319,7 @@ void OutputFile::commit() {
     if (!overwrite_ && fs::exists(target_, error))
         throw Error(path_ + ": has come to be there meanwhile; what was written is in " + partial());
     fs::rename(partial(), target_, error);
-    if (error)
-        throw Error(path_ + ": cannot be renamed from " + partial() + ": " + error.message());
+    if (error) throw Error(path_ + ": cannot be renamed from " + partial() + ": " + error.message());
     done_ = true;
     LockedFile ended(std::move(file_));
 }

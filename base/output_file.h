@@ -1,4 +1,5 @@
-// Files that the program writes: one process writes each of them, and a file has its name only once it is whole.
+// Files that the program writes: one process writes each of them, and a file has its name only once it is
+// whole.
 #pragma once
 
 #include <string>
@@ -37,8 +38,8 @@ class LockedFile {
   public:
     enum class Kind { alone, shared };
     enum class Others { refuse, wait };
-    // Throws Error where it cannot be opened, and, with Others::refuse, where another process holds a lock that
-    // excludes this one; the text begins with `named`, names that process, and says what to do.
+    // Throws Error where it cannot be opened, and, with Others::refuse, where another process holds a lock
+    // that excludes this one; the text begins with `named`, names that process, and says what to do.
     LockedFile(const std::string& path, const std::string& named, Kind kind = Kind::alone,
                Others others = Others::refuse);
     LockedFile(LockedFile&& from) noexcept;
@@ -95,8 +96,8 @@ class OutputFile {
     LockedFile file_;
 };
 
-// A folder that this process fills alone, or with others that share the work: by a lock on FOLDER/.lock, which
-// goes with the last of them.
+// A folder that this process fills alone, or with others that share the work: by a lock on FOLDER/.lock,
+// which goes with the last of them.
 class OutputFolder {
   public:
     // Makes the folder. Throws Error where that fails, or where another process excludes this one.

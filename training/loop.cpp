@@ -107,8 +107,8 @@ class Trainer {
         return false;
     }
 
-    // From here on no other training writes the model, its log or its checkpoint. Processes that share this one
-    // write through the first of them.
+    // From here on no other training writes the model, its log or its checkpoint. Processes that share this
+    // one write through the first of them.
     void secure_output() {
         if (ranks_.first()) place_.emplace(request_.output, request_.overwrite || request_.resume);
     }
