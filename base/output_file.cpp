@@ -163,7 +163,8 @@ void require_place(const std::string& path, bool overwrite) {
     const fs::path target = followed(path);
     std::error_code error;
     const fs::file_type type = fs::status(target, error).type();
-    if (type == fs::file_type::directory) throw Error(path + ": is a folder, a file name is needed");
+    if (type == fs::file_type::directory || target.filename().empty())
+        throw Error(path + ": is a folder, a file name is needed");
     if (descriptor_at(target) || is_stream_type(type))
         throw Error(
             path + ": found " + word_for(type) +
@@ -181,7 +182,8 @@ void make_folder_of(const std::string& path) {
 
 LockedFile::LockedFile(const std::string& path, const std::string& named, Kind kind, Others others)
     : path_(path), named_(named) {
-    for (;;) {
+    constexpr int most = 1000;  // renamings just before the lock was had
+    for (int k = 0; k < most; ++k) {
         // A link or a pipe that lies there is not what this program left; a pipe must not make it wait.
         descriptor_ =
             open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
@@ -204,6 +206,7 @@ LockedFile::LockedFile(const std::string& path, const std::string& named, Kind k
         if (has_its_name()) return;
         close(descriptor_);
     }
+    throw Error(named + ": cannot be written: " + path + " is another file each time it is opened");
 }
 
 LockedFile::LockedFile(LockedFile&& from) noexcept

@@ -1,6 +1,6 @@
-// What holds for every file that the program writes: one writer, a name only when whole, links followed, nothing
-// lost of what another process writes or left. flock(2) tells two openings of one process apart as it does two
-// processes, so that a second writer stands for a second process except where a test forks one.
+// What holds for every file that the program writes: one writer, a name only when whole, links followed,
+// nothing lost of what another process writes or left. flock(2) tells two openings of one process apart as it
+// does two processes, so that a second writer stands for a second process except where a test forks one.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/socket.h>
@@ -201,9 +201,13 @@ TEST(OutputFile, what_is_no_file_is_refused_and_stays) {
     plug.copy(address.sun_path, sizeof address.sun_path - 1);
     ASSERT_EQ(bind(socket_of, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
     const Names before = names_in(scratch);
-    for (const auto& [path, found] :
-         {std::pair<std::string, std::string>{pipe, "a pipe"}, {link, "a pipe"}, {plug, "a socket"},
-          {folder, "is a folder"}, {"/dev/null", "a device"}, {"/dev/stdout", "allowed is the name of a file"}})
+    for (const auto& [path, found] : {std::pair<std::string, std::string>{pipe, "a pipe"},
+                                      {link, "a pipe"},
+                                      {plug, "a socket"},
+                                      {folder, "is a folder"},
+                                      {scratch.path("new/"), "a file name is needed"},
+                                      {"/dev/null", "a device"},
+                                      {"/dev/stdout", "allowed is the name of a file"}})
         expect_error([&, path = path] { OutputFile(path, true); }, {path, found});
     expect_error<Misuse>([&] { OutputFile("", true); }, {"empty file name"});
     close(socket_of);
@@ -285,7 +289,8 @@ TEST(Streams, take_text_as_it_comes) {
     EXPECT_FALSE(is_stream("") || is_stream(scratch.path()) || is_stream(scratch.path("none")) ||
                  is_stream(scratch.file("file", "")));
     write_to_stream("/dev/null", "gone");
-    expect_error([&] { write_to_stream("/dev/full", "text"); }, {"/dev/full", "cannot be written", "No space"});
+    expect_error([&] { write_to_stream("/dev/full", "text"); },
+                 {"/dev/full", "cannot be written", "No space"});
 
     const std::string pipe = scratch.path("pipe");
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
