@@ -54,7 +54,7 @@ test = 0
 name = "uniform"
 text = '[wetness]'
 TOML
-grep -v '^\[wetness\]' scene.toml >base.toml
+sed '/^\[wetness\]/d; s/^frames = 4/frames = 40/' scene.toml >base.toml
 quiet="--threads 1 --quiet"
 "$wetcurl" simulate scene.toml --strands 16 --dry $quiet -o low.h5
 "$wetcurl" simulate scene.toml $quiet -o wet.h5
@@ -73,8 +73,9 @@ networks=1
 # Name of the partial file of $1.
 partial_of() { case $1 in *.webm) echo "${1%.webm}.partial.webm" ;; *) echo "$1.partial" ;; esac; }
 
+aside=()  # other files that the next command makes
 each() {  # file, whether a pipe may stand there (stream | file), the command without its name, OUT for the file
-    local out=$1 may=$2 command="'$wetcurl' ${*:3}" partial
+    local out=$1 may=$2 command="rm -f ${aside[*]}; '$wetcurl' ${*:3}" partial
     partial=$(partial_of "$out")
     command=${command//OUT/$out}
     # Another process writes it.
@@ -104,10 +105,11 @@ each() {  # file, whether a pipe may stand there (stream | file), the command wi
 }
 
 each run.h5 file simulate scene.toml --strands 16 $quiet -o OUT
-each run.json stream simulate scene.toml --strands 16 $quiet --overwrite -o one.h5 --json OUT
+aside=(aside.h5 images_000_{dynamic,target}.png)
+each run.json stream simulate scene.toml --strands 16 $quiet -o aside.h5 --json OUT
 each learned.h5 file infer low.h5 --interpolate rest $quiet -o OUT
 each made.h5 file encode low.h5 wet.h5 $quiet -o OUT
-each made.json stream encode low.h5 wet.h5 $quiet -o made.h5 --overwrite --json OUT
+each made.json stream encode low.h5 wet.h5 $quiet -o aside.h5 --json OUT
 each hair.hair file import two.data OUT --units m $quiet
 each hair.data file import two.data OUT --units m $quiet
 each hair.json stream import two.data --units m $quiet --json OUT
@@ -121,14 +123,14 @@ if ((pictures)); then
     each picture.png file render wet.h5 --width 32 --height 32 $quiet -o OUT
     each film.webm file render wet.h5 --width 32 --height 32 $quiet -o OUT
     each energy.png file plot wet.h5 $quiet -o OUT
-    each images_000_target.png file inspect pairs pairs.h5 $quiet -o images.png
+    each images_000_displayed.png file inspect pairs pairs.h5 $quiet -o images.png
     rm -f images_*.png
 fi
 if ((networks)); then
     train="train sr pairs.h5 $quiet --set width=0.1"
     each model.h5 file $train --set epochs=1 -o OUT
-    each model.json stream $train --set epochs=1 -o model.h5 --overwrite --json OUT
-    rm -f model.h5*
+    each model.json stream $train --set epochs=1 -o aside.h5 --json OUT
+    rm -f aside.h5*
 fi
 
 # Results go to a device, a pipe or a descriptor as they come.
@@ -196,11 +198,11 @@ refused infer long_low.h5 --interpolate rest $quiet -o learned.h5 --overwrite
 finish 0
 check 'the first inferred run can be read' "$wetcurl" inspect run learned.h5
 
-"$wetcurl" dataset recipe.toml $quiet -o alone_set --set 'together=3'
-begin set/.lock dataset recipe.toml $quiet -o set --set 'together=3'
-refused dataset recipe.toml $quiet -o set --set 'together=3' --resume
-refused dataset recipe.toml $quiet -o set --set 'together=3' --overwrite
-refused dataset recipe.toml $quiet -o set --set 'together=3' --part 1/2
+"$wetcurl" dataset recipe.toml $quiet -o alone_set
+begin set/.lock dataset recipe.toml $quiet -o set
+refused dataset recipe.toml $quiet -o set --resume
+refused dataset recipe.toml $quiet -o set --overwrite
+refused dataset recipe.toml $quiet -o set --part 1/2
 finish 0
 check 'the first data set is what it would be alone' diff -r alone_set set
 
