@@ -187,6 +187,8 @@ LockedFile::LockedFile(const std::string& path, const std::string& named, Kind k
         // A link or a pipe that lies there is not what this program left; a pipe must not make it wait.
         descriptor_ =
             open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
+        if (descriptor_ < 0 && errno == ELOOP)
+            throw Error(named + ": cannot be written: " + path + " is a symbolic link; remove it");
         if (descriptor_ < 0) throw Error(named + ": cannot be written: " + path + ": " + reason());
         struct stat opened;
         if (fstat(descriptor_, &opened) != 0 || !S_ISREG(opened.st_mode)) {
