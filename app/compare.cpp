@@ -78,6 +78,7 @@ int compare_command(const CompareOptions& options) {
     check_files(options, "", inputs);
     refuse_scene_options(options, "compare");
     refuse_device(options, "compare");
+    ResultFile results(options);
     const auto others = compare_runs(options.reference, options.others, options.first_frame);
     Json json{{"reference", options.reference}, {"others", Json::array()}};
     for (const auto& other : others) json["others"].push_back(json_of(other));
@@ -86,7 +87,7 @@ int compare_command(const CompareOptions& options) {
             fmt::format("against {} ({})\n", options.reference, RunReader(options.reference).header().method);
         std::fputs((heading + table_of(others)).c_str(), stdout);
     }
-    write_json(json, options.json);
+    results.write_json(json);
     return 0;
 }
 

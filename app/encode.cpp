@@ -173,7 +173,7 @@ Json encode_adhesion(const EncodeOptions& o) {
 // What is kept of an interrupted encoding: NAME.partial where it holds something (codec root sees all frames
 // before it writes one).
 std::string kept_of(const EncodeOptions& o) {
-    const std::string partial = o.output + ".partial";
+    const std::string partial = partial_of(o.output);
     if (!H5Reader(partial, pairs_format, pairs_version).list("runs").empty())
         return "; what was encoded is kept in " + partial;
     std::filesystem::remove(partial);
@@ -186,8 +186,9 @@ int encode_command(const EncodeOptions& o) {
     check_files(o, o.output, o.inputs);
     refuse_device(o, "encode");
     const Codec codec = codec_named(o.codec);
+    ResultFile results(o);
     try {
-        write_json(codec == Codec::adhesion ? encode_adhesion(o) : encode_pairs(o, codec), o.json);
+        results.write_json(codec == Codec::adhesion ? encode_adhesion(o) : encode_pairs(o, codec));
     } catch (const Interrupted& e) {
         throw Interrupted(e.what() + kept_of(o));
     }

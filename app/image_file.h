@@ -10,11 +10,12 @@
 
 namespace wetcurl {
 
-// Writes an 8-bit PNG beside its name and renames it. Throws Error where it cannot.
-void write_png(const std::string& path, const Image& image);
+// Writes an 8-bit PNG, as an OutputFile. Throws Error where it cannot.
+void write_png(const std::string& path, const Image& image, bool overwrite);
 
 // Writes rgb[(row * width + column) * 3 + channel], times `scale`, clamped to 0..1, pixel by pixel.
-void write_image_png(const std::string& path, const float* rgb, int width, int height, float scale);
+void write_image_png(const std::string& path, const float* rgb, int width, int height, float scale,
+                     bool overwrite);
 
 // Text whose baseline lies at `row`, `height` [pixel] from line to line; of its width the part `anchor` lies
 // left of `column`. Shifted to where it fits.

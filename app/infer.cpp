@@ -372,6 +372,7 @@ int infer_command(const InferOptions& given) {
     if (!o.model.empty()) header.inputs.push_back(o.model);
     const double preparation = omp_get_wtime() - begun;
     InterruptGuard guard;
+    ResultFile results(o);
     RunWriter writer(o.output, header, o.overwrite);
 
     Progress progress("infer", run.frames(), "frame");
@@ -410,7 +411,7 @@ int infer_command(const InferOptions& given) {
         progress.update(++done);
     }
     if (done < run.frames())
-        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
+        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}", done, partial_of(o.output)));
     writer.commit();
     Json json{{"frames", done},
               {"strands", scene.groom.rest.count},
@@ -422,7 +423,7 @@ int infer_command(const InferOptions& given) {
               {"method", method->name()},
               {"cohesion_after", display.has_value()}};
     if (!o.model.empty()) json["moved_by_network_mm"] = moved / std::max(1, done);
-    write_json(json, o.json);
+    results.write_json(json);
     log_info(fmt::format(
         "{}: {}, {} strands, {:.1f} ms a frame of which inference {:.1f} ms{}", o.output, method->name(),
         scene.groom.rest.count, 1000 * json["seconds_per_frame"]["median"].get<double>(),

@@ -25,7 +25,7 @@ namespace {
 
 // Results go to one place: JSON where it is asked for, a table otherwise.
 void show(const InspectOptions& o, const Json& json) {
-    if (!o.json.empty()) return write_json(json, o.json);
+    if (!o.json.empty()) return ResultFile(o).write_json(json);
     std::string text;
     for (const auto& [key, value] : json.items()) {
         if (value.is_array() && !value.empty() && value[0].is_object()) {
@@ -123,7 +123,9 @@ Json run_json(const InspectOptions& o) {
 }
 
 // (channels, height, width) of a dataset's last frame, three channels, as a picture with interleaved colours.
-void write_geometry_image(const H5Reader& file, const std::string& dataset, const std::string& path) {
+void write_geometry_image(const H5Reader& file, const std::string& dataset, const std::string& path,
+                          bool overwrite) {
+    require_place(path, overwrite);
     const auto shape = file.shape(dataset);
     // Colours, or sixteen amplitudes of each axis first.
     const size_t step = shape.size() == 4 && shape[1] == 3 ? 1 : 16;
@@ -144,7 +146,7 @@ void write_geometry_image(const H5Reader& file, const std::string& dataset, cons
     for (size_t c = 0; c < 3; ++c)
         for (size_t k = 0; k < plane; ++k)
             rgb[3 * k + c] = (data[c * step * plane + k] - low) / std::max(1e-9f, high - low);
-    write_image_png(path, rgb.data(), int(shape[3]), int(shape[2]), 1);
+    write_image_png(path, rgb.data(), int(shape[3]), int(shape[2]), 1, overwrite);
 }
 
 Json pairs_json(const InspectOptions& o) {
@@ -163,9 +165,7 @@ Json pairs_json(const InspectOptions& o) {
             const std::filesystem::path stem(o.output);
             const std::string path =
                 (stem.parent_path() / (stem.stem().string() + "_" + run + "_" + name + ".png")).string();
-            if (!o.overwrite && std::filesystem::exists(path))
-                throw Error(path + ": is there already; --overwrite replaces it");
-            write_geometry_image(file, dataset, path);
+            write_geometry_image(file, dataset, path, o.overwrite);
             json["images"].push_back(path);
         }
         json["runs"].push_back(one);

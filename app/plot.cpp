@@ -115,7 +115,7 @@ int plot_command(const PlotOptions& o) {
                          "; allowed are runs or logs of trainings (.jsonl), not both on the same axes");
         charts.push_back(is_log(path) ? losses_of(path) : energy_of(RunReader(path)));
     }
-    write_png(o.output, draw_charts(charts, o.width, o.height));
+    write_png(o.output, draw_charts(charts, o.width, o.height), o.overwrite);
     log_info("wrote " + o.output);
     return 0;
 }

@@ -114,7 +114,7 @@ int render_command(const RenderOptions& options) {
                          std::to_string(last));
         const int f = options.frame < 0 ? last : options.frame;
         reel.fit_camera(f, f, 1);
-        write_png(options.output, reel.draw(f));
+        write_png(options.output, reel.draw(f), options.overwrite);
     } else {
         reel.fit_camera(0, last, 9);
         InterruptGuard guard;

@@ -130,6 +130,7 @@ void describe_runs(const ReportOptions& o, const std::vector<Comparison>& others
 
 int report_command(const ReportOptions& o) {
     check(o);
+    ResultFile html(o.output, o.overwrite), results(o);
     ReportPage page;
     page.stability = read_stability(o.stability);
     std::vector<std::string> files;
@@ -166,10 +167,10 @@ int report_command(const ReportOptions& o) {
         if (!o.stability.empty()) files.push_back(o.stability);
         for (const auto& file : files) page.files.emplace_back(file, hash_of_file(file));
         page.rows = rows;
-        write_text(html_of(page), o.output);
+        html.write(html_of(page));
         log_info("wrote " + o.output);
     }
-    write_json(json, o.json);
+    results.write_json(json);
     return 0;
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -24,24 +23,25 @@ static bool same_file(const std::string& a, const std::string& b) {
 
 void check_files(const CommonOptions& o, const std::string& output, const std::vector<std::string>& inputs) {
     const std::string json = o.json == "-" ? "" : o.json;
-    if (!output.empty() && !json.empty() && same_file(output, json))
-        throw Misuse("--json " + json + ": is the output as well; another name is needed");
-    for (const std::string* written : {&output, &json}) {
-        if (written->empty()) continue;
+    auto touched = [](const std::string& path) {
+        if (path.empty() || is_stream(path)) return std::vector<std::string>();
+        return std::vector<std::string>{path, partial_of(path)};
+    };
+    for (const auto& a : touched(output))
+        for (const auto& b : touched(json))
+            if (same_file(a, b))
+                throw Misuse("--json " + json + ": is the output as well; another name is needed");
+    for (const std::string* written : {&output, &json})
         for (const auto& input : inputs)
-            for (const auto& touched : {*written, *written + ".partial"})
-                if (!input.empty() && same_file(touched, input))
+            for (const auto& file : touched(*written))
+                if (!input.empty() && same_file(file, input))
                     throw Misuse(*written + ": writing it would destroy the input " + input +
                                  "; another name is needed");
-        // A device or a pipe is written to, never replaced; what is resumed is there already.
-        if (!o.overwrite && !(o.resume && written == &output) && fs::is_regular_file(*written))
-            throw Error(*written + ": is there already; --overwrite replaces it");
-    }
-    if (fs::is_directory(json)) throw Error(json + ": is a folder, a file name is needed for --json");
-    std::error_code error;
-    if (const fs::path folder = fs::path(json).parent_path(); !folder.empty())
-        fs::create_directories(folder, error);
-    if (error) throw Error(json + ": its folder cannot be made: " + error.message());
+    // What is resumed is there already.
+    if (!output.empty()) require_place(output, o.overwrite || o.resume);
+    if (json.empty() || is_stream(json)) return;
+    require_place(json, o.overwrite);
+    make_folder_of(json);
 }
 
 void refuse_scene_options(const CommonOptions& o, const std::string& who) {
@@ -53,29 +53,31 @@ void refuse_device(const CommonOptions& o, const std::string& who) {
     if (o.device != "cpu") throw Misuse("--device " + o.device + ": " + who + " runs on the CPU alone");
 }
 
-void write_text(const std::string& text, const std::string& path) {
-    if (fs::exists(path) && !fs::is_regular_file(path)) {
-        std::ofstream out(path);
-        out << text << std::flush;
-        if (!out) throw Error(path + ": cannot be written");
-        return;
-    }
-    const std::string partial = path + ".partial";
-    {
-        std::ofstream out(partial);
-        out << text << std::flush;
-        if (!out) throw Error(path + ": cannot be written");
-    }
-    fs::rename(partial, path);
+ResultFile::ResultFile(const std::string& path, bool overwrite, LockedFile::Others others) : path_(path) {
+    if (!path.empty() && path != "-" && !is_stream(path)) file_.emplace(path, overwrite, "", others);
 }
 
-void write_json(const Json& json, const std::string& path) {
-    if (path.empty()) return;
-    const std::string text = json.dump(2) + "\n";
-    if (path == "-")
+void ResultFile::write(const std::string& text) {
+    if (file_) {
+        file_->write(text);
+        file_->commit();
+    } else if (path_ == "-") {
         std::fputs(text.c_str(), stdout);
-    else
-        write_text(text, path);
+    } else if (!path_.empty()) {
+        write_to_stream(path_, text);
+    }
+}
+
+static std::string text_of(const Json& json) { return json.dump(2) + "\n"; }
+
+void ResultFile::write_json(const Json& json) {
+    if (!path_.empty()) write(text_of(json));
+}
+
+void ResultFile::leave_json(const Json& json) {
+    if (!file_) return write_json(json);
+    file_->write(text_of(json));
+    file_->keep();
 }
 
 Json time_statistics(std::vector<double> t) {

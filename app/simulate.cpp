@@ -30,6 +30,7 @@ int simulate_command(const SimulateOptions& o) {
     options.groom = o.groom;
     Scene scene = scene_of_file(o.scene, options);
     check_files(o, o.output, scene.files);
+    ResultFile results(o);
     if (o.dry) make_dry(scene);
     if (o.before_cohesion) leave_out_display(scene);
     if (o.before_cohesion && scene.cohesion)
@@ -119,15 +120,15 @@ int simulate_command(const SimulateOptions& o) {
             {"mean", std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size())},
             {"last", errors.back()},
             {"max", *std::max_element(errors.begin(), errors.end())}};
-    write_json(json, o.json);
+    results.write_json(json);
     if (diverged) {
         throw Error(fmt::format(
-            "the run diverged at frame {}, strand {}, largest term '{}'; {} frames are kept in {}.partial "
+            "the run diverged at frame {}, strand {}, largest term '{}'; {} frames are kept in {} "
             "(more [integrator] substeps, or less stiffness, may help)",
-            done, diverged->strand, diverged->largest_term, done, o.output));
+            done, diverged->strand, diverged->largest_term, done, partial_of(o.output)));
     }
     if (done < scene.frames)
-        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
+        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}", done, partial_of(o.output)));
     log_info(
         fmt::format("{}: {} strands x {} particles, {} frames, median {:.1f} ms a frame, {:.0f} bytes a "
                     "particle; present: {}",

@@ -41,8 +41,8 @@ struct RunWriter::Body {
     size_t strands, particles, energies, stages;
 };
 
-RunWriter::RunWriter(const std::string& path, const RunHeader& h, bool overwrite)
-    : body_(new Body{{path, run_format, run_version, overwrite},
+RunWriter::RunWriter(OutputFile place, const RunHeader& h)
+    : body_(new Body{{std::move(place), run_format, run_version},
                      size_t(h.groom.rest.count),
                      size_t(h.groom.rest.particles),
                      h.energy_kinds.size(),

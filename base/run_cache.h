@@ -58,7 +58,10 @@ struct RunFrame {
 
 class RunWriter {
   public:
-    RunWriter(const std::string& path, const RunHeader& header, bool overwrite);
+    RunWriter(const std::string& path, const RunHeader& header, bool overwrite)
+        : RunWriter(OutputFile(path, overwrite), header) {}
+    // Into a place that was secured before.
+    RunWriter(OutputFile place, const RunHeader& header);
     ~RunWriter();
     void append(const RunFrame& frame);
     void commit();

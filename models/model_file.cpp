@@ -94,7 +94,11 @@ void read_weights(const H5Reader& file, Model& model) {
 }
 
 void save_model(const std::string& path, const ModelCard& card, const Model& model, bool overwrite) {
-    H5Writer file(path, model_format, model_version, overwrite);
+    save_model(OutputFile(path, overwrite), card, model);
+}
+
+void save_model(OutputFile place, const ModelCard& card, const Model& model) {
+    H5Writer file(std::move(place), model_format, model_version);
     file.attribute("codec", card.codec);
     file.attribute("architecture", card.architecture);
     file.attribute("width", card.width);

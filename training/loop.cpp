@@ -9,10 +9,12 @@
 #include <chrono>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 #include "base/geometry/strands.h"
 #include "base/interrupt.h"
+#include "base/output_file.h"
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "training/checkpoint.h"
@@ -58,6 +60,7 @@ class Trainer {
         : request_(request), ranks_(request.ranks), device_(torch::kCPU) {}
 
     void run() {
+        secure_output();
         if (already_done()) return;
         open_inputs();
         make_network();
@@ -102,6 +105,12 @@ class Trainer {
             throw Error(checkpoint_path() +
                         ": an interrupted training is there; --resume goes on, --overwrite begins anew");
         return false;
+    }
+
+    // From here on no other training writes the model, its log or its checkpoint. Processes that share this
+    // one write through the first of them.
+    void secure_output() {
+        if (ranks_.first()) place_.emplace(request_.output, request_.overwrite || request_.resume);
     }
 
     void open_inputs() {
@@ -404,8 +413,8 @@ class Trainer {
         group_->wait();  // so that the model is there when any process ends
     }
 
-    void save() const {
-        save_model(request_.output, card_, *model_, request_.overwrite || request_.resume);
+    void save() {
+        save_model(std::move(*place_), card_, *model_);
         fs::remove(checkpoint_path());
         std::ostringstream text;
         text.precision(4);
@@ -430,7 +439,9 @@ class Trainer {
     std::unique_ptr<Optimiser> optimiser_;
     std::unique_ptr<Loss> loss_;
     std::unique_ptr<Group> group_;
-    std::unique_ptr<MetricsLog> log_;  // of the first process
+    // Of the first process.
+    std::optional<OutputFile> place_;  // of the model
+    std::unique_ptr<MetricsLog> log_;
     bool stop_agreed_ = false;
     TrainingState state_;
     std::string best_note_;

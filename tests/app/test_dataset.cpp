@@ -523,6 +523,44 @@ TEST_F(Dataset, a_folder_is_not_written_to_unasked) {
     EXPECT_EQ(contents("mine"), before);
 }
 
+TEST_F(Dataset, a_second_process_in_the_same_folder_is_refused_and_changes_nothing) {
+    using Kind = LockedFile::Kind;
+    const std::string text = "runs = \"train\"\n" + small_recipe + scenes(2, 0, 0);
+    make(options(text, "whole"));
+    DatasetOptions o = options(text, "folder");
+    o.part = "1/2";
+    make(o);
+    const auto half = contents("folder");
+    auto refused = [&](const std::string& part, bool resume, bool overwrite, const std::string& named) {
+        o.part = part, o.resume = resume, o.overwrite = overwrite;
+        const auto before = contents("folder");
+        expect_error([&] { dataset_command(o); }, {named, "writes it", "wait until it ends"});
+        EXPECT_EQ(contents("folder"), before);
+    };
+    {
+        const OutputFolder all(o.output, Kind::alone);
+        refused("", true, false, o.output);
+        refused("", false, true, o.output);
+        refused("2/2", false, false, o.output);
+    }
+    {
+        const OutputFolder part(o.output, Kind::shared);
+        refused("", true, false, o.output);
+        refused("", false, true, o.output);
+        // Another process at the same scene, whichever of its files it writes.
+        for (const std::string file : {"/shards/train-0001_strand.h5", "/runs/train-0001_wet.h5"}) {
+            const OutputFile there(o.output + file, false);
+            refused("2/2", false, false, file);
+        }
+    }
+    EXPECT_EQ(contents("folder"), half);
+    EXPECT_EQ(make(o), std::pair(1, true));
+    for (const auto& [name, bytes] : contents("whole")) {
+        if (name.starts_with("runs/")) continue;  // they hold run times
+        EXPECT_EQ(contents("folder").at(name), bytes) << name;
+    }
+}
+
 TEST_F(Dataset, errors_of_a_recipe_say_what_and_where_before_anything_is_written) {
     auto refused = [&](const std::string& text, std::initializer_list<std::string> parts) {
         SCOPED_TRACE(text.substr(0, 60));

@@ -253,7 +253,7 @@ TEST(picture, a_png_has_its_signature_and_size) {
     const auto path = std::filesystem::temp_directory_path() / "wetcurl_test_picture" / "image.png";
     const std::vector<float> rgb(7 * 5 * 3, 0.5f);
     try {
-        write_image_png(path.string(), rgb.data(), 7, 5, 1);
+        write_image_png(path.string(), rgb.data(), 7, 5, 1, true);
     } catch (const Error& e) {
         if (std::string(e.what()).find("OpenCV") != std::string::npos)
             GTEST_SKIP() << "SKIP: built without OpenCV";
