@@ -73,7 +73,7 @@ akinci2013::KernelTable view_of(const akinci2013::KernelSum& sum) { return {sum.
 
 Result by_bodies(const Scene& scene, const std::vector<Vec3d>& x, double time) {
     Result out;
-    with_particle_forces(scene, [&]<class Method>(const Method& method) {
+    for_each_particle_force(scene, [&]<class Method>(const Method& method) {
         if constexpr (std::is_same_v<Method, BoundaryParticles2013>) {
             const HostSurfaces surfaces(scene, method, time);
             const akinci2013::KernelSum sum(akinci2013::adhesion_kernel, method.h);

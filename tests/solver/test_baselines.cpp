@@ -142,7 +142,7 @@ TEST(StrandForces, are_their_potential_s_gradient_but_for_the_area_s) {
     EXPECT_LT(off_gradient(tuft("lin")), 0.02);
     Scene kim = tuft("kim");
     EXPECT_GT(off_gradient(kim), 0.05);
-    std::get<Kim2016>(*kim.baseline).gamma_area = 0;
+    std::get<Slot<Kim2016>>(kim.baselines)->gamma_area = 0;
     EXPECT_LT(off_gradient(kim), 0.02);
 }
 
@@ -181,7 +181,7 @@ TEST(StrandForces, are_those_of_all_pairs_on_different_strands) {
     const Scene scene = tuft("lin");
     const auto x = positions_of(scene), force = forces_on(scene);
     const auto mass = particle_masses(scene);
-    const auto& lin = std::get<Lin2015>(*scene.baseline);
+    const Lin2015 lin = *scene.baseline<Lin2015>();
     for (size_t i = 0; i < x.size(); ++i) {
         Vec3d sum{0, 0, 0};
         for (size_t j = 0; j < x.size(); ++j)
@@ -391,7 +391,7 @@ TEST(Baselines, leave_a_dry_twin_but_for_iben) {
         Scene scene = name == "iben" ? scene_of(hair + "[baseline]\nmethod = \"iben\"\n")
                                      : two_strands(name, 0.01, "[wetness]\n" + ball);
         make_dry(scene);
-        EXPECT_EQ(scene.baseline.has_value(), name == "iben") << name;
+        EXPECT_EQ(scene.names_baseline(), name == "iben") << name;
     }
 }
 
