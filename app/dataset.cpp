@@ -117,8 +117,8 @@ class MemberRun {
         }
         std::unique_ptr<RunWriter> low_writer, wet_writer;
         if (keeps_runs()) {
-            low_writer = writer("low", low_, *dry_, recipe_.low_is_wet ? "simulated wet" : "simulated dry");
-            wet_writer = writer("wet", high_, *wet_, "simulated wet");
+            low_writer = writer("low", low_, *dry_);
+            wet_writer = writer("wet", high_, *wet_);
         }
         const float radius = high_.cohesion ? float(high_.cohesion->h_c) : 0;
         const RootImage low_image(low_.groom.grid), high_image(high_.groom.grid, 2);
@@ -201,10 +201,9 @@ class MemberRun {
     PairsWriter shard(Codec codec) {
         return {std::move(places_.at(to_.shard(member_, codec))), codec, high_.groom.rest.particles};
     }
-    std::unique_ptr<RunWriter> writer(const char* which, const Scene& scene, const Simulation& simulation,
-                                      const char* method) {
+    std::unique_ptr<RunWriter> writer(const char* which, const Scene& scene, const Simulation& simulation) {
         return std::make_unique<RunWriter>(std::move(places_.at(to_.run(member_, which))),
-                                           header_of(scene, simulation, method));
+                                           header_of(scene, simulation, method_of(scene)));
     }
 
     const DatasetRecipe& recipe_;

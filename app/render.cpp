@@ -63,8 +63,8 @@ class Reel {
         const RunHeader& header = run.header();
         const RunFrame frame = run.frame(f);
         // A dry run records its wetness as well; only the colours asked for show it.
-        const bool wet =
-            !header.saturation.empty() && (options_.saturation || header.method != "simulated dry");
+        const bool wet = !header.saturation.empty() &&
+                         (options_.saturation || !header.method.starts_with("simulated dry"));
         Panel panel;
         panel.layers.push_back({&frame.seen(), wet ? &frame.wetness(header) : nullptr});
         panel.solids = solids_of(header, frame, f / header.fps);

@@ -49,10 +49,8 @@ int simulate_command(const SimulateOptions& o) {
     auto network = adhesion_model_of(scene, o.threads);
     simulation->use_adhesion_model(network.get());
 
-    RunHeader header = header_of(scene, *simulation,
-                                 network           ? "simulated wet, adhesion learned"
-                                 : acts_wet(scene) ? "simulated wet"
-                                                   : "simulated dry");
+    RunHeader header =
+        header_of(scene, *simulation, method_of(scene) + (network ? ", adhesion learned" : ""));
     header.device = o.device;
     InterruptGuard guard;
     RunWriter writer(o.output, header, o.overwrite);

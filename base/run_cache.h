@@ -20,7 +20,7 @@ inline constexpr int run_version = 1;
 struct RunHeader {
     std::string scene;         // the resolved scene, TOML
     std::string scene_folder;  // where its relative paths start
-    std::string method;        // "simulated dry", "simulated wet", "strand_mlp", "quad interpolation"…
+    std::string method;  // "simulated dry", "simulated wet, Lin 2015 on our chain", "quad interpolation"…
     std::string device = "cpu";
     double fps = 24;
     unsigned long long seed = 0;
