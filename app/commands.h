@@ -31,6 +31,7 @@ struct SimulateOptions : CommonOptions {
 struct EncodeOptions : CommonOptions {
     std::vector<std::string> inputs;  // DRY.h5 WET.h5 pairs, or wet runs for adhesion samples
     std::string output, codec = "strand";
+    std::string colour_units;  // of Eq 16, codec root; "": length
 };
 struct DatasetOptions : CommonOptions {
     std::string recipe, output, part;  // part: "K/N"
@@ -43,11 +44,14 @@ struct TrainOptions : CommonOptions {
 };
 struct InferOptions : CommonOptions {
     std::string input, model, interpolate, reconstruct, wetness, output;
-    int roots = 4;           // around a new strand: the grid's four, or the three nearest
-    bool wet_shape = false;  // of an interpolation: Eq 9 before it
-    bool settled = false;    // the run is dry, and is moved to where wet strands come to rest
-    bool crop = false;       // the network is asked where hair is wet alone
-    bool cohesion = false;   // Eq 10 after it
+    std::string oracle_colours, oracle_weights;  // a wet run, in place of a network's
+    std::optional<double> gain;                  // kappa of Eq 18; none: the scene's or the model's
+    std::string units, colour_units;             // of Eq 18, of Eq 16; "": the scene's or the model's
+    int roots = 4;                               // around a new strand: the grid's four, or the three nearest
+    bool wet_shape = false;                      // of an interpolation: Eq 9 before it
+    bool settled = false;   // the run is dry, and is moved to where wet strands come to rest
+    bool crop = false;      // the network is asked where hair is wet alone
+    bool cohesion = false;  // Eq 10 after it
     // Of Eq 10, in place of the scene's.
     std::optional<int> passes;
     std::optional<double> spacing, relaxation;  // [m], [1]

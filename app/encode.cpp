@@ -108,7 +108,8 @@ Json encode_pairs(const EncodeOptions& o, Codec codec) {
             if (support_radius_of(pair.wet->header()) != radius)
                 throw Error(pair.wet->path() + ": its cohesion radius is not that of " +
                             pairs[0].wet->path() + ", allowed one for all");
-        encode_roots(pairs, radius, out);
+        encode_roots(pairs, radius, out,
+                     o.colour_units.empty() ? ShiftUnits::length : shift_units_named(o.colour_units));
     }
     int frames = 0;
     for (size_t k = 0; k < pairs.size(); ++k) {
@@ -186,6 +187,8 @@ int encode_command(const EncodeOptions& o) {
     check_files(o, o.output, o.inputs);
     refuse_device(o, "encode");
     const Codec codec = codec_named(o.codec);
+    if (codec != Codec::root && !o.colour_units.empty())
+        throw Misuse("--colour-units is for --codec root, found --codec " + o.codec);
     ResultFile results(o);
     try {
         results.write_json(codec == Codec::adhesion ? encode_adhesion(o) : encode_pairs(o, codec));

@@ -12,6 +12,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
+#include "base/shift_units.h"
 #include "solver/terms/cohesion.h"
 
 using namespace wetcurl;
@@ -122,6 +123,12 @@ int main(int argc, char** argv) {
     c->add_option("--codec", encode.codec, "root | strand | adhesion")
         ->check(CLI::IsMember({"root", "strand", "adhesion"}))
         ->capture_default_str();
+    const std::string colour_units_help =
+        "how the shift of wet roots, which are the colours (Eq 16), is read: length (default), times the "
+        "square of "
+        "the support radius, or printed, SI numbers without it";
+    c->add_option("--colour-units", encode.colour_units, "for the root codec: " + colour_units_help)
+        ->check(CLI::IsMember(shift_units_names));
 
     DatasetOptions dataset;
     c = command("dataset", "simulate many scenes, dry and wet, into training pairs", dataset,
@@ -165,8 +172,29 @@ int main(int argc, char** argv) {
     c->add_option("--model", infer.model, "trained model (HDF5), in place of the scene's [learned] model");
     c->add_option("--interpolate", infer.interpolate, "without a network: nearest | quad | core | rest")
         ->check(CLI::IsMember({"nearest", "quad", "core", "rest"}));
-    c->add_option("--reconstruct", infer.reconstruct, "for a model of the root codec: paper | core")
+    c->add_option(
+        "--oracle-colours", infer.oracle_colours,
+        "in place of a network of the root codec: the colours of this wet run (Eq 16), the best that it "
+        "could predict");
+    c->add_option(
+        "--oracle-weights", infer.oracle_weights,
+        "in place of any colours: the weights in Eq 18 that bring each strand nearest to this wet run, a "
+        "bound for all networks of the root codec");
+    c->add_option("--reconstruct", infer.reconstruct,
+                  "for a model of the root codec and for oracles: paper | core (default)")
         ->check(CLI::IsMember({"paper", "core"}));
+    c->add_option(
+         "--gain", infer.gain,
+         "kappa of Eq 18, for a model of the root codec and --oracle-colours, in place of the model's; "
+         "default 1")
+        ->check(CLI::Range(0.0, largest_gain));
+    c->add_option(
+         "--units", infer.units,
+         "how the shift of Eq 18 is read: length (default), times the support radius to the fifth power, "
+         "or printed, SI numbers without it")
+        ->check(CLI::IsMember(shift_units_names));
+    c->add_option("--colour-units", infer.colour_units, "for --oracle-colours: " + colour_units_help)
+        ->check(CLI::IsMember(shift_units_names));
     c->add_option(
          "--roots", infer.roots,
          "that a new strand is made from, for quad, core and models of the root codec: the grid's 4 or "
@@ -232,9 +260,12 @@ int main(int argc, char** argv) {
         "--no-labels", [&] { render.labels = false; }, "no text under the panels");
 
     PlotOptions plot;
-    c = command("plot", "draw the energy of runs, or the loss of trainings, over time, side by side", plot,
-                plot_command);
-    c->add_option("runs", plot.runs, "RUN.h5, or logs of trainings: MODEL.h5.jsonl")->required();
+    c = command("plot", "draw the energy of runs or the loss of trainings over time, or charts, side by side",
+                plot, plot_command);
+    c->add_option("runs", plot.runs,
+                  "RUN.h5, logs of trainings: MODEL.h5.jsonl, or charts: CHART.json {\"title\", \"x_label\", "
+                  "\"y_label\", \"dx\", \"curves\": [{\"name\", \"values\"}]}")
+        ->required();
     c->add_option("-o,--output", plot.output, "energy.png")->required();
     c->add_option("--width", plot.width, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
     c->add_option("--height", plot.height, "of one panel, 240 to 8192 [pixels]")->capture_default_str();

@@ -1,11 +1,12 @@
-// `wetcurl plot`: the energy of runs over time (the paper, Sec. VI.I), or the loss of trainings, side by side
-// on the same axes.
+// `wetcurl plot`: the energy of runs over time (the paper, Sec. VI.I), the loss of trainings, or charts of
+// JSON files, side by side on the same axes.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/chart.h"
+#include "app/chart_file.h"
 #include "app/commands.h"
 #include "app/image_file.h"
 #include "app/results.h"
@@ -61,6 +62,7 @@ Chart energy_of(const RunReader& run) {
 }
 
 bool is_log(const std::string& path) { return path.ends_with(".jsonl"); }
+bool is_chart(const std::string& path) { return path.ends_with(".json"); }
 
 // The lines of MODEL.h5.jsonl, one an epoch. What is held out is not looked at in each: the curve keeps what
 // was seen last.
@@ -110,10 +112,13 @@ int plot_command(const PlotOptions& o) {
     check_files(o, o.output, o.runs);
     std::vector<Chart> charts;
     for (const auto& path : o.runs) {
-        if (is_log(path) != is_log(o.runs[0]))
+        if (is_log(path) != is_log(o.runs[0]) || is_chart(path) != is_chart(o.runs[0]))
             throw Misuse("plot: " + path + " beside " + o.runs[0] +
-                         "; allowed are runs or logs of trainings (.jsonl), not both on the same axes");
-        charts.push_back(is_log(path) ? losses_of(path) : energy_of(RunReader(path)));
+                         "; allowed are runs, logs of trainings (.jsonl) or charts (.json): one kind on the "
+                         "same axes");
+        charts.push_back(is_chart(path) ? chart_of_file(path)
+                         : is_log(path) ? losses_of(path)
+                                        : energy_of(RunReader(path)));
     }
     write_png(o.output, draw_charts(charts, o.width, o.height), o.overwrite);
     log_info("wrote " + o.output);

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/log.h"
+#include "base/shift_units.h"
 #include "solver/baselines/of_scene.h"
 #include "solver/grooms/groom.h"
 #include "solver/rest_state.h"
@@ -188,7 +189,9 @@ void read_learned(Scene& scene, Table root) {
     const Table t = root.table("learned");
     if (!t.has("model")) t.fail("model", "needed: the file of a network, trained or yet to be");
     scene.learned = {t.path("model"),
-                     t.has("reconstruct") ? t.choice("reconstruct", "core", {"paper", "core"}) : ""};
+                     t.has("reconstruct") ? t.choice("reconstruct", "core", {"paper", "core"}) : "",
+                     t.optional_number("gain", 0, largest_gain),
+                     t.has("units") ? t.choice("units", "length", shift_units_names) : ""};
 }
 
 Scene read_scene(Config config, const SceneOptions& options) {

@@ -48,6 +48,9 @@ struct Solid {
 struct Learned {
     std::string model;        // file; trained or not yet
     std::string reconstruct;  // paper | core; "": the model's own
+    // Of Eq 18, for models of the root codec.
+    std::optional<double> gain;  // kappa; none: the model's own
+    std::string units;           // length | printed; "": the model's own
 };
 
 struct Scene {

@@ -2,10 +2,12 @@
 // Ours.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "app/chart.h"
+#include "app/chart_file.h"
 #include "app/commands.h"
 #include "base/error.h"
 #include "base/run_cache.h"
@@ -40,6 +42,27 @@ TEST(Chart, draws_a_curve_where_its_values_lie) {
     EXPECT_LT(highest, 45);
 }
 
+TEST(ChartFile, holds_curves_that_end_at_null_and_says_what_is_wrong) {
+    testing::Scratch scratch;
+    const std::string head = R"({"title": "a", "x_label": "x", "y_label": "y [mm]", "dx": 0.5, "curves": )";
+    const Chart chart = chart_of_file(scratch.file(
+        "a.json",
+        head + R"([{"name": "one", "values": [1, 2.5]}, {"name": "two", "values": [3, null, 4]}]})"));
+    EXPECT_EQ(chart.y_label, "y [mm]");
+    EXPECT_EQ(chart.dx, 0.5);
+    ASSERT_EQ(chart.curves.size(), 2u);
+    EXPECT_EQ(chart.curves[0].values, (std::vector<double>{1, 2.5}));
+    EXPECT_TRUE(std::isnan(chart.curves[1].values[1]));
+    EXPECT_GT(norm(chart.curves[0].color - chart.curves[1].color), 0.3f);
+    const std::pair<std::string, std::string> wrong[] = {
+        {"no JSON", "is no chart"},
+        {R"({"title": "a"})", "x_label"},
+        {head + R"([{"name": "one", "values": [1]}]})", "two values"},
+        {head + R"([{"name": "one", "values": [1, "2"]}]})", "is no chart"}};
+    for (const auto& [text, said] : wrong)
+        testing::expect_error([&] { chart_of_file(scratch.file("b.json", text)); }, {"b.json", said});
+}
+
 TEST(Plot, refuses_what_has_no_energy_and_what_is_no_png) {
     const auto folder = std::filesystem::temp_directory_path() / "wetcurl_plot";
     std::filesystem::create_directories(folder);
@@ -62,7 +85,9 @@ TEST(Plot, refuses_what_has_no_energy_and_what_is_no_png) {
     std::ofstream(folder / "log.jsonl") << "{\"epoch\":1,\"loss\":2}\n{\"epoch\":2}\n";
     options.output = (folder / "loss.png").string(), options.runs = {(folder / "log.jsonl").string()};
     testing::expect_error([&] { plot_command(options); }, {"log.jsonl:2", "log"});
-    options.runs.push_back(run);
+    options.runs.push_back((folder / "chart.json").string());
+    testing::expect_error<Misuse>([&] { plot_command(options); }, {"chart.json", "one kind"});
+    options.runs[1] = run;
     std::ofstream(folder / "log.jsonl") << "{\"epoch\":1,\"loss\":2}\n{\"epoch\":2,\"loss\":1}\n";
     EXPECT_THROW(plot_command(options), Misuse);
     std::filesystem::remove_all(folder);

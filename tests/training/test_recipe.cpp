@@ -120,6 +120,9 @@ TEST(Recipe, WordsAreChosenFromAList) {
     expect_error<Misuse>([] { with(Codec::root, {"architecture=third"}); }, {"third", "second"});
     expect_error<Misuse>([] { with(Codec::root, {"schedule=linear"}); }, {"linear", "cosine"});
     expect_error<Misuse>([] { with(Codec::root, {"precision=double"}); }, {"double", "bfloat16"});
+    expect_error<Misuse>([] { with(Codec::root, {"reconstruct.units=print"}); },
+                         {"print", "length, printed"});
+    expect_error<Misuse>([] { with(Codec::strand, {"reconstruct.units=length"}); }, {"reconstruct"});
 }
 
 TEST(Recipe, ALossWithoutWeightsIsRefused) {
