@@ -45,6 +45,14 @@ void draw_line(Image& image, const std::vector<Point>& points, const Vec3f& colo
             image.rgb[3 * k + c] += depth[k] * (channel[c] - image.rgb[3 * k + c]);
 }
 
+void fill(Image& image, Point a, Point b, const Vec3f& color) {
+    for (int row = int(std::lround(a.row)); row < int(std::lround(b.row)); ++row)
+        for (int column = int(std::lround(a.column)); column < int(std::lround(b.column)); ++column) {
+            float* p = image.pixel(column, row);
+            p[0] = color.x, p[1] = color.y, p[2] = color.z;
+        }
+}
+
 // The pieces of a line that dashes leave of it.
 std::vector<std::vector<Point>> dashes_of(const std::vector<Point>& points, float on, float off) {
     std::vector<std::vector<Point>> out;
@@ -155,7 +163,8 @@ void draw_scatter(Image& image, const Scatter& scatter, const Axes& axes,
     for (int row = 0; row < image.height; ++row)
         for (int column = 0; column < image.width; ++column)
             if (const int n = count[size_t(row / cell * columns + column / cell)]) {
-                const float depth = most == 1 ? 1.f : 0.25f + 0.75f * std::log(float(n)) / std::log(float(most));
+                const float depth =
+                    most == 1 ? 1.f : 0.25f + 0.75f * std::log(float(n)) / std::log(float(most));
                 float* p = image.pixel(column, row);
                 for (int c = 0; c < 3; ++c) p[c] += depth * (channel[c] - p[c]);
             }
@@ -173,8 +182,8 @@ void add_keys(const Chart& chart, std::vector<Key>& keys) {
     for (const auto& s : chart.scatters) all.push_back({s.name, s.color, 8, false, true});
     for (const auto& c : chart.curves) all.push_back({c.name, c.color, c.width, c.dashed, false});
     for (auto key = all.rbegin(); key != all.rend(); ++key)
-        if (!key->name.empty() && std::none_of(keys.begin(), keys.end(),
-                                               [&](const Key& known) { return known.name == key->name; }))
+        if (!key->name.empty() &&
+            std::none_of(keys.begin(), keys.end(), [&](const Key& known) { return known.name == key->name; }))
             keys.insert(keys.begin(), *key);
 }
 
@@ -215,13 +224,15 @@ Image draw_chart(const Chart& chart, const Axes& axes, int width, int height,
     for (size_t k = 0; k < chart.bars.size(); ++k) {
         const Bar& bar = chart.bars[k];
         const float pitch = (bottom - top) / float(chart.bars.size()), row = top + (float(k) + 0.5f) * pitch;
-        draw_line(image, {{at(0, 0).column, row}, {at(bar.value, 0).column, row}}, bar.color, 0.6f * pitch);
+        fill(image, {at(0, 0).column, row - 0.3f * pitch}, {at(bar.value, 0).column, row + 0.3f * pitch},
+             bar.color);
         draw_text(image, bar.name, int(left - 0.6f * letter), int(row + 0.4f * letter), letter, 1);
     }
     for (const auto& curve : chart.curves)
         for (const auto& piece : pieces_of(chart, curve, axes, at))
             if (curve.dashed)
-                for (const auto& dash : dashes_of(piece, 7, 5)) draw_line(image, dash, curve.color, curve.width);
+                for (const auto& dash : dashes_of(piece, 7, 5))
+                    draw_line(image, dash, curve.color, curve.width);
             else
                 draw_line(image, piece, curve.color, curve.width);
     double title = 1.2 * letter;

@@ -9,11 +9,11 @@
 namespace wetcurl {
 
 struct Curve {
-    std::string name;                // "": not in the legend
-    Vec3f color;                     // as displayed
-    std::vector<double> values;      // at k dx, or at x; one that cannot be drawn is a gap
-    float width = 2;                 // [pixel]
-    std::vector<double> x = {};      // of the values; empty: k dx
+    std::string name;            // "": not in the legend
+    Vec3f color;                 // as displayed
+    std::vector<double> values;  // at k dx, or at x; one that cannot be drawn is a gap
+    float width = 2;             // [pixel]
+    std::vector<double> x = {};  // of the values; empty: k dx
     bool dashed = false;
 };
 

@@ -66,10 +66,10 @@ struct ReportOptions : CommonOptions {
 struct RenderOptions : CommonOptions {
     std::vector<std::string> runs;  // side by side; with `image` pairs and models too
     std::string output;
-    int frame = -1;     // -1: all of them (video), or the last one (picture)
-    bool image = false; // geometry images in place of strands
-    int run = 0;        // of a pairs file, for `image`
-    int pixels = 400;   // a panel's least side, for `image`
+    int frame = -1;      // -1: all of them (video), or the last one (picture)
+    bool image = false;  // geometry images in place of strands
+    int run = 0;         // of a pairs file, for `image`
+    int pixels = 400;    // a panel's least side, for `image`
     int width = 720, height = 900;
     bool saturation = false;
     double yaw = 30;  // of the camera around the head [degrees]

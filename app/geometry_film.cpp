@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
+#include <limits>
 
 #include "app/chart.h"
 #include "app/file_kind.h"
@@ -145,9 +145,10 @@ std::vector<Asked> asked_of(const std::vector<std::string>& models, const PairsR
         const ModelCard card = network_module().card(path);
         const std::string codec = name_of(pairs.codec());
         if (card.codec != codec)
-            throw Error(fmt::format("{}: found a model of codec {}, {} holds pairs of codec {}: name a model "
-                                    "trained on such pairs",
-                                    path, card.codec, pairs.path(), codec));
+            throw Error(
+                fmt::format("{}: found a model of codec {}, {} holds pairs of codec {}: name a model "
+                            "trained on such pairs",
+                            path, card.codec, pairs.path(), codec));
         if (card.low != pairs.low())
             throw Error(fmt::format("{}: learned from {} low-resolution runs, those of {} are {}", path,
                                     card.low, pairs.path(), pairs.low()));
@@ -158,8 +159,9 @@ std::vector<Asked> asked_of(const std::vector<std::string>& models, const PairsR
 
 std::string chosen(const PairsReader& pairs, int run, int frame, int frames,
                    const std::vector<int>& of_run = {}) {
-    return fmt::format("{}, run {} of 0 to {}, frame {} of 0 to {}{}", file_name(pairs.path()), run,
-                       pairs.runs() - 1, frame, frames - 1,
+    return fmt::format("{}{}, frame {} of 0 to {}{}", file_name(pairs.path()),
+                       pairs.runs() == 1 ? "" : fmt::format(", run {} of 0 to {}", run, pairs.runs() - 1),
+                       frame, frames - 1,
                        of_run.empty() || of_run[size_t(frame)] == frame
                            ? ""
                            : fmt::format(" (the run's {})", of_run[size_t(frame)]));
@@ -180,11 +182,12 @@ class PairsFilm : public GeometryFilm {
         : pairs_(std::move(pairs)), run_(run), asked_(std::move(asked)) {}
 
   protected:
-    // "x 20": how much stronger a residual's colours are than those of what it is a residual of.
-    std::string residual_text(const GeometryPanel& residual, const GeometryPanel& of, double mm,
-                              double reach_mm) const {
-        return fmt::format("{}; grey is 0, x {:.3g}: full colour {:.3g} mm", range_text(residual, mm, "mm"),
-                           double(residual.gain / of.gain), reach_mm);
+    // Two lines of a caption: what the values are, and how much stronger their colours are than those of what
+    // it is a residual of. `mm` of a value of 1.
+    void describe_residual(GeometryPanel& p, const GeometryPanel& of, double mm) const {
+        p.caption.push_back(range_text(p, mm, "mm"));
+        p.caption.push_back(
+            fmt::format("grey is 0, full colour {:.3g} mm (x {:.3g})", reach_mm_, double(p.gain / of.gain)));
     }
 
     std::unique_ptr<PairsReader> pairs_;
@@ -239,10 +242,11 @@ class RootPairsFilm final : public PairsFilm {
                             const std::string& from) {
             GeometryPanel p = difference(a, b);
             p.middle = 0.5f, p.gain = float(0.5 * mm / reach_mm_);
-            p.caption = {what, from, size_text("root", p), residual_text(p, a, mm, reach_mm_)};
+            p.caption = {what, from, size_text("root", p)};
+            describe_residual(p, a, mm);
             return p;
         };
-        caption(input, fmt::format("input: {} low-resolution roots (Eq 14)", pairs_->low()), where);
+        caption(input, fmt::format("input: {} roots (Eq 14)", pairs_->low()), where);
         caption(target, "target: wet roots (Eq 14, 16)", where);
         std::vector<GeometryPanel> out{input};
         for (const Asked& a : asked_) {
@@ -253,12 +257,12 @@ class RootPairsFilm final : public PairsFilm {
         }
         out.push_back(target);
         for (size_t k = 0; k < asked_.size(); ++k)
-            out.push_back(residual(out[1 + k], target, "residual: prediction - target",
-                                   file_name(asked_[k].path)));
+            out.push_back(
+                residual(out[1 + k], target, "residual: prediction - target", file_name(asked_[k].path)));
         if (asked_.empty()) {
             GeometryPanel doubled = target;
             doubled.values = doubled_image(input.values.data(), 3, input.height, input.width);
-            out.push_back(residual(target, doubled, "residual: target - input at twice its size", where));
+            out.push_back(residual(target, doubled, "residual: target - doubled input", where));
         }
         return out;
     }
@@ -279,9 +283,10 @@ class StrandPairsFilm final : public PairsFilm {
                 throw Error(fmt::format("{}: takes {} channels, {} holds {}: encode again", a.path,
                                         a.card().input_channels, pairs_->path(), inputs_));
             if (a.card().target == "displayed" && !shape_.displayed)
-                throw Error(fmt::format("{}: learned the strands after Eq 10, run {} of {} holds those "
-                                        "before it alone",
-                                        a.path, run, pairs_->path()));
+                throw Error(
+                    fmt::format("{}: learned the strands after Eq 10, run {} of {} holds those "
+                                "before it alone",
+                                a.path, run, pairs_->path()));
             if (a.card().target != asked_[0].card().target)
                 throw Error(fmt::format("{}: learned another target than {}: draw them apart", a.path,
                                         asked_[0].path));
@@ -303,11 +308,13 @@ class StrandPairsFilm final : public PairsFilm {
     std::vector<GeometryPanel> panels(int f) override {
         std::vector<GeometryPanel> out;
         for (auto& [panel, is_residual] : all(f)) {
-            panel.caption.push_back(
-                is_residual ? residual_text(panel, out[0], 1e3, reach_mm_)
-                            : fmt::format("{}; grey is 0, full colour {:.3g} mm",
-                                          range_text(panel, 1e3, "mm"), tips_mm_));
-            panel.caption.push_back("tip - root: red x, green y (scalp's normal), blue z");
+            if (is_residual) {
+                describe_residual(panel, out[0], 1e3);
+            } else {
+                panel.caption.push_back(range_text(panel, 1e3, "mm"));
+                panel.caption.push_back(fmt::format("grey is 0, full colour {:.3g} mm", tips_mm_));
+            }
+            panel.caption.push_back("tip from root: red x, green y, blue z");
             out.push_back(std::move(panel));
         }
         return out;
@@ -349,7 +356,7 @@ class StrandPairsFilm final : public PairsFilm {
             p.caption = {what, from, size_text("strand", p)};
             out.emplace_back(std::move(p), residual);
         };
-        add(tips_of(base), "input: base, as carried from the low-resolution run", where, false);
+        add(tips_of(base), "input: base strands", where, false);
         const GeometryPanel wanted = on_base(target);
         std::vector<GeometryPanel> answers;
         for (const Asked& a : asked_) {
@@ -363,9 +370,7 @@ class StrandPairsFilm final : public PairsFilm {
         for (size_t k = 0; k < answers.size(); ++k)
             add(difference(answers[k], wanted), "residual: prediction - target", file_name(asked_[k].path),
                 true);
-        if (asked_.empty())
-            add(difference(wanted, out[0].first), "residual: target - base, which a network is to learn",
-                where, true);
+        if (asked_.empty()) add(difference(wanted, out[0].first), "residual: target - base", where, true);
         return out;
     }
 
@@ -400,9 +405,10 @@ class FilterFilm final : public GeometryFilm {
                 layer.empty() && s.size() >= 2 && s[1] == size_t(card.input_channels))
                 layer = name, shape = s;
         if (layer.empty())
-            throw Error(fmt::format("{}: no layer of it takes its {} inputs alone, so there are no filters "
-                                    "to draw; name pairs as well: render --image PAIRS.h5 {}",
-                                    path, card.input_channels, file_name(path)));
+            throw Error(
+                fmt::format("{}: no layer of it takes its {} inputs alone, so there are no filters "
+                            "to draw; name pairs as well: render --image PAIRS.h5 {}",
+                            path, card.input_channels, file_name(path)));
         const auto weights = file.read<float>("weights/" + layer);
         const size_t taps = shape.size() == 4 ? shape[2] * shape[3] : 1;
         const bool colours = card.codec == "root" && shape[1] == 3 && taps > 1;
@@ -410,14 +416,14 @@ class FilterFilm final : public GeometryFilm {
         float most = 0;
         for (float w : weights) most = std::max(most, std::abs(w));
         p.middle = 0.5f, p.gain = 0.5f / std::max(most, 1e-30f);
-        p.caption = {colours ? "filters of the first layer" : "weights of the first layer",
-                     fmt::format("{}: {} ({})", file_name(path), card.architecture, layer),
-                     colours ? fmt::format("codec {}, {} filters of {} x {}", card.codec, shape[0], shape[3],
-                                           shape[2])
-                             : fmt::format("codec {}, {} outputs (down) of {} inputs (across)", card.codec,
-                                           shape[0], shape[1] * taps),
-                     fmt::format("grey is 0, full colour {:.3g}{}", most,
-                                 colours ? "" : "; red positive, blue negative")};
+        p.caption = {
+            colours ? "filters of the first layer" : "weights of the first layer",
+            fmt::format("{}: {} ({})", file_name(path), card.architecture, layer),
+            colours ? fmt::format("codec {}, {} filters of {} x {}", card.codec, shape[0], shape[3], shape[2])
+                    : fmt::format("codec {}, {} outputs (down) of {} inputs (across)", card.codec, shape[0],
+                                  shape[1] * taps),
+            fmt::format("grey is 0, full colour {:.3g}{}", most,
+                        colours ? "" : "; red positive, blue negative")};
         return p;
     }
 
@@ -466,9 +472,10 @@ std::unique_ptr<GeometryFilm> geometry_film(const std::vector<std::string>& file
         (kind == FileKind::run ? runs : kind == FileKind::pairs ? pairs : models).push_back(path);
     }
     if (pairs.size() > 1 || (!runs.empty() && runs.size() < files.size()))
-        throw Misuse(fmt::format("render --image: found {} runs, {} pairs files and {} models; allowed are "
-                                 "runs alone, one pairs file with or without models, or models alone",
-                                 runs.size(), pairs.size(), models.size()));
+        throw Misuse(
+            fmt::format("render --image: found {} runs, {} pairs files and {} models; allowed are "
+                        "runs alone, one pairs file with or without models, or models alone",
+                        runs.size(), pairs.size(), models.size()));
     if (pairs.empty() && run > 0)
         throw Misuse("render --image: --run picks one of the runs in a pairs file, and none is named");
     if (!runs.empty()) return std::make_unique<RunFilm>(runs);
@@ -479,8 +486,8 @@ std::unique_ptr<GeometryFilm> geometry_film(const std::vector<std::string>& file
                     ": holds pairs of codec adhesion, which are no images; `wetcurl plot PAIRS.h5 --model "
                     "MODEL.h5` draws them");
     if (run >= reader->runs())
-        throw Misuse(fmt::format("render --image: --run {}: {} has runs 0 to {}", run, pairs[0],
-                                 reader->runs() - 1));
+        throw Misuse(
+            fmt::format("render --image: --run {}: {} has runs 0 to {}", run, pairs[0], reader->runs() - 1));
     auto asked = asked_of(models, *reader, threads);
     if (reader->codec() == Codec::root)
         return std::make_unique<RootPairsFilm>(std::move(reader), run, std::move(asked));

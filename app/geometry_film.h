@@ -1,9 +1,9 @@
 // What `render --image` shows of files, frame by frame: the root image of runs; inputs, targets and, with
 // models, predictions of pairs; the filters of models.
 //
-// Codec root: colours as they are (Eq 14; of wet runs after Eq 16). Codec strand: of its amplitudes the offset
-// of the tip from the root, in the strand's root frame: red x (where the strand lies in the scalp), green y
-// (the scalp's normal), blue z; grey is no offset.
+// Codec root: colours as they are (Eq 14; of wet runs after Eq 16). Codec strand: of its amplitudes the
+// offset of the tip from the root, in the strand's root frame: red x (where the strand lies in the scalp),
+// green y (the scalp's normal), blue z; grey is no offset.
 #pragma once
 
 #include <memory>

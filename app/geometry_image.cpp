@@ -23,8 +23,7 @@ Image enlarged(const GeometryPanel& panel, int times) {
     Image image(times * panel.width, times * panel.height);
     for (int row = 0; row < image.height; ++row)
         for (int column = 0; column < image.width; ++column) {
-            const size_t pixel =
-                size_t(row / times) * size_t(panel.width) + size_t(column / times);
+            const size_t pixel = size_t(row / times) * size_t(panel.width) + size_t(column / times);
             for (int c = 0; c < 3; ++c)
                 image.pixel(column, row)[c] =
                     panel.mask[pixel] ? panel.colour(c, pixel) : neutral_grey(column, row);
@@ -61,15 +60,15 @@ Image draw_geometry(const std::vector<GeometryPanel>& panels, int least) {
     const int gap = std::max(12, side / 24);
     for (const auto& p : panels) {
         // As near to the largest as whole pixels allow.
-        const int times = std::max(enlargement(p.height, p.width, least),
-                                   std::min(side / std::min(p.height, p.width),
-                                            std::max(1, 8192 / std::max(p.height, p.width))));
+        const int times = std::max(
+            enlargement(p.height, p.width, least),
+            std::min(side / std::min(p.height, p.width), std::max(1, 8192 / std::max(p.height, p.width))));
         pictures.push_back(enlarged(p, times));
         height = std::max(height, pictures.back().height);
         width += pictures.back().width + gap;
         lines = std::max(lines, p.caption.size());
     }
-    const double letter = std::max(14.0, side / 28.0);
+    const double letter = std::max(11.0, side / 37.0);
     Image out(width + gap, gap + height + int((1.55 * double(lines) + 1.2) * letter));
     std::fill(out.rgb.begin(), out.rgb.end(), 1.f);
     int left = gap;
@@ -77,8 +76,8 @@ Image draw_geometry(const std::vector<GeometryPanel>& panels, int least) {
         paste(out, pictures[k], left, gap);
         for (size_t line = 0; line < panels[k].caption.size(); ++line)
             draw_caption(out, panels[k].caption[line], left - 4,
-                              gap + height + int((1.55 * double(line) + 1.6) * letter),
-                              pictures[k].width + gap - 6, line == 0 ? 1.08 * letter : letter);
+                         gap + height + int((1.55 * double(line) + 1.6) * letter),
+                         pictures[k].width + gap - 6, line == 0 ? 1.08 * letter : letter);
         left += pictures[k].width + gap;
     }
     return out;

@@ -127,8 +127,7 @@ Json pairs_json(const InspectOptions& o) {
               {"runs", Json::array()}};
     for (const auto& run : file.list("runs")) {
         Json one{{"name", run}};
-        for (const auto& name : file.list("runs/" + run))
-            one[name] = file.shape("runs/" + run + "/" + name);
+        for (const auto& name : file.list("runs/" + run)) one[name] = file.shape("runs/" + run + "/" + name);
         json["runs"].push_back(one);
     }
     return json;
@@ -200,9 +199,10 @@ Json device_json() {
 
 int inspect_command(const InspectOptions& o) {
     if (!o.output.empty())
-        throw Misuse("inspect: -o " + o.output +
-                     ": it writes no pictures; `wetcurl render --image PAIRS.h5 -o out.png` draws the geometry "
-                     "images of pairs, --json FILE writes what inspect says");
+        throw Misuse(
+            "inspect: -o " + o.output +
+            ": it writes no pictures; `wetcurl render --image PAIRS.h5 -o out.png` draws the geometry "
+            "images of pairs, --json FILE writes what inspect says");
     const bool needs_file = o.what != "terms" && o.what != "device";
     if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
     if (!needs_file && !o.file.empty())

@@ -60,8 +60,7 @@ std::vector<Chart> charts_of(const PlotOptions& o) {
         }
         runs.push_back(std::make_unique<RunReader>(path));
     }
-    if (!o.model.empty())
-        throw Misuse("plot: --model is for pairs, found a run: " + o.runs[0]);
+    if (!o.model.empty()) throw Misuse("plot: --model is for pairs, found a run: " + o.runs[0]);
     if (o.time) return time_charts(runs);
     for (const auto& run : runs) charts.push_back(energy_chart(*run));
     return charts;

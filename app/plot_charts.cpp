@@ -171,9 +171,9 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
         throw Error(pairs.path() + ": holds pairs of codec " + name_of(pairs.codec()) +
                     "; plot draws codec adhesion, `wetcurl render --image` the others");
     if (network.card().codec != "adhesion" || network.card().input_channels != adhesion_inputs)
-        throw Error(fmt::format("{}: found a model of codec {} with {} inputs, {} needs codec adhesion with {}",
-                                model, network.card().codec, network.card().input_channels, pairs.path(),
-                                adhesion_inputs));
+        throw Error(fmt::format(
+            "{}: found a model of codec {} with {} inputs, {} needs codec adhesion with {}", model,
+            network.card().codec, network.card().input_channels, pairs.path(), adhesion_inputs));
     std::vector<AdhesionSample> samples;
     for (int run = 0; run < pairs.runs(); ++run) {
         const auto more = pairs.adhesion(run);
@@ -231,8 +231,8 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
     scatter.curves.push_back({"as the target", black, {low, high}, 1.5f, {low, high}, true});
 
     Chart profile;
-    profile.title = fmt::format("{}: {} samples in contact of {}", stem_of(pairs.path()), touching,
-                                samples.size());
+    profile.title =
+        fmt::format("{}: {} samples in contact of {}", stem_of(pairs.path()), touching, samples.size());
     profile.x_label = "distance from the solid, phi / h [1]", profile.y_label = force + " [1]";
     profile.own_axes = profile.own_legend = true;
     profile.scatters = {targets, over};
@@ -258,8 +258,7 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
         for (size_t s = 0; s < samples.size(); ++s)
             if (samples[s].contact) mean_of += double(samples[s].input[size_t(k)]) / double(touching);
         std::vector<float> without = inputs;
-        for (size_t s = 0; s < samples.size(); ++s)
-            without[s * adhesion_inputs + size_t(k)] = float(mean_of);
+        for (size_t s = 0; s < samples.size(); ++s) without[s * adhesion_inputs + size_t(k)] = float(mean_of);
         const auto changed = answers_to(without);
         for (size_t s = 0; s < samples.size(); ++s)
             if (samples[s].contact) moved += std::pow(double(changed[s]) - double(answers[s]), 2);

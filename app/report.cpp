@@ -26,7 +26,8 @@ void check(const ReportOptions& o) {
         throw Misuse("report: nothing to write, -o report.html or --json FILE is needed");
     if (o.runs.empty() && o.table.empty() && o.trainings.empty())
         throw Misuse(
-            "report: nothing to report on, REFERENCE.h5 OTHER.h5, --table FOLDER or --training MODEL.h5.jsonl "
+            "report: nothing to report on, REFERENCE.h5 OTHER.h5, --table FOLDER or --training "
+            "MODEL.h5.jsonl "
             "is needed");
     if (o.runs.size() == 1)
         throw Misuse("report: found " + o.runs[0] +

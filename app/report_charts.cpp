@@ -273,8 +273,8 @@ std::string training_chart_svg(const TrainingLog& log) {
     for (size_t k = 0; k < log.series.size(); ++k) {
         const auto& s = log.series[k];
         svg += line("lead", px(s.epoch.back()) + 2, ends[k], end + 10, places[k]);
-        svg += text("label", end + 13, places[k] + 4, "start",
-                    fmt::format("{} {:.3g}", s.name, s.value.back()));
+        svg +=
+            text("label", end + 13, places[k] + 4, "start", fmt::format("{} {:.3g}", s.name, s.value.back()));
     }
     return svg + "</svg>\n";
 }

@@ -329,12 +329,12 @@ std::string trainings_section(const std::vector<TrainingLog>& trainings) {
     for (const auto& log : trainings) {
         const double best = log.least("held out"), without = log.least("no network");
         const std::string at_best =
-            std::isfinite(best) ? fmt::format("held out {:.3g} {} at best{}", best, log.unit,
-                                              std::isfinite(without)
-                                                  ? fmt::format(", {:.3g} {} without a network", without,
-                                                                log.unit)
-                                                  : "")
-                                : "nothing was held out";
+            std::isfinite(best)
+                ? fmt::format("held out {:.3g} {} at best{}", best, log.unit,
+                              std::isfinite(without)
+                                  ? fmt::format(", {:.3g} {} without a network", without, log.unit)
+                                  : "")
+                : "nothing was held out";
         html += fmt::format("<figure>{}<figcaption><b>{}</b> {} epochs, {}</figcaption></figure>\n",
                             training_chart_svg(log), escaped(log.name), log.epochs, escaped(at_best));
     }
@@ -460,8 +460,8 @@ std::string html_of(const ReportPage& page) {
            "</style>\n</head>\n<body>\n<main>\n<header><h1>" + escaped(page.title) + "</h1>\n<p>" +
            escaped(page.compared) + "</p></header>\n" + headline(page.rows) + cost_section(page) +
            metrics_section(page) + error_section(page) + player_section(page) +
-           trainings_section(page.trainings) + stability_section(page.stability) +
-           sources_section(page) + "</main>\n<script>\n" + report_script + "</script>\n</body>\n</html>\n";
+           trainings_section(page.trainings) + stability_section(page.stability) + sources_section(page) +
+           "</main>\n<script>\n" + report_script + "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace wetcurl

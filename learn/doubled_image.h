@@ -15,8 +15,9 @@ inline std::vector<float> doubled_image(const float* image, int channels, int he
     auto between = [](auto at, int count, int k) {
         const int i = k / 2;
         if (k % 2 == 0) return float(at(i));
-        const float beyond =
-            i + 1 < count ? float(at(i + 1)) : count > 1 ? 2 * float(at(i)) - float(at(i - 1)) : float(at(i));
+        const float beyond = i + 1 < count ? float(at(i + 1))
+                             : count > 1   ? 2 * float(at(i)) - float(at(i - 1))
+                                           : float(at(i));
         return 0.5f * (float(at(i)) + beyond);
     };
     for (int c = 0; c < channels; ++c)
