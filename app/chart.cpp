@@ -74,6 +74,7 @@ std::vector<std::vector<Point>> dashes_of(const std::vector<Point>& points, floa
             at = step < rest ? at + step : at < on ? on : 0;
         }
     }
+    if (out.empty()) out.push_back(points);  // a dot
     return out;
 }
 

@@ -86,10 +86,10 @@ TEST(Chart, of_its_own_logarithmic_axis_shows_small_values_as_clearly) {
 
 TEST(Chart, draws_dashes_dots_and_bars) {
     const Vec3f red{1, 0, 0}, blue{0, 0, 1};
-    Chart chart{"a", "x", "y"};
+    Chart chart{"a", "x", "y", 1, {}};
     chart.curves = {{"dashed", red, {1, 1}, 2, {0, 4}, true}};
     chart.scatters = {{"points", blue, {2, 2, 2, 3}, {0.5, 0.5, 0.5, 0.5}}};
-    Chart bars{"b", "x", ""};
+    Chart bars{"b", "x", "", 1, {}};
     bars.bars = {{"first", 2, red}, {"second", 1, blue}};
     Image image;
     try {
