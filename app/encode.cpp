@@ -55,15 +55,6 @@ std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
     return out;
 }
 
-// The cohesion radius of the scene [m], or its default where the scene has no cohesion: h of Eq 16.
-float support_radius_of(const RunHeader& header) {
-    Cohesion cohesion;
-    read_parameters(
-        cohesion, Cohesion::parameters,
-        Config::parse(header.scene, "the run's scene", header.scene_folder).root().table("cohesion"));
-    return float(cohesion.h_c);
-}
-
 // Reach of Eq 10 on what is displayed of the run [m], 0 without it.
 double reach_of(const RunHeader& header) {
     const bool coheres = Config::parse(header.scene, "the run's scene", header.scene_folder)

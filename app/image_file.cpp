@@ -24,13 +24,6 @@ namespace wetcurl {
 
 namespace fs = std::filesystem;
 
-void write_image_png(const std::string& path, const float* rgb, int width, int height, float scale,
-                     bool overwrite) {
-    Image image(width, height);
-    std::transform(rgb, rgb + image.rgb.size(), image.rgb.begin(), [&](float x) { return scale * x; });
-    write_png(path, image, overwrite);
-}
-
 #ifdef WETCURL_HAVE_OPENCV
 
 namespace {
@@ -83,6 +76,11 @@ void draw_text(Image& image, const std::string& text, int column, int row, doubl
             float* p = image.pixel(left + c, top + r);
             for (int k = 0; k < 3; ++k) p[k] += ink * (0.13f - p[k]);
         }
+}
+
+int text_width(const std::string& text, double height) {
+    int below = 0;
+    return 8 + cv::getTextSize(text, cv::FONT_HERSHEY_DUPLEX, height / 22, 1, &below).width;
 }
 
 void draw_label(Image& image, const std::string& text) {
@@ -201,6 +199,7 @@ std::string VideoFile::leave() { no_opencv(); }
 std::string VideoFile::commit() { no_opencv(); }
 void write_png(const std::string&, const Image&, bool) { no_opencv(); }
 void draw_text(Image&, const std::string&, int, int, double, double) { no_opencv(); }
+int text_width(const std::string&, double) { no_opencv(); }
 void draw_label(Image&, const std::string&) { no_opencv(); }
 void draw_saturation_legend(Image&) { no_opencv(); }
 

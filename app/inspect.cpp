@@ -4,14 +4,12 @@
 #include <omp.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "app/axial_extent.h"
 #include "app/commands.h"
 #include "app/device.h"
 #include "app/fall.h"
-#include "app/image_file.h"
 #include "app/results.h"
 #include "app/run_solids.h"
 #include "learn/network_module.h"
@@ -122,52 +120,14 @@ Json run_json(const InspectOptions& o) {
     return json;
 }
 
-// (channels, height, width) of a dataset's last frame, three channels, as a picture with interleaved colours.
-void write_geometry_image(const H5Reader& file, const std::string& dataset, const std::string& path,
-                          bool overwrite) {
-    require_place(path, overwrite);
-    const auto shape = file.shape(dataset);
-    // Colours, or sixteen amplitudes of each axis first.
-    const size_t step = shape.size() == 4 && shape[1] == 3 ? 1 : 16;
-    if (shape.size() != 4 || shape[0] == 0 || shape[1] <= 2 * step)
-        throw Error(file.path() + ": dataset '" + dataset +
-                    "' is no geometry image, allowed (frames, 3 or at least 33, height, width)");
-    const size_t plane = shape[2] * shape[3];
-    std::vector<float> data(shape[1] * plane), rgb(3 * plane);
-    file.read_row(dataset, shape[0] - 1, data.data());
-    float low = 0, high = 1;
-    if (shape[1] != 3) {  // amplitudes [m], not colours: the first of each axis, over their range
-        low = 1e9f, high = -1e9f;
-        for (size_t c = 0; c < 3; ++c)
-            for (size_t k = 0; k < plane; ++k)
-                low = std::min(low, data[c * step * plane + k]),
-                high = std::max(high, data[c * step * plane + k]);
-    }
-    for (size_t c = 0; c < 3; ++c)
-        for (size_t k = 0; k < plane; ++k)
-            rgb[3 * k + c] = (data[c * step * plane + k] - low) / std::max(1e-9f, high - low);
-    write_image_png(path, rgb.data(), int(shape[3]), int(shape[2]), 1, overwrite);
-}
-
 Json pairs_json(const InspectOptions& o) {
     const H5Reader file(o.file, pairs_format, pairs_version);
     Json json{{"codec", file.text("codec")},
               {"particles_per_strand", file.number("particles")},
-              {"runs", Json::array()},
-              {"images", Json::array()}};
+              {"runs", Json::array()}};
     for (const auto& run : file.list("runs")) {
         Json one{{"name", run}};
-        for (const auto& name : file.list("runs/" + run)) {
-            const std::string dataset = "runs/" + run + "/" + name;
-            const auto shape = file.shape(dataset);
-            one[name] = shape;
-            if (o.output.empty() || shape.size() != 4 || name == "static") continue;
-            const std::filesystem::path stem(o.output);
-            const std::string path =
-                (stem.parent_path() / (stem.stem().string() + "_" + run + "_" + name + ".png")).string();
-            write_geometry_image(file, dataset, path, o.overwrite);
-            json["images"].push_back(path);
-        }
+        for (const auto& name : file.list("runs/" + run)) one[name] = file.shape("runs/" + run + "/" + name);
         json["runs"].push_back(one);
     }
     return json;
@@ -238,10 +198,13 @@ Json device_json() {
 }  // namespace
 
 int inspect_command(const InspectOptions& o) {
+    if (!o.output.empty())
+        throw Misuse(
+            "inspect: -o " + o.output +
+            ": it writes no pictures; `wetcurl render --image PAIRS.h5 -o out.png` draws the geometry "
+            "images of pairs, --json FILE writes what inspect says");
     const bool needs_file = o.what != "terms" && o.what != "device";
     if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
-    if (!o.output.empty() && o.what != "pairs")
-        throw Misuse("inspect -o writes the images of pairs; it has no meaning for " + o.what);
     if (!needs_file && !o.file.empty())
         throw Misuse("inspect " + o.what + ": found the file " + o.file + ", none is needed");
     if (o.what != "scene") refuse_scene_options(o, "inspect " + o.what);

@@ -41,4 +41,11 @@ int substeps_of(const RunHeader& run) {
                    .integer("substeps", Integrator().substeps, 1, 1'000'000));
 }
 
+float support_radius_of(const RunHeader& run) {
+    Cohesion cohesion;
+    read_parameters(cohesion, Cohesion::parameters,
+                    Config::parse(run.scene, "the run's scene", run.scene_folder).root().table("cohesion"));
+    return float(cohesion.h_c);
+}
+
 }  // namespace wetcurl

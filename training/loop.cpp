@@ -334,6 +334,27 @@ class Trainer {
                 mean(6, 8), mean(7, 8)};
     }
 
+    // Mean distance [m] of the first batches that this epoch drew, by the weights after it; none where the
+    // codec has no distances.
+    std::optional<double> training_distance() {
+        constexpr long most = 8;
+        if (codec_ == Codec::adhesion) return {};
+        const torch::NoGradGuard no_grad;
+        double sums[2] = {};  // distance, count
+        for (long step = 0; step < std::min(most, data_->steps()); ++step) {
+            const Batch host = data_->batch(step);
+            if (host.empty()) continue;
+            const Batch batch = host.to(device_);
+            const double weight = loss_->count(batch);
+            sums[0] += weight * loss_->distance(output_of(batch), batch).item<double>();
+            sums[1] += weight;
+        }
+        const Tensor all = torch::tensor(at::ArrayRef<double>(sums), torch::kDouble).to(device_);
+        group_->sum(all);
+        const Tensor found = all.cpu();
+        return found[0].item<double>() / std::max(found[1].item<double>(), 1.0);
+    }
+
     // The end of an epoch: its line in the log, a validation where one is due, the best kept.
     void finish_epoch() {
         const double mean_loss = state_.loss_sum / double(data_->steps());
@@ -344,6 +365,8 @@ class Trainer {
                                                             {"seconds", watch_.seconds()}};
         const bool due =
             (state_.epoch + 1) % long(recipe_.validate_every) == 0 || state_.epoch + 1 == epochs_;
+        if (due)
+            if (const auto distance = training_distance()) line.emplace_back("training_mm", 1e3 * *distance);
         if (due && data_->validation_batches() > 0) {
             const Validation found = validate();
             line.insert(line.end(), {{"validation_loss", found.loss}, {"base_loss", found.base_loss}});
