@@ -12,6 +12,7 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "app/commands.h"
@@ -71,6 +72,43 @@ bool is_done(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& 
     return std::all_of(outputs.begin(), outputs.end(), [](const auto& f) { return fs::exists(f); });
 }
 
+// At the resolution of a stride. Throws as load_scene does, the member's name first.
+Scene scene_of(const DatasetRecipe& recipe, const DatasetMember& m, int stride) {
+    Config config = m.scene();
+    if (!config.root().has("wetness"))
+        throw Misuse(recipe.scene_line + ": " + m.name +
+                     " has no [wetness], which is what is to be learned; " +
+                     "neither the scene that it starts from nor what was picked and drawn for it names one");
+    if (stride > 1 && recipe.low_substeps)
+        config.set(fmt::format("integrator.substeps={}", recipe.low_substeps), recipe.low_substeps_line);
+    SceneOptions options;
+    options.stride = stride;
+    try {
+        Scene scene = parse_scene(config, options);
+        if (scene.flow) throw Misuse("its water moves ([wetness.flow]), allowed is wetness that stays");
+        if (recipe.first >= scene.frames)
+            throw Misuse(fmt::format("{}: found {}, allowed 0 to {}, since the scene has {} frames",
+                                     recipe.first_line, recipe.first, scene.frames - 1, scene.frames));
+        return scene;
+    } catch (const Misuse& e) {
+        throw Misuse(m.name + ": " + e.what());
+    } catch (const Error& e) {
+        throw Error(m.name + ": " + e.what());
+    }
+}
+
+// Reads a scene of each split and of each entry that is picked, before any is simulated: what is wrong with
+// a line of the recipe is said at once.
+void check_scenes(const DatasetRecipe& recipe) {
+    std::set<std::string> seen;
+    for (const auto& m : recipe.members) {
+        bool fresh = seen.insert(m.split).second;
+        for (const auto& [list, entry] : m.picked)
+            fresh = seen.insert(list + "/" + entry + "/" + m.split).second || fresh;
+        if (fresh) scene_of(recipe, m, 1), scene_of(recipe, m, 2);
+    }
+}
+
 using Images = std::vector<std::pair<std::vector<float>, std::vector<float>>>;  // (frame): input, target
 
 struct StrandImages {
@@ -82,17 +120,16 @@ class MemberRun {
   public:
     MemberRun(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to,
               const std::string& device)
-        : recipe_(recipe), member_(m), to_(to), high_(scene(1)), low_(scene(2)), reach_(reach_of(high_)) {
-        if (!high_.wetness) throw Misuse(m.name + ": has no [wetness], which is what is to be learned");
-        if (high_.flow)
-            throw Misuse(m.name + ": its water moves ([wetness.flow]), allowed is wetness that stays");
+        : recipe_(recipe),
+          member_(m),
+          to_(to),
+          high_(scene_of(recipe, m, 1)),
+          low_(scene_of(recipe, m, 2)),
+          reach_(reach_of(high_)) {
         if (!recipe.low_is_wet) make_dry(low_);
         // Eq 10 moves what is seen alone, and no network sees it of the low-resolution run.
         leave_out_display(low_);
         if (!recipe.root && !recipe.displayed && !keeps_runs()) leave_out_display(high_);
-        if (recipe.first >= high_.frames)
-            throw Misuse(fmt::format("{}: first: found {}, allowed 0 to {}, since the scene has {} frames",
-                                     m.name, recipe.first, high_.frames - 1, high_.frames));
         wet_ = make_simulation_on(device, high_, trusted_precision(high_, "float"));
         dry_ = make_simulation_on(device, low_, trusted_precision(low_, "float"));
     }
@@ -158,13 +195,6 @@ class MemberRun {
                                     diverged->strand));
     }
     bool displayed() const { return recipe_.displayed && high_.cohesion; }
-    Scene scene(int stride) const {
-        SceneOptions options;
-        options.set = member_.set, options.stride = stride;
-        if (stride > 1 && recipe_.low_substeps)
-            options.set.push_back(fmt::format("integrator.substeps={}", recipe_.low_substeps));
-        return parse_scene(member_.text, member_.name, recipe_.folder, options);
-    }
     void write_strands(const StrandEncoder& encoder) const {
         PairsWriter out = shard(Codec::strand);
         out.low(recipe_.low_is_wet, low_.integrator.substeps);
@@ -372,6 +402,7 @@ int dataset_command(const DatasetOptions& o) {
             throw Misuse(file + ": lies where the data set keeps its own; another folder is needed for -o");
     if (!o.json.empty() && o.json != "-") check_files(o, "", recipe.files);
     const Ranks part = part_of(o.part);
+    check_scenes(recipe);
     take_folder(o, to, recipe, part);
 
     std::vector<const DatasetMember*> mine;
