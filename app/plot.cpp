@@ -74,6 +74,8 @@ Chart losses_of(const std::string& path) {
         {"base_loss", {"no network", {0.55f, 0.55f, 0.55f}, {}, 2}}};
     for (const auto& kind : kinds) chart.curves.push_back(kind.second);
     std::ifstream file(path);
+    if (!file || std::filesystem::is_directory(path))
+        throw Error(path + ": cannot be read (no such file, or no permission)");
     std::string line;
     long number = 0;
     for (; std::getline(file, line); ++number) {
