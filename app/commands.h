@@ -43,11 +43,12 @@ struct TrainOptions : CommonOptions {
 };
 struct InferOptions : CommonOptions {
     std::string input, model, interpolate, reconstruct, wetness, output;
-    int roots = 4;           // around a new strand: the grid's four, or the three nearest
-    bool wet_shape = false;  // of an interpolation: Eq 9 before it
-    bool settled = false;    // the run is dry, and is moved to where wet strands come to rest
-    bool crop = false;       // the network is asked where hair is wet alone
-    bool cohesion = false;   // Eq 10 after it
+    std::optional<int> frames;  // the first so many alone
+    int roots = 4;              // around a new strand: the grid's four, or the three nearest
+    bool wet_shape = false;     // of an interpolation: Eq 9 before it
+    bool settled = false;       // the run is dry, and is moved to where wet strands come to rest
+    bool crop = false;          // the network is asked where hair is wet alone
+    bool cohesion = false;      // Eq 10 after it
     // Of Eq 10, in place of the scene's.
     std::optional<int> passes;
     std::optional<double> spacing, relaxation;  // [m], [1]
@@ -100,6 +101,7 @@ int dataset_command(const DatasetOptions&);
 int train_command(const TrainOptions&);
 int infer_command(const InferOptions&);
 int compare_command(const CompareOptions&);
+std::string compare_columns();  // what the columns of its table mean, a line each
 int report_command(const ReportOptions&);
 int render_command(const RenderOptions&);
 int plot_command(const PlotOptions&);

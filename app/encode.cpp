@@ -60,13 +60,13 @@ float support_radius_of(const RunHeader& header) {
     Cohesion cohesion;
     read_parameters(
         cohesion, Cohesion::parameters,
-        Config::parse(header.scene, "the run's scene", header.scene_folder).root().table("cohesion"));
+        Config::parse(header.scene, scene_name(header), header.scene_folder).root().table("cohesion"));
     return float(cohesion.h_c);
 }
 
 // Reach of Eq 10 on what is displayed of the run [m], 0 without it.
 double reach_of(const RunHeader& header) {
-    const bool coheres = Config::parse(header.scene, "the run's scene", header.scene_folder)
+    const bool coheres = Config::parse(header.scene, scene_name(header), header.scene_folder)
                              .root()
                              .table("cohesion")
                              .present();
@@ -76,11 +76,11 @@ double reach_of(const RunHeader& header) {
 // The strands of a run at rest with their water.
 Strands shape_of(const RunHeader& header) {
     const bool curls =
-        Config::parse(header.scene, "the run's scene", header.scene_folder).root().table("curl").present();
+        Config::parse(header.scene, scene_name(header), header.scene_folder).root().table("curl").present();
     if (!curls) return header.groom.rest;
     SceneOptions options;
     options.stride = header.stride;
-    return shape_at_rest(parse_scene(header.scene, "the run's scene", header.scene_folder, options));
+    return shape_at_rest(parse_scene(header.scene, scene_name(header), header.scene_folder, options));
 }
 
 Json encode_pairs(const EncodeOptions& o, Codec codec) {
@@ -128,7 +128,7 @@ Json encode_adhesion(const EncodeOptions& o) {
         SceneOptions options;
         options.set = o.set;
         options.seed = o.seed;
-        scenes.push_back(load_scene(path, options));
+        scenes.push_back(scene_of_file(path, options));
         check_files(o, o.output, scenes.back().files);
         if (!scenes.back().term<Adhesion>())
             throw Misuse(path + ": has no [adhesion], which is what is to be learned");
