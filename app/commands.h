@@ -44,6 +44,7 @@ struct TrainOptions : CommonOptions {
 };
 struct InferOptions : CommonOptions {
     std::string input, model, interpolate, reconstruct, wetness, output;
+    std::optional<int> frames;                   // the first so many alone
     std::string oracle_colours, oracle_weights;  // a wet run, in place of a network's
     std::optional<double> gain;                  // kappa of Eq 18; none: the scene's or the model's
     std::string units, colour_units;             // of Eq 18, of Eq 16; "": the scene's or the model's
@@ -111,6 +112,7 @@ int dataset_command(const DatasetOptions&);
 int train_command(const TrainOptions&);
 int infer_command(const InferOptions&);
 int compare_command(const CompareOptions&);
+std::string compare_columns();  // what the columns of its table mean, a line each
 int report_command(const ReportOptions&);
 int render_command(const RenderOptions&);
 int plot_command(const PlotOptions&);

@@ -9,6 +9,7 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "app/commands.h"
@@ -68,6 +69,43 @@ bool is_done(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& 
     return std::all_of(outputs.begin(), outputs.end(), [](const auto& f) { return fs::exists(f); });
 }
 
+// At the resolution of a stride. Throws as load_scene does, the member's name first.
+Scene scene_of(const DatasetRecipe& recipe, const DatasetMember& m, int stride) {
+    Config config = m.scene();
+    if (!config.root().has("wetness"))
+        throw Misuse(recipe.scene_line + ": " + m.name +
+                     " has no [wetness], which is what is to be learned; " +
+                     "neither the scene that it starts from nor what was picked and drawn for it names one");
+    if (stride > 1 && recipe.low_substeps)
+        config.set(fmt::format("integrator.substeps={}", recipe.low_substeps), recipe.low_substeps_line);
+    SceneOptions options;
+    options.stride = stride;
+    try {
+        Scene scene = parse_scene(config, options);
+        if (scene.flow) throw Misuse("its water moves ([wetness.flow]), allowed is wetness that stays");
+        if (recipe.first >= scene.frames)
+            throw Misuse(fmt::format("{}: found {}, allowed 0 to {}, since the scene has {} frames",
+                                     recipe.first_line, recipe.first, scene.frames - 1, scene.frames));
+        return scene;
+    } catch (const Misuse& e) {
+        throw Misuse(m.name + ": " + e.what());
+    } catch (const Error& e) {
+        throw Error(m.name + ": " + e.what());
+    }
+}
+
+// Reads a scene of each split and of each entry that is picked, before any is simulated: what is wrong with
+// a line of the recipe is said at once.
+void check_scenes(const DatasetRecipe& recipe) {
+    std::set<std::string> seen;
+    for (const auto& m : recipe.members) {
+        bool fresh = seen.insert(m.split).second;
+        for (const auto& [list, entry] : m.picked)
+            fresh = seen.insert(list + "/" + entry + "/" + m.split).second || fresh;
+        if (fresh) scene_of(recipe, m, 1), scene_of(recipe, m, 2);
+    }
+}
+
 // Name -> what is to be written there, by this process alone.
 using Places = std::map<std::string, OutputFile>;
 Places secured(const std::vector<std::string>& outputs) {
@@ -91,19 +129,13 @@ class MemberRun {
           member_(m),
           to_(to),
           places_(std::move(places)),
-          high_(scene(1)),
-          low_(scene(2)),
+          high_(scene_of(recipe, m, 1)),
+          low_(scene_of(recipe, m, 2)),
           reach_(reach_of(high_)) {
-        if (!high_.wetness) throw Misuse(m.name + ": has no [wetness], which is what is to be learned");
-        if (high_.flow)
-            throw Misuse(m.name + ": its water moves ([wetness.flow]), allowed is wetness that stays");
         if (!recipe.low_is_wet) make_dry(low_);
         // Eq 10 moves what is seen alone, and no network sees it of the low-resolution run.
         leave_out_display(low_);
         if (!recipe.root && !recipe.displayed && !keeps_runs()) leave_out_display(high_);
-        if (recipe.first >= high_.frames)
-            throw Misuse(fmt::format("{}: first: found {}, allowed 0 to {}, since the scene has {} frames",
-                                     m.name, recipe.first, high_.frames - 1, high_.frames));
         wet_ = make_simulation_on(device, high_, trusted_precision(high_, "float"));
         dry_ = make_simulation_on(device, low_, trusted_precision(low_, "float"));
     }
@@ -169,13 +201,6 @@ class MemberRun {
                                     diverged->strand));
     }
     bool displayed() const { return recipe_.displayed && high_.cohesion; }
-    Scene scene(int stride) const {
-        SceneOptions options;
-        options.set = member_.set, options.stride = stride;
-        if (stride > 1 && recipe_.low_substeps)
-            options.set.push_back(fmt::format("integrator.substeps={}", recipe_.low_substeps));
-        return parse_scene(member_.text, member_.name, recipe_.folder, options);
-    }
     void write_strands(const StrandEncoder& encoder) {
         PairsWriter out = shard(Codec::strand);
         out.low(recipe_.low_is_wet, low_.integrator.substeps);
@@ -364,6 +389,7 @@ int dataset_command(const DatasetOptions& o) {
     if (!part.alone() && o.overwrite)
         throw Misuse("--overwrite: several parts would remove each other's scenes; remove " + to.of("") +
                      " instead");
+    check_scenes(recipe);
     // Processes that a launcher started write the same one, each in its turn.
     const bool launched = !part.alone() && o.part.empty();
     ResultFile results(launched ? "" : o.json, o.overwrite);

@@ -57,7 +57,7 @@ std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
 
 // Reach of Eq 10 on what is displayed of the run [m], 0 without it.
 double reach_of(const RunHeader& header) {
-    const bool coheres = Config::parse(header.scene, "the run's scene", header.scene_folder)
+    const bool coheres = Config::parse(header.scene, scene_name(header), header.scene_folder)
                              .root()
                              .table("cohesion")
                              .present();
@@ -67,11 +67,11 @@ double reach_of(const RunHeader& header) {
 // The strands of a run at rest with their water.
 Strands shape_of(const RunHeader& header) {
     const bool curls =
-        Config::parse(header.scene, "the run's scene", header.scene_folder).root().table("curl").present();
+        Config::parse(header.scene, scene_name(header), header.scene_folder).root().table("curl").present();
     if (!curls) return header.groom.rest;
     SceneOptions options;
     options.stride = header.stride;
-    return shape_at_rest(parse_scene(header.scene, "the run's scene", header.scene_folder, options));
+    return shape_at_rest(parse_scene(header.scene, scene_name(header), header.scene_folder, options));
 }
 
 Json encode_pairs(const EncodeOptions& o, Codec codec) {
@@ -120,7 +120,7 @@ Json encode_adhesion(const EncodeOptions& o) {
         SceneOptions options;
         options.set = o.set;
         options.seed = o.seed;
-        scenes.push_back(load_scene(path, options));
+        scenes.push_back(scene_of_file(path, options));
         check_files(o, o.output, scenes.back().files);
         if (!scenes.back().term<Adhesion>())
             throw Misuse(path + ": has no [adhesion], which is what is to be learned");

@@ -147,8 +147,9 @@ VideoFile::VideoFile(const std::string& path, int width, int height, double fps,
     }
     b.folder = fs::path(path).replace_extension().string() + "_frames";
     b.filled.emplace(b.folder);
-    log_warning(path + ": this OpenCV has neither an H.264 nor a VP8 encoder; writing PNGs to " + b.folder +
-                "/ instead");
+    log_warning(path + ": this OpenCV has neither an H.264 nor a VP8 encoder for " +
+                std::to_string(b.size.width) + " x " + std::to_string(b.size.height) +
+                " pixels; writing PNGs to " + b.folder + "/ instead");
 }
 
 VideoFile::~VideoFile() = default;

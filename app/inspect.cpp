@@ -31,15 +31,16 @@ void show(const InspectOptions& o, const Json& json) {
             for (const auto& row : value) {
                 std::string line;
                 for (const auto& [k, v] : row.items())
-                    line += fmt::format("  {} {}", k, v.is_string() ? v.get<std::string>() : v.dump());
+                    line += fmt::format("  {} {}", k, v.is_string() ? v.get<std::string>() : json_text(v));
                 text += "  " + line + "\n";
             }
         } else if (value.is_array()) {
             std::vector<std::string> words;
-            for (const auto& v : value) words.push_back(v.is_string() ? v.get<std::string>() : v.dump());
+            for (const auto& v : value) words.push_back(v.is_string() ? v.get<std::string>() : json_text(v));
             text += fmt::format("{}: {}\n", key, fmt::join(words, ", "));
         } else {
-            text += fmt::format("{}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+            text +=
+                fmt::format("{}: {}\n", key, value.is_string() ? value.get<std::string>() : json_text(value));
         }
     }
     std::fputs(text.c_str(), stdout);
@@ -69,6 +70,13 @@ Json scene_json(const InspectOptions& o) {
     return json;
 }
 
+// [s] of each frame but frame 0, a state that nothing was computed for.
+std::vector<double> run_times_of(const RunReader& run) {
+    auto seconds = run.seconds();
+    if (!seconds.empty()) seconds.erase(seconds.begin());
+    return seconds;
+}
+
 Json run_json(const InspectOptions& o) {
     const RunReader run(o.file);
     const RunHeader& h = run.header();
@@ -84,12 +92,15 @@ Json run_json(const InspectOptions& o) {
               {"wetness_recorded", !h.saturation.empty()},
               {"terms_present", h.terms_present},
               {"terms_absent", h.terms_absent},
-              {"seconds_per_frame", time_statistics(run.seconds())}};
+              {"seconds_per_frame", time_statistics(run_times_of(run))}};
     if (run.frames() > 0) {
         const auto solid = solid_distance_of(h, true);
         double extent = 0;
+        std::vector<double> stage_seconds(h.stages.size(), 0);  // summed over frames but frame 0
         for (int f = 0; f < run.frames(); ++f) {
             const RunFrame frame = run.frame(f);
+            for (size_t k = 0; k < h.stages.size() && f > 0; ++k)
+                stage_seconds[k] += double(frame.stage_seconds[k]);
             extent += 1000 * axial_extent(frame.seen()) / run.frames();
             const Fall fall = fall_of(frame.seen(), solid, frame.head, f / h.fps);
             json["fall"].push_back({{"time", f / h.fps},
@@ -116,6 +127,8 @@ Json run_json(const InspectOptions& o) {
         for (size_t k = 0; k < last.water.size(); ++k) json["last_water_kg"][water[k]] = last.water[k];
         for (size_t k = 0; k < h.stages.size(); ++k)
             json["last_stage_seconds"][h.stages[k]] = last.stage_seconds[k];
+        for (size_t k = 0; k < h.stages.size() && run.frames() > 1; ++k)
+            json["mean_stage_seconds"][h.stages[k]] = stage_seconds[k] / (run.frames() - 1);
     }
     return json;
 }

@@ -223,6 +223,9 @@ int main(int argc, char** argv) {
     c->add_option("--relaxation", infer.relaxation,
                   "about how many passes of Eq 10 an over-relaxed sweep stands for, in place of the scene's")
         ->check(cohesion_range("relaxation"));
+    c->add_option("--frames", infer.frames,
+                  "the first frames of the run alone, so many; of a scene, in place of its own")
+        ->check(CLI::Range(1, 1000000));
     c->add_option("--wetness", infer.wetness, "scene whose wetness and cohesion to predict for");
     c->add_option("-o,--output", infer.output, "run cache (HDF5)")->required();
 
@@ -230,6 +233,7 @@ int main(int argc, char** argv) {
     c = command("compare", "error and run time of runs against a reference", compare, compare_command);
     c->add_option("reference", compare.reference, "REFERENCE.h5")->required();
     c->add_option("others", compare.others, "OTHER.h5")->required();
+    c->footer(compare_columns());
     c->add_option("--first-frame", compare.first_frame, "leave out the frames before this one")
         ->check(CLI::NonNegativeNumber);
 

@@ -123,6 +123,12 @@ void check(const RenderOptions& o, const std::string& extension) {
         if (size < 16 || size > 8192)
             throw Misuse("render: a panel of " + std::to_string(o.width) + " x " + std::to_string(o.height) +
                          " pixels; allowed are 16 to 8192 each way");
+    constexpr long widest = 16383;  // of VP8, and about what H.264 takes
+    const long width = long(o.width) * long(o.runs.size());
+    if (extension != ".png" && width > widest)
+        throw Misuse("render: " + std::to_string(o.runs.size()) + " panels make a video " +
+                     std::to_string(width) + " pixels wide, allowed are " + std::to_string(widest) +
+                     "; a --width of " + std::to_string(widest / long(o.runs.size())) + " fits");
     if (extension != ".png" && o.frame >= 0)
         throw Misuse("render: --frame picks one frame for a .png; " + o.output + " takes all of them");
     if (o.image && (o.pixels < 16 || o.pixels > 8192))

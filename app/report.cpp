@@ -68,7 +68,7 @@ Json read_stability(const std::string& path) {
 }
 
 std::string title_of(const RunHeader& header) {
-    return Config::parse(header.scene, "the run's scene", header.scene_folder).root().text("title", "");
+    return Config::parse(header.scene, scene_name(header), header.scene_folder).root().text("title", "");
 }
 
 ReportPage::Facts facts_of(const std::string& path) {

@@ -1,9 +1,14 @@
 // Results as JSON, the files of a command.
 #include "app/results.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -19,6 +24,17 @@ static bool same_file(const std::string& a, const std::string& b) {
     std::error_code absent;
     return fs::equivalent(a, b, absent) ||
            (!fs::exists(a, absent) && fs::weakly_canonical(a, absent) == fs::weakly_canonical(b, absent));
+}
+
+// Throws Error where no file can be made there: its folder, or the nearest one above it, takes none.
+static void require_folder_for(const std::string& output) {
+    std::error_code absent;
+    fs::path folder = fs::absolute(output).parent_path();
+    while (!fs::exists(folder, absent) && folder.has_relative_path()) folder = folder.parent_path();
+    if (!fs::is_directory(folder, absent))
+        throw Error(output + ": cannot be written: " + folder.string() + " is no folder");
+    if (access(folder.c_str(), W_OK) != 0)
+        throw Error(output + ": cannot be written in " + folder.string() + ": " + std::strerror(errno));
 }
 
 void check_files(const CommonOptions& o, const std::string& output, const std::vector<std::string>& inputs) {
@@ -38,7 +54,10 @@ void check_files(const CommonOptions& o, const std::string& output, const std::v
                     throw Misuse(*written + ": writing it would destroy the input " + input +
                                  "; another name is needed");
     // What is resumed is there already.
-    if (!output.empty()) require_place(output, o.overwrite || o.resume);
+    if (!output.empty()) {
+        require_place(output, o.overwrite || o.resume);
+        require_folder_for(target_of(output));
+    }
     if (json.empty() || is_stream(json)) return;
     require_place(json, o.overwrite);
     make_folder_of(json);
@@ -57,6 +76,10 @@ ResultFile::ResultFile(const std::string& path, bool overwrite, LockedFile::Othe
     if (!path.empty() && path != "-" && !is_stream(path)) file_.emplace(path, overwrite, "", others);
 }
 
+std::string json_text(const Json& json, int indent) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 void ResultFile::write(const std::string& text) {
     if (file_) {
         file_->write(text);
@@ -68,7 +91,7 @@ void ResultFile::write(const std::string& text) {
     }
 }
 
-static std::string text_of(const Json& json) { return json.dump(2) + "\n"; }
+static std::string text_of(const Json& json) { return json_text(json, 2) + "\n"; }
 
 void ResultFile::write_json(const Json& json) {
     if (!path_.empty()) write(text_of(json));
@@ -81,7 +104,8 @@ void ResultFile::leave_json(const Json& json) {
 }
 
 Json time_statistics(std::vector<double> t) {
-    if (t.empty()) return {{"mean", 0}, {"median", 0}, {"min", 0}, {"max", 0}, {"std", 0}};
+    if (t.empty())
+        return {{"mean", nullptr}, {"median", nullptr}, {"min", nullptr}, {"max", nullptr}, {"std", nullptr}};
     std::sort(t.begin(), t.end());
     const size_t n = t.size();
     const double mean = std::accumulate(t.begin(), t.end(), 0.0) / double(n);
@@ -92,6 +116,10 @@ Json time_statistics(std::vector<double> t) {
             {"min", t.front()},
             {"max", t.back()},
             {"std", std::sqrt(square / double(n))}};
+}
+
+std::string milliseconds_text(const Json& seconds) {
+    return seconds.is_null() ? "no time" : fmt::format("{:.1f} ms", 1000 * seconds.get<double>());
 }
 
 }  // namespace wetcurl

@@ -13,6 +13,9 @@ namespace wetcurl {
 
 using Json = nlohmann::ordered_json;
 
+// As text. Names of files need not be UTF-8, which JSON is: what is not becomes U+FFFD.
+std::string json_text(const Json& json, int indent = -1);
+
 // A text that a command writes when it is done. No other process can write the file meanwhile: a second
 // command is refused when it begins, not when its work is done.
 class ResultFile {
@@ -45,7 +48,10 @@ void check_files(const CommonOptions& o, const std::string& output, const std::v
 void refuse_scene_options(const CommonOptions& o, const std::string& who);
 void refuse_device(const CommonOptions& o, const std::string& who);
 
-// {mean, median, min, max, std} of run times [s].
+// {mean, median, min, max, std} of run times [s]; of none, each is null. Frame 0 is no run time: nothing was
+// computed for it.
 Json time_statistics(std::vector<double> seconds);
+// One of those as text: "12.3 ms", or "no time" where it is null.
+std::string milliseconds_text(const Json& seconds);
 
 }  // namespace wetcurl

@@ -10,6 +10,7 @@
 #include "app/adhesion_network.h"
 #include "app/commands.h"
 #include "app/device.h"
+#include "app/missing_model.h"
 #include "app/reference.h"
 #include "app/results.h"
 #include "app/run_of_scene.h"
@@ -38,6 +39,8 @@ int simulate_command(const SimulateOptions& o) {
             fmt::format("--before-cohesion: found cohesion.strength = {:g}, allowed 0: cohesion that acts "
                         "in the solve cannot be left out of what is displayed",
                         scene.cohesion->strength));
+    if (!scene.adhesion_model.empty())
+        require_model_of_adhesion(scene.adhesion_model, o.scene + ": [adhesion] model", o.scene, o);
     const std::string precision = trusted_precision(scene, o.precision);
     if (precision != o.precision)
         log_warning(
@@ -128,10 +131,10 @@ int simulate_command(const SimulateOptions& o) {
     if (done < scene.frames)
         throw Interrupted(fmt::format("interrupted: {} frames are kept in {}", done, partial_of(o.output)));
     log_info(
-        fmt::format("{}: {} strands x {} particles, {} frames, median {:.1f} ms a frame, {:.0f} bytes a "
+        fmt::format("{}: {} strands x {} particles, {} frames, median {} a frame, {:.0f} bytes a "
                     "particle; present: {}",
                     o.output, scene.groom.rest.count, scene.groom.rest.particles, done,
-                    1000 * json["seconds_per_frame"]["median"].get<double>(),
+                    milliseconds_text(json["seconds_per_frame"]["median"]),
                     json["bytes_per_particle"].get<double>(), fmt::join(presence.present, ", ")));
     if (water)
         log_info(fmt::format(

@@ -13,6 +13,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/lfs_pointer.h"
+
 namespace wetcurl {
 
 namespace fs = std::filesystem;
@@ -249,6 +251,7 @@ H5Reader::H5Reader(const std::string& path, const std::string& format, int versi
     if (!fs::exists(path)) throw Error(path + ": no such file");
     if (fs::is_directory(path)) throw Error(path + ": found a folder, a '" + format + "' file is needed");
     const bool empty = fs::file_size(path) == 0;
+    if (!empty) refuse_lfs_pointer(path);
     if (empty || H5Fis_hdf5(path.c_str()) <= 0) {
         require_unwritten(path, writer_of(path));
         throw Error(path + (empty ? ": the file is empty"
@@ -304,6 +307,24 @@ bool H5Reader::has(const std::string& name) const {
     return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0;
 }
 
+// Whether the file holds what `set` claims to: as many bytes, or so many that its filters (gzip at most)
+// could have made them of it. A claim is believed before memory is asked for, and unwritten values read as 0.
+static void check_stored(hid_t set, const std::vector<size_t>& shape, const std::string& path,
+                         const std::string& name) {
+    constexpr double most_compressed = 1032;  // of gzip
+    Handle type(H5Dget_type(set), H5Tclose);
+    Handle list(H5Dget_create_plist(set), H5Pclose);
+    const bool filtered = H5Pget_nfilters(list) > 0;
+    double claimed = double(H5Tget_size(type));
+    for (const size_t side : shape) claimed *= double(side);
+    const double stored = double(H5Dget_storage_size(set));
+    if (claimed <= stored * (filtered ? most_compressed : 1)) return;
+    char sizes[96];
+    std::snprintf(sizes, sizeof sizes, "%.0f bytes, of which the file holds %.0f", claimed, stored);
+    throw Error(path + ": dataset '" + name + "' claims " + shape_text(shape) + " values of " + sizes +
+                ": it is cut short or damaged");
+}
+
 std::vector<size_t> H5Reader::shape(const std::string& name) const {
     const Turn turn;
     check(has(name), path_, "dataset '" + name + "' is missing" + other_file(file_, name));
@@ -312,7 +333,12 @@ std::vector<size_t> H5Reader::shape(const std::string& name) const {
     Handle space(H5Dget_space(set), H5Sclose);
     std::vector<hsize_t> dims(size_t(std::max(0, H5Sget_simple_extent_ndims(space))));
     if (!dims.empty()) H5Sget_simple_extent_dims(space, dims.data(), nullptr);
-    return {dims.begin(), dims.end()};
+    const std::vector<size_t> found(dims.begin(), dims.end());
+    if (!stored_.contains(name)) {
+        check_stored(set, found, path_, name);
+        stored_.insert(name);
+    }
+    return found;
 }
 
 static void check_same_kind(hid_t set, hid_t wanted, const std::string& path, const std::string& name) {
@@ -382,7 +408,7 @@ std::string H5Reader::text(const std::string& attribute) const {
     Handle type(H5Dget_type(set), H5Tclose);
     check(H5Tget_class(type) == H5T_STRING && !H5Tis_variable_str(type) && shape(name).empty(), path_,
           "attribute '" + attribute + "' is no text");
-    std::string value(H5Tget_size(type), '\0');
+    std::string value(H5Tget_size(type), '\0');  // which the file holds: `shape` has checked it
     check(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()) >= 0, path_,
           "attribute '" + attribute + "' cannot be read");
     value.resize(value.find('\0') == std::string::npos ? value.size() : value.find('\0'));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,7 @@ class H5Reader {
     H5Reader& operator=(const H5Reader&) = delete;
 
     bool has(const std::string& name) const;
+    // Throws Error where the file holds fewer bytes than that many values have.
     std::vector<size_t> shape(const std::string& name) const;
     // The whole dataset. `shape`, where given, must match (0 = any). Floating data is checked to be finite.
     template <class T>
@@ -79,6 +81,7 @@ class H5Reader {
   private:
     std::string path_;
     int64_t file_ = -1;
+    mutable std::set<std::string> stored_;  // datasets whose values the file is known to hold
 };
 
 }  // namespace wetcurl

@@ -32,7 +32,11 @@ struct RunHeader {
     std::vector<std::string> inputs;          // "file hash" of what it was made from
     std::string terms_present, terms_absent;  // comma-separated
     std::string build;                        // of the program that wrote it; read only
+    std::string path;                         // file that it was read from; read only
 };
+
+// What messages call the scene of a run: "RUN.h5: its scene".
+std::string scene_name(const RunHeader& header);
 
 // What made a run's strands: "simulated" by physics alone, "interpolated" from a dry run, linear regression
 // among that, or "learned": by a network, be it one in the place of a single force.

@@ -121,6 +121,15 @@ double units_of(Table t) {
     return units == "m" ? 1 : units == "cm" ? 0.01 : 0.001;
 }
 
+Shape level_set_of(Table t, double spacing) {
+    const Mesh mesh = mesh_of(t, units_of(t));
+    try {
+        return LevelSet::cached(mesh, spacing);
+    } catch (const Error& e) {
+        throw Error(t.where("file") + ": " + t.path("file") + ": " + e.what());
+    }
+}
+
 Solid read_solid(Table t, size_t index) {
     Solid solid;
     solid.name = t.text("name", "solid " + std::to_string(index));
@@ -138,7 +147,7 @@ Solid read_solid(Table t, size_t index) {
                        "is the mesh of a solid that keeps its shape; [[solid.mesh]] are one's that deforms");
             solid.deformation = std::make_shared<const Deformation>(t, units_of(t));
         } else if (t.has("file")) {
-            solid.shape = LevelSet::cached(mesh_of(t, units_of(t)), solid.spacing);
+            solid.shape = level_set_of(t, solid.spacing);
         } else {
             t.fail("shape",
                    "'mesh' needs file = \"….obj\" or \"….ply\", or [[solid.mesh]] tables to deform between");
@@ -248,6 +257,9 @@ Scene read_scene(Config config, const SceneOptions& options) {
     else if (options.strands)
         thinned(full, *options.strands, &scene.stride);
     scene.groom = coarsened(full, scene.stride, &kept);
+    if (const int taken = scene.groom.rest.count; options.strands && taken != *options.strands)
+        log_info("--strands " + std::to_string(*options.strands) + ": " + nesting_text(full) + "; " +
+                 std::to_string(taken) + " are taken");
     if (scene.groom.rest.count == 0) throw Error(scene.title + ": no strand is left in the groom");
     if (scene.wetness) {
         // Patterns are laid on the full groom, so that a thinned run is as wet as its twin.
@@ -269,6 +281,10 @@ Scene load_scene(const std::string& path, const SceneOptions& options) {
 Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder,
                   const SceneOptions& options) {
     return read_scene(Config::parse(text, name, folder), options);
+}
+
+Scene parse_scene(const Config& config, const SceneOptions& options) {
+    return read_scene(config.copy(), options);
 }
 
 void make_dry(Scene& scene) {

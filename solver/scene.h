@@ -123,6 +123,7 @@ struct SceneOptions {
 Scene load_scene(const std::string& path, const SceneOptions& options = {});
 Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder,
                   const SceneOptions& options = {});
+Scene parse_scene(const Config& config, const SceneOptions& options = {});
 
 // The scene as a dry one: no wet weight, curl, cohesion, adhesion, nor a compared method of them; its
 // saturation is kept as a record.

@@ -312,6 +312,8 @@ TEST(Plot, refuses_what_has_no_energy_and_what_is_no_png) {
     options.runs[1] = run;
     std::ofstream(folder / "log.jsonl") << "{\"epoch\":1,\"loss\":2}\n{\"epoch\":2,\"loss\":1}\n";
     EXPECT_THROW(plot_command(options), Misuse);
+    options.runs = {(folder / "absent.jsonl").string()};
+    testing::expect_error([&] { plot_command(options); }, {"absent.jsonl: cannot be read"});
     std::filesystem::remove_all(folder);
 }
 
