@@ -1,5 +1,5 @@
 // How hair falls, as the paper measures it in pictures (Fig 31, Table 2): the box around it, and the angle
-// that strands make where they meet a solid. Ours.
+// that strands make where they meet a solid. Beside them how far tips hang below roots (Fig 21).
 #pragma once
 
 #include <algorithm>
@@ -13,6 +13,7 @@ namespace wetcurl {
 
 struct Fall {
     double width = 0, height = 0;  // along X and Y [m]
+    double drop = 0;               // of the tips below their roots, mean over the strands [m]
     // Between the free part of a strand and the part that lies on a solid, 180 straight on [degrees], the
     // mean over the strands that lie on one; none: none does.
     std::optional<double> angle;
@@ -30,6 +31,8 @@ inline Fall fall_of(const Strands& p, const SolidDistance& solid, const Pose& he
     }
     out.width = high.x - low.x;
     out.height = high.y - low.y;
+    for (int s = 0; s < p.count; ++s)
+        out.drop += double(p.at(s, 0).y - p.at(s, p.particles - 1).y) / p.count;
     const int n = p.particles, part = n / 5;  // of a strand, on either side: a turn of a curl or more
     if (!solid || part < 1) return out;
     double sum = 0;

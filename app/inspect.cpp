@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "app/axial_extent.h"
 #include "app/commands.h"
@@ -14,6 +15,7 @@
 #include "app/image_file.h"
 #include "app/results.h"
 #include "app/run_solids.h"
+#include "learn/core_detail.h"
 #include "learn/network_module.h"
 #include "learn/pairs.h"
 #include "solver/plan.h"
@@ -71,6 +73,10 @@ Json scene_json(const InspectOptions& o) {
     return json;
 }
 
+double mean_of(const std::vector<float>& values) {
+    return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
 Json run_json(const InspectOptions& o) {
     const RunReader run(o.file);
     const RunHeader& h = run.header();
@@ -92,11 +98,15 @@ Json run_json(const InspectOptions& o) {
         double extent = 0;
         for (int f = 0; f < run.frames(); ++f) {
             const RunFrame frame = run.frame(f);
-            extent += 1000 * axial_extent(frame.seen()) / run.frames();
+            const double extent_now = 1000 * axial_extent(frame.seen());
+            extent += extent_now / run.frames();
             const Fall fall = fall_of(frame.seen(), solid, frame.head, f / h.fps);
             json["fall"].push_back({{"time", f / h.fps},
                                     {"width_mm", 1000 * fall.width},
                                     {"height_mm", 1000 * fall.height},
+                                    {"drop_mm", 1000 * fall.drop},
+                                    {"axial_extent_mm", extent_now},
+                                    {"curl_radius_mm", 1000 * mean_of(curl_radii(frame.seen()))},
                                     {"angle_degrees", fall.angle ? Json(*fall.angle) : Json(nullptr)}});
         }
         json["axial_extent_mm"] = extent;
@@ -175,6 +185,10 @@ Json pairs_json(const InspectOptions& o) {
 
 Json model_json(const InspectOptions& o) {
     const ModelCard card = network_module().card(o.file);
+    const H5Reader file(o.file, model_format, model_version);
+    Json weights = Json::array();  // of each layer, by name
+    for (const auto& name : file.list("weights"))
+        weights.push_back({{"name", name}, {"shape", file.shape("weights/" + name)}});
     return {{"codec", card.codec},
             {"architecture", card.architecture},
             {"width", card.width},
@@ -188,7 +202,8 @@ Json model_json(const InspectOptions& o) {
             {"low_substeps", card.low_substeps ? Json(card.low_substeps) : Json()},
             {"numbers", card.numbers},
             {"trained_on", card.inputs},
-            {"recipe", card.recipe}};
+            {"recipe", card.recipe},
+            {"weights", weights}};
 }
 
 template <class Term>

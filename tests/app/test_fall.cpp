@@ -38,6 +38,13 @@ TEST(fall, box_is_that_of_the_extreme_particles) {
     EXPECT_FALSE(fall.angle);
 }
 
+TEST(fall, drop_is_the_mean_of_tips_below_their_roots) {
+    Strands s(2, 2);
+    s.at(0, 0) = {0, 1, 0}, s.at(0, 1) = {3, 0.5f, 0};
+    s.at(1, 0) = {0, 1, 0}, s.at(1, 1) = {0, -0.5f, 4};
+    EXPECT_NEAR(fall_of(s, none, Pose{}, 0).drop, 1, 1e-6);
+}
+
 TEST(fall, angle_is_that_between_the_free_and_the_held_part) {
     for (const double angle : {60.0, 90.0, 135.0, 170.0}) {
         const Fall fall = fall_of(bent(angle), off_the_line, Pose{}, 0);

@@ -1,0 +1,54 @@
+# Fig 21: hair at rest, dry and wet: clumps, tighter curls, and what it takes to hang lower
+# also: scene01 scene01a scene01b
+scenes 01a 01b
+frames=96 simulate fig21_wet scenes/fig21.toml
+frames=96 simulate fig21_dry scenes/fig21.toml --dry
+for run in fig21_wet fig21_dry; do inspected $run; done
+compared scene01_wet_against_dry scene01a scene01b
+compared fig21_wet_against_dry fig21_dry fig21_wet
+last() { number "$1.inspect.json" ".fall[-1].$2"; }
+pair() {  # of TITLE NAME DRY WET: what Figure 21 shows, but for the weight
+    local of=$2_wet_against_dry.json at='.others[0]'
+    row "$1: particles of other strands within 4 mm of one, wet / dry" "above 1: cohesion" \
+        "$(value "$(number "$of" "$at.crowd") / $(number "$of" "$at.crowd_reference")")" 1.5 50 "the mean over the run"
+    row "$1: distance of tips to their four nearest, wet / dry" "below 1: cohesion" "$(number "$of" "$at.tip_spread_ratio")" 0.5 0.97 \
+        "$(short "$(number "$of" "$at.tip_spread_mm")") and $(short "$(number "$of" "$at.tip_spread_reference_mm")") mm"
+    row "$1: radius of the curls, wet / dry" "below 1: tighter" "$(value "$(last "$4" curl_radius_mm) / $(last "$3" curl_radius_mm)")" 0.5 0.95 \
+        "$(short "$(last "$4" curl_radius_mm)") and $(short "$(last "$3" curl_radius_mm)") mm"
+    row "$1: how far tips hang below their roots, wet / dry" "above 1: droops by its weight" \
+        "$(value "$(last "$4" drop_mm) / $(last "$3" drop_mm)")" 1.02 1.5 \
+        "$(short "$(last "$4" drop_mm)") and $(short "$(last "$3" drop_mm)") mm; from the top of the hair to its lowest tip $(short "$(last "$4" height_mm)") and $(short "$(last "$3" height_mm)"), along the curls' axes $(short "$(last "$4" axial_extent_mm)") and $(short "$(last "$3" axial_extent_mm)")"
+}
+pair "scene 1" scene01 scene01a scene01b
+pair "springs an eighth as stiff, water of twice the mass (scenes/fig21.toml)" fig21 fig21_dry fig21_wet
+
+# What each parameter of the paper does to it.
+table='[]'
+soft=(--set bend.stiffness=0.05 --set core.stiffness=0.005)
+while read -r name springs absorbed weight; do
+    options=()
+    [[ $springs == 1 ]] || options=("${soft[@]}")
+    frames=24 simulate "fig21_$name" scenes/scene01b.toml "${options[@]}" --set "wetness.absorbed=$absorbed" --set "curl.weight=$weight"
+    inspected "fig21_$name"
+    dry=scene01a
+    [[ $springs == 1 ]] || dry=fig21_dry
+    table=$(jq -c --arg springs "$springs" --argjson absorbed "$absorbed" --argjson weight "$weight" \
+        --argjson drop "$(value "$(last "fig21_$name" drop_mm) / $(last $dry drop_mm)")" \
+        --argjson radius "$(value "$(last "fig21_$name" curl_radius_mm) / $(last $dry curl_radius_mm)")" \
+        '. + [{"bend and core, of scene 1": $springs, "wetness.absorbed": $absorbed, "curl.weight": $weight, "drop, wet / dry": $drop, "radius of the curls, wet / dry": $radius}]' <<<"$table")
+done <<'END'
+stiff_default 1 0.3 1
+stiff_heavy 1 3 1
+stiff_weak 1 0.3 0.3
+stiff_heavy_weak 1 3 0.3
+soft_default 1/8 0.3 1
+soft_heavy 1/8 2 1
+soft_heavy_weak 1/8 2 0.7
+END
+numbers "What makes wet hair hang lower, against dry hair of the same springs" "$table"
+note "Figure 28 says that water shortens a strand by a quarter, Figure 21 that it draws hair down. Both hold at once only \
+where the curls are soft enough for the water's weight to draw them out by more than Eq 9 draws them in: with the springs \
+of the scenes a strand is a quarter shorter and hangs less low, whatever the water weighs; with springs an eighth as stiff \
+it hangs lower from about twice its own mass of water, still tighter curled than it was dry."
+picture fig21 --saturation scene01a.h5 scene01b.h5 --frame "$(frame 200)"
+picture fig21_droop fig21_dry.h5 fig21_wet.h5 --frame "$(frame 95)"
