@@ -96,11 +96,18 @@ Json run_json(const InspectOptions& o) {
     if (run.frames() > 0) {
         const auto solid = solid_distance_of(h, true);
         double extent = 0;
+        Bounce bounce;
         for (int f = 0; f < run.frames(); ++f) {
             const RunFrame frame = run.frame(f);
             const double extent_now = 1000 * axial_extent(frame.seen());
             extent += extent_now / run.frames();
             const Fall fall = fall_of(frame.seen(), solid, frame.head, f / h.fps);
+            if (solid) {
+                std::vector<float> distance;
+                for (const Vec3f& x : frame.seen().points)
+                    distance.push_back(solid(x, frame.head, f / h.fps));
+                bounce.add(std::move(distance));
+            }
             json["fall"].push_back({{"time", f / h.fps},
                                     {"width_mm", 1000 * fall.width},
                                     {"height_mm", 1000 * fall.height},
@@ -110,6 +117,7 @@ Json run_json(const InspectOptions& o) {
                                     {"angle_degrees", fall.angle ? Json(*fall.angle) : Json(nullptr)}});
         }
         json["axial_extent_mm"] = extent;
+        if (const auto value = bounce.value()) json["bounce_mm"] = 1000 * *value;
         // (frame) [J] of each kind, and their sum: what VI.I plots.
         for (int f = 0; f < run.frames() && !h.energy_kinds.empty(); ++f) {
             const auto energy = run.frame(f).energy;

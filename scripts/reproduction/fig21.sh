@@ -6,13 +6,12 @@ frames=96 simulate fig21_dry scenes/fig21.toml --dry
 for run in fig21_wet fig21_dry; do inspected $run; done
 compared scene01_wet_against_dry scene01a scene01b
 compared fig21_wet_against_dry fig21_dry fig21_wet
-last() { number "$1.inspect.json" ".fall[-1].$2"; }
+last() { fall "$1" -1 "$2"; }
 pair() {  # of TITLE NAME DRY WET: what Figure 21 shows, but for the weight
-    local of=$2_wet_against_dry.json at='.others[0]'
-    row "$1: particles of other strands within 4 mm of one, wet / dry" "above 1: cohesion" \
-        "$(value "$(number "$of" "$at.crowd") / $(number "$of" "$at.crowd_reference")")" 1.5 50 "the mean over the run"
-    row "$1: distance of tips to their four nearest, wet / dry" "below 1: cohesion" "$(number "$of" "$at.tip_spread_ratio")" 0.5 0.97 \
-        "$(short "$(number "$of" "$at.tip_spread_mm")") and $(short "$(number "$of" "$at.tip_spread_reference_mm")") mm"
+    local of=$2_wet_against_dry
+    row "$1: particles of other strands within 4 mm of one, wet / dry" "above 1: cohesion" "$(ratio "$of" crowd)" 1.5 50 "the mean over the run"
+    row "$1: distance of tips to their four nearest, wet / dry" "below 1: cohesion" "$(against "$of" tip_spread_ratio)" 0.5 0.97 \
+        "$(short "$(against "$of" tip_spread_mm)") and $(short "$(against "$of" tip_spread_reference_mm)") mm"
     row "$1: radius of the curls, wet / dry" "below 1: tighter" "$(value "$(last "$4" curl_radius_mm) / $(last "$3" curl_radius_mm)")" 0.5 0.95 \
         "$(short "$(last "$4" curl_radius_mm)") and $(short "$(last "$3" curl_radius_mm)") mm"
     row "$1: how far tips hang below their roots, wet / dry" "above 1: droops by its weight" \

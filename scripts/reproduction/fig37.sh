@@ -5,7 +5,7 @@ for radius in 0.010 0.018; do frames=48 simulate fig37_radius_$radius scenes/sce
 runs=(fig37_level_0.2 fig37_level_0.5 fig37_level_1 fig37_radius_0.010 fig37_radius_0.018)
 for run in "${runs[@]}"; do inspected "$run"; done
 compared fig37 scene01a "${runs[@]}"
-extent() { number "$1.inspect.json" '.fall[-1].axial_extent_mm'; }
+extent() { fall "$1" -1 axial_extent_mm; }
 crowd() { number fig37.json "[.others[] | select(.file | endswith(\"$1.h5\"))][0].crowd"; }
 row "length along the curls' axes, wetness 0.5 / 0.2" "below 1: wetter" "$(value "$(extent fig37_level_0.5) / $(extent fig37_level_0.2)")" 0.7 0.99 "wetness.level, sigma"
 row "the same, wetness 1 / 0.5" "below 1: wettest" "$(value "$(extent fig37_level_1) / $(extent fig37_level_0.5)")" 0.7 0.99 "as above"

@@ -10,8 +10,7 @@ row "memory, boundary particles / level set" "above 1: their number increases si
 seconds() { number compare_$1.json .seconds_per_frame.median; }
 row "time a frame, boundary particles / level set" "above 1" "$(value "$(seconds boundary) / $(seconds levelset)")" 1.1 100 \
     "$(short "$(value "1e3 * $(seconds boundary)")") and $(short "$(value "1e3 * $(seconds levelset)")") ms"
-# Second difference over frames of the kinetic energy, root mean square, over its mean.
-roughness() { number compare_$1.inspect.json '[.energy_joule[].kinetic] as $e | [range(1; $e | length - 1) | $e[. - 1] - 2 * $e[.] + $e[. + 1] | . * .] | (add / length | sqrt) / ($e | add / length)'; }
-row "roughness of the motion, boundary particles / level set" "above 1: bouncing, noisy" "$(value "$(roughness boundary) / $(roughness levelset)")" 1.05 1000 \
-    "root mean square second difference of the kinetic energy over frames, over its mean: $(short "$(roughness boundary)") and $(short "$(roughness levelset)")"
+bounce() { number compare_$1.inspect.json .bounce_mm; }
+row "bouncing on the plate, boundary particles / level set" "above 1: bouncing, no smooth motion" "$(value "$(bounce boundary) / $(bounce levelset)")" 1.05 1000 \
+    "root mean square second difference over frames of the distance to the plate, of particles that lie on it: $(short "$(bounce boundary)") and $(short "$(bounce levelset)") mm"
 picture fig41 compare_boundary.h5 compare_levelset.h5 --frame "$(frame 60)"

@@ -58,6 +58,17 @@ TEST(fall, a_strand_that_touches_nothing_has_no_angle) {
     EXPECT_FALSE(fall_of(bent(180), off_the_line, Pose{}, 0).angle);
 }
 
+TEST(fall, bounce_is_the_second_difference_of_what_lies_on_the_solid) {
+    Bounce bounce;
+    EXPECT_FALSE(bounce.value());
+    // The first slides evenly, the second hops by 1 mm every other frame, the third is too far away.
+    for (int f = 0; f < 6; ++f) {
+        bounce.add({0.001f + 0.0005f * float(f), f % 2 ? 0.001f : 0.0f, f % 2 ? 0.1f : 0.2f});
+        if (f < 2) EXPECT_FALSE(bounce.value());
+    }
+    EXPECT_NEAR(*bounce.value(), std::sqrt((0 + 4e-6) / 2), 1e-6);
+}
+
 TEST(fall, of_nothing_is_nothing) { EXPECT_EQ(fall_of(Strands(0, 0), none, Pose{}, 0).width, 0); }
 
 }  // namespace
