@@ -1,8 +1,8 @@
 # Fig 21: hair at rest, dry and wet: clumps, tighter curls, and what it takes to hang lower
 # also: scene01 scene01a scene01b
 scenes 01a 01b
-frames=96 simulate fig21_wet scenes/fig21.toml
-frames=96 simulate fig21_dry scenes/fig21.toml --dry
+simulate fig21_wet scenes/fig21.toml --frames "$(frames 96)"
+simulate fig21_dry scenes/fig21.toml --frames "$(frames 96)" --dry
 for run in fig21_wet fig21_dry; do inspected $run; done
 compared scene01_wet_against_dry scene01a scene01b
 compared fig21_wet_against_dry fig21_dry fig21_wet
@@ -27,7 +27,7 @@ soft=(--set bend.stiffness=0.05 --set core.stiffness=0.005)
 while read -r name springs absorbed weight; do
     options=()
     [[ $springs == 1 ]] || options=("${soft[@]}")
-    frames=24 simulate "fig21_$name" scenes/scene01b.toml "${options[@]}" --set "wetness.absorbed=$absorbed" --set "curl.weight=$weight"
+    simulate "fig21_$name" scenes/scene01b.toml --frames "$(frames 24)" "${options[@]}" --set "wetness.absorbed=$absorbed" --set "curl.weight=$weight"
     inspected "fig21_$name"
     dry=scene01a
     [[ $springs == 1 ]] || dry=fig21_dry

@@ -2,7 +2,7 @@
 # also: scene05
 scenes 05
 simulate scene05_dry scenes/scene05.toml --dry
-frames=120 simulate scene05_half scenes/scene05.toml --set curl.weight=0.5
+simulate scene05_half scenes/scene05.toml --frames "$(frames 120)" --set curl.weight=0.5
 for run in scene05_dry scene05_half; do inspected $run; done
 extent() { fall "$1" "$(frame 119)" axial_extent_mm; }
 row "length along the curls' axes, wet / dry" "below 1: pronounced exaggeration" "$(value "$(extent scene05) / $(extent scene05_dry)")" 0.6 0.9 \

@@ -1,7 +1,7 @@
 # Fig 37: levels of wetness, by the saturation and by the range of neighbours
 scenes 01a
-for level in 0.2 0.5 1; do frames=48 simulate fig37_level_$level scenes/scene01b.toml --set wetness.level=$level; done
-for radius in 0.010 0.018; do frames=48 simulate fig37_radius_$radius scenes/scene01b.toml --set cohesion.radius=$radius; done
+for level in 0.2 0.5 1; do simulate fig37_level_$level scenes/scene01b.toml --frames "$(frames 48)" --set wetness.level=$level; done
+for radius in 0.010 0.018; do simulate fig37_radius_$radius scenes/scene01b.toml --frames "$(frames 48)" --set cohesion.radius=$radius; done
 runs=(fig37_level_0.2 fig37_level_0.5 fig37_level_1 fig37_radius_0.010 fig37_radius_0.018)
 for run in "${runs[@]}"; do inspected "$run"; done
 compared fig37 scene01a "${runs[@]}"

@@ -1,6 +1,6 @@
 # Fig 39: levels of stiffness (Eq 13)
 for wet in 0 4 40; do
-    frames=160 simulate fig39_$wet scenes/scene02.toml --set stiffness.wet=$wet
+    simulate fig39_$wet scenes/scene02.toml --frames "$(frames 160)" --set stiffness.wet=$wet
     inspected fig39_$wet
 done
 kinetic() { number "fig39_$1.inspect.json" "[.energy_joule[].kinetic] | $2"; }

@@ -2,8 +2,8 @@
 # also: fig16 fig18 fig19 fig20
 # A model file lists its layers; the shortest training of all makes one.
 small=(--set "groom.grid=[8,8]" --set groom.particles=20 --set integrator.settle=0 --set integrator.substeps=2)
-frames=6 simulate table1_dry scenes/demo.toml --dry --strands 16 "${small[@]}"
-frames=6 simulate table1_wet scenes/demo.toml "${small[@]}"
+simulate table1_dry scenes/demo.toml --frames "$(frames 6)" --dry --strands 16 "${small[@]}"
+simulate table1_wet scenes/demo.toml --frames "$(frames 6)" "${small[@]}"
 make table1_pairs.h5 table1_dry.h5 table1_wet.h5 -- wetcurl encode table1_dry.h5 table1_wet.h5 -o table1_pairs.h5 --codec root
 for network in unet_vgg19 recursive_residual; do
     make table1_$network.h5 table1_pairs.h5 -- wetcurl train sr table1_pairs.h5 -o table1_$network.h5 --arch $network --width 1 --set epochs=1

@@ -1,0 +1,7 @@
+# Fig 33 at 65,536 strands: the paper's networks as printed, on patches of 128 x 128, batch 128, Adam 1e-4
+# also: fig33
+# needs: cuda
+source "$root/scripts/reproduction/learned.bash"
+rows_without=(nearest quad core) rows_with=() measured_seeds=(1)
+FRAMES=${FRAMES:-160} UNSEEN_FRAMES=${UNSEEN_FRAMES:-40} PAPER_EPOCHS=${PAPER_EPOCHS:-400}
+learned_scene scene11c 16384

@@ -1,0 +1,4 @@
+# Fig 36: learned short hair, 1900 strands from a dry run of 475
+# also: fig36
+source "$root/scripts/reproduction/learned.bash"
+learned_scene scene16 475
