@@ -7,16 +7,16 @@ for run in fig21_wet fig21_dry; do inspected $run; done
 compared scene01_wet_against_dry scene01a scene01b
 compared fig21_wet_against_dry fig21_dry fig21_wet
 last() { fall "$1" -1 "$2"; }
+both() { echo "$(short "$(last "$2" "$3")") and $(short "$(last "$1" "$3")") mm"; }  # of DRY WET KEY
 pair() {  # of TITLE NAME DRY WET: what Figure 21 shows, but for the weight
     local of=$2_wet_against_dry
     row "$1: particles of other strands within 4 mm of one, wet / dry" "above 1: cohesion" "$(ratio "$of" crowd)" 1.5 50 "the mean over the run"
     row "$1: distance of tips to their four nearest, wet / dry" "below 1: cohesion" "$(against "$of" tip_spread_ratio)" 0.5 0.97 \
         "$(short "$(against "$of" tip_spread_mm)") and $(short "$(against "$of" tip_spread_reference_mm)") mm"
     row "$1: radius of the curls, wet / dry" "below 1: tighter" "$(value "$(last "$4" curl_radius_mm) / $(last "$3" curl_radius_mm)")" 0.5 0.95 \
-        "$(short "$(last "$4" curl_radius_mm)") and $(short "$(last "$3" curl_radius_mm)") mm"
-    row "$1: how far tips hang below their roots, wet / dry" "above 1: droops by its weight" \
-        "$(value "$(last "$4" drop_mm) / $(last "$3" drop_mm)")" 1.02 1.5 \
-        "$(short "$(last "$4" drop_mm)") and $(short "$(last "$3" drop_mm)") mm; from the top of the hair to its lowest tip $(short "$(last "$4" height_mm)") and $(short "$(last "$3" height_mm)"), along the curls' axes $(short "$(last "$4" axial_extent_mm)") and $(short "$(last "$3" axial_extent_mm)")"
+        "$(both "$3" "$4" curl_radius_mm)"
+    row "$1: how far tips hang below their roots, wet / dry" "above 1: droops by its weight" "$(value "$(last "$4" drop_mm) / $(last "$3" drop_mm)")" 1.02 1.5 \
+        "$(both "$3" "$4" drop_mm); from the top of the hair to its lowest tip $(both "$3" "$4" height_mm), along the curls' axes $(both "$3" "$4" axial_extent_mm)"
 }
 pair "scene 1" scene01 scene01a scene01b
 pair "springs an eighth as stiff, water of twice the mass (scenes/fig21.toml)" fig21 fig21_dry fig21_wet
