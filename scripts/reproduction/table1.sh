@@ -15,12 +15,13 @@ make table1_adhesion.json -- wetcurl inspect model "$root/models/weights/adhesio
 shape_of() { jq -er --arg name "$2.weight" --argjson k "$3" '.weights[] | select(.name == $name) | .shape[$k]' "table1_$1.json"; }
 layers_of() { jq --arg block "^$2_[0-9]+[.]weight$" '[.weights[] | select(.name | test($block))] | length' "table1_$1.json"; }
 
-# Table 1 and Figures 19, 20: convolutions of each block, channels into the first and out of the last.
+# Table 1 and Figures 19, 20: convolutions of each block, and channels into the first.
+table='[]'
 while read -r block layers channels; do
-    row "$block: convolutions of 5 x 5" "$layers" "$(layers_of unet_vgg19 "$block")" "$layers" "$layers" \
-        "$(shape_of unet_vgg19 "${block}_0" 1) channels in, $(shape_of unet_vgg19 "${block}_0" 0) out, $(shape_of unet_vgg19 "${block}_0" 2) x $(shape_of unet_vgg19 "${block}_0" 3)"
-    row "$block: channels into its first convolution" "$channels" "$(shape_of unet_vgg19 "${block}_0" 1)" "$channels" "$channels" \
-        "Table 1's concatenation; skips are taken before the pool, which alone fits it"
+    table=$(jq -c --arg block "$block" --argjson paper_layers "$layers" --argjson layers "$(layers_of unet_vgg19 "$block")" \
+        --argjson paper_channels "$channels" --argjson channels "$(shape_of unet_vgg19 "${block}_0" 1)" \
+        --arg kernel "$(shape_of unet_vgg19 "${block}_0" 2) x $(shape_of unet_vgg19 "${block}_0" 3)" --argjson out "$(shape_of unet_vgg19 "${block}_0" 0)" \
+        '. + [{block: $block, "paper: convolutions": $paper_layers, convolutions: $layers, "paper: channels in": $paper_channels, "channels in": $channels, "channels out": $out, kernel: $kernel}]' <<<"$table")
 done <<'END'
 C1 2 3
 C2 2 64
@@ -34,6 +35,10 @@ r4 2 192
 r5 2 128
 r6 2 64
 END
+numbers "Blocks of unet_vgg19, width 1" "$table"
+row "blocks with the paper's convolutions and channels" 11 \
+    "$(jq '[.[] | select(.convolutions == ."paper: convolutions" and ."channels in" == ."paper: channels in" and .kernel == "5 x 5")] | length' <<<"$table")" 11 11 \
+    "the table below; Table 1's concatenation fits only where skips are taken before the pool"
 row "r1 to r6: transposed convolutions of 2 x 2" 6 \
     "$(jq '[.weights[] | select((.name | test("^r[1-6]_up[.]weight$")) and .shape[2:] == [2, 2])] | length' table1_unet_vgg19.json)" 6 6 \
     "64 channels out, each twice as wide and high"
