@@ -46,8 +46,9 @@ soft_heavy_weak 1/8 2 0.7
 END
 numbers "What makes wet hair hang lower, against dry hair of the same springs" "$table"
 note "Figure 28 says that water shortens a strand by a quarter, Figure 21 that it draws hair down. Both hold at once only \
-where the curls are soft enough for the water's weight to draw them out by more than Eq 9 draws them in: with the springs \
-of the scenes a strand is a quarter shorter and hangs less low, whatever the water weighs; with springs an eighth as stiff \
-it hangs lower from about twice its own mass of water, still tighter curled than it was dry."
+where the water's weight draws curls out by more than Eq 9 draws them in. Three numbers of the paper decide it: how much \
+water hair holds (wetness.absorbed, in its own mass), how much of Eq 9 it takes (curl.weight, w_h), and how soft its curls \
+are (bend and core stiffness). In scene 1, whose strands are a quarter shorter when wet, much water alone does not do it; \
+with less of Eq 9, or softer curls, wet hair hangs lower, and is still tighter curled than dry hair."
 picture fig21 --saturation scene01a.h5 scene01b.h5 --frame "$(frame 200)"
 picture fig21_droop fig21_dry.h5 fig21_wet.h5 --frame "$(frame 95)"
