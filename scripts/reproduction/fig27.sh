@@ -11,5 +11,8 @@ row "the same, wet at the tips (b) / everywhere (a)" "above 1: closer to the ori
 row "particles of other strands within 4 mm of one, wet at the tips (b) / everywhere (a)" "below 1: subtler clumping" "$(value "$(crowd 06b) / $(crowd 06a)")" 0.1 0.97 \
     "over the dry hair's: (a) $(short "$(crowd 06a)"), (b) $(short "$(crowd 06b)"), (c) $(short "$(crowd 06c)"), (d) $(short "$(crowd 06d)")"
 row "length along the curls' axes, wet at the roots (c) / dry" "below 1: wet curls near the roots" "$(extent 06c)" 0.6 0.97 "the lower half is dry"
+tips() { against "scene$1_against_dry" tip_spread_mm; }
+row "distance of tips to their four nearest, strand by strand (d) / everywhere (a)" "above 1: strands look tangled" "$(value "$(tips 06d) / $(tips 06a)")" 1.02 1.5 \
+    "$(short "$(tips 06d)") and $(short "$(tips 06a)") mm"
 picture fig27_saturation --saturation scene06a.h5 scene06b.h5 scene06c.h5 scene06d.h5 --frame "$(frame 200)"
 picture fig27 scene06a.h5 scene06b.h5 scene06c.h5 scene06d.h5 --frame "$(frame 200)"
