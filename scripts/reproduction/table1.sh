@@ -9,7 +9,8 @@ for network in unet_vgg19 recursive_residual; do
     make table1_$network.h5 table1_pairs.h5 -- wetcurl train sr table1_pairs.h5 -o table1_$network.h5 --arch $network --width 1 --set epochs=1
     make table1_$network.json table1_$network.h5 -- wetcurl inspect model table1_$network.h5 --json table1_$network.json
 done
-make table1_adhesion.json -- wetcurl inspect model "$root/models/weights/adhesion_scene15.h5" --json table1_adhesion.json
+adhesion=$root/models/weights/adhesion_scene15.h5
+make table1_adhesion.json "$adhesion" -- wetcurl inspect model "$adhesion" --json table1_adhesion.json
 
 # What a layer's weights say: shape_of NETWORK LAYER INDEX.
 shape_of() { jq -er --arg name "$2.weight" --argjson k "$3" '.weights[] | select(.name == $name) | .shape[$k]' "table1_$1.json"; }
