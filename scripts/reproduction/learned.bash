@@ -9,9 +9,9 @@
 # On the CPU scenes are cut: the physics is the same, and training sees fewer frames.
 learned_settings() {
     if [[ $device == cpu ]]; then
-        frames=${FRAMES:-96} unseen_frames=${UNSEEN_FRAMES:-48} seeds=(1) width=0.25 paper_epochs=${PAPER_EPOCHS:-40}
+        frames=${FRAMES:-${cpu_frames:-96}} unseen_frames=${UNSEEN_FRAMES:-48} seeds=(1) width=0.25 paper_epochs=${PAPER_EPOCHS:-40}
     else
-        frames=${FRAMES:-280} unseen_frames=${UNSEEN_FRAMES:-120} seeds=(1 2 3) width=1 paper_epochs=${PAPER_EPOCHS:-1500}
+        frames=${FRAMES:-280} unseen_frames=${UNSEEN_FRAMES:-120} seeds=(${SEEDS:-1 2 3}) width=1 paper_epochs=${PAPER_EPOCHS:-1500}
     fi
     precision=float
     [[ $device == cpu ]] || precision=bfloat16
@@ -143,7 +143,7 @@ learned_scene() {
         if ($win | length) == 0 then "No network wins here: beside each there is a row without one that errs less on unseen hair in no more time."
         else "Networks that win (no row without a network errs less on unseen hair in no more time): " + ([$win[].row | ltrimstr("network: ")] | join("; ")) + "." end' <<<"$table_of_rows")
     note "$verdict"
-    note "$frames frames of the scene, of which training saw the first $held_out; unseen: $unseen_frames frames of other hair on a head that nods. Errors are means of the distance of displayed particles from the wet simulation's; curl radius, tips and locks are shares of its own, on unseen hair. The time counts the low-resolution run."
+    note "$frames frames of the scene, of which training saw the first $held_out; unseen: $unseen_frames frames of other hair on a head that nods. The paper's networks were trained for $paper_epochs epochs. Errors are means of the distance of displayed particles from the wet simulation's; curl radius, tips and locks are shares of its own, on unseen hair. The time counts the low-resolution run."
     numbers "Every row" "$table_of_rows"
     numbers "Trainings" "$(for name in "${trainings[@]}"; do
         jq --arg name "$(basename "$name")" --argjson seconds "$(jq .seconds "$name.h5.made")" '{training: $name} + (del(.model) | del(.codec)) + {seconds: $seconds}' "$name.json"
