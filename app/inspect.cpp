@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "app/axial_extent.h"
 #include "app/commands.h"
@@ -12,6 +13,7 @@
 #include "app/fall.h"
 #include "app/results.h"
 #include "app/run_solids.h"
+#include "learn/core_detail.h"
 #include "learn/network_module.h"
 #include "learn/pairs.h"
 #include "solver/plan.h"
@@ -77,6 +79,10 @@ std::vector<double> run_times_of(const RunReader& run) {
     return seconds;
 }
 
+double mean_of(const std::vector<float>& values) {
+    return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
 Json run_json(const InspectOptions& o) {
     const RunReader run(o.file);
     const RunHeader& h = run.header();
@@ -96,19 +102,31 @@ Json run_json(const InspectOptions& o) {
     if (run.frames() > 0) {
         const auto solid = solid_distance_of(h, true);
         double extent = 0;
+        Bounce bounce;
         std::vector<double> stage_seconds(h.stages.size(), 0);  // summed over frames but frame 0
         for (int f = 0; f < run.frames(); ++f) {
             const RunFrame frame = run.frame(f);
             for (size_t k = 0; k < h.stages.size() && f > 0; ++k)
                 stage_seconds[k] += double(frame.stage_seconds[k]);
-            extent += 1000 * axial_extent(frame.seen()) / run.frames();
+            const double extent_now = 1000 * axial_extent(frame.seen());
+            extent += extent_now / run.frames();
             const Fall fall = fall_of(frame.seen(), solid, frame.head, f / h.fps);
+            if (solid) {
+                std::vector<float> distance;
+                for (const Vec3f& x : frame.seen().points)
+                    distance.push_back(solid(x, frame.head, f / h.fps));
+                bounce.add(std::move(distance));
+            }
             json["fall"].push_back({{"time", f / h.fps},
                                     {"width_mm", 1000 * fall.width},
                                     {"height_mm", 1000 * fall.height},
+                                    {"drop_mm", 1000 * fall.drop},
+                                    {"axial_extent_mm", extent_now},
+                                    {"curl_radius_mm", 1000 * mean_of(curl_radii(frame.seen()))},
                                     {"angle_degrees", fall.angle ? Json(*fall.angle) : Json(nullptr)}});
         }
         json["axial_extent_mm"] = extent;
+        if (const auto value = bounce.value()) json["bounce_mm"] = 1000 * *value;
         // (frame) [J] of each kind, and their sum: what VI.I plots.
         for (int f = 0; f < run.frames() && !h.energy_kinds.empty(); ++f) {
             const auto energy = run.frame(f).energy;
@@ -148,6 +166,10 @@ Json pairs_json(const InspectOptions& o) {
 
 Json model_json(const InspectOptions& o) {
     const ModelCard card = network_module().card(o.file);
+    const H5Reader file(o.file, model_format, model_version);
+    Json weights = Json::array();  // of each layer, by name
+    for (const auto& name : file.list("weights"))
+        weights.push_back({{"name", name}, {"shape", file.shape("weights/" + name)}});
     return {{"codec", card.codec},
             {"architecture", card.architecture},
             {"width", card.width},
@@ -161,7 +183,8 @@ Json model_json(const InspectOptions& o) {
             {"low_substeps", card.low_substeps ? Json(card.low_substeps) : Json()},
             {"numbers", card.numbers},
             {"trained_on", card.inputs},
-            {"recipe", card.recipe}};
+            {"recipe", card.recipe},
+            {"weights", weights}};
 }
 
 template <class Term>

@@ -12,9 +12,6 @@
 
 namespace wetcurl {
 
-inline constexpr const char* model_format = "wetcurl model";
-inline constexpr int model_version = 1;
-
 // Throws Error where it cannot be written, or is there and `overwrite` is false.
 void save_model(const std::string& path, const ModelCard& card, const Model& model, bool overwrite);
 // Into a place that was secured before.
