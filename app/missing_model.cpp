@@ -36,8 +36,7 @@ std::string shorter(const std::string& path) {
 std::string scene_options(const CommonOptions& o) {
     std::string out;
     for (const auto& set : o.set)
-        if (!set.starts_with("adhesion.model") && !set.starts_with("learned."))
-            out += " --set " + word(set);
+        if (!set.starts_with("adhesion.model") && !set.starts_with("learned.")) out += " --set " + word(set);
     if (o.seed) out += fmt::format(" --seed {}", *o.seed);
     return out;
 }
