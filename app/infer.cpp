@@ -9,11 +9,14 @@
 #include "app/commands.h"
 #include "app/device.h"
 #include "app/learned_hair.h"
+#include "app/missing_model.h"
 #include "app/results.h"
 #include "app/run_of_scene.h"
+#include "base/config.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
+#include "base/shift_units.h"
 #include "learn/encode_runs.h"
 #include "learn/interpolate.h"
 #include "learn/network_module.h"
@@ -97,50 +100,107 @@ class StrandMethod final : public Method {
     Strands low_, out_;
 };
 
-class RootMethod final : public Method {
+// Of Eq 18.
+struct QuadSettings {
+    Reconstruction form;
+    int roots;
+    double gain;
+    ShiftUnits units;
+    float radius;  // h [m]
+};
+
+// By the quad transform.
+class QuadMethod : public Method {
   public:
-    RootMethod(std::unique_ptr<Network> network, Reconstruction form, int roots, const Groom& high,
-               const Groom& low, std::vector<float> low_saturation, float radius)
-        : network_(std::move(network)),
-          name_(network_->card().architecture +
-                (form == Reconstruction::paper ? ", paper" : ", core and detail") + suffix_of(roots)),
+    std::string name() const override { return name_; }
+    Strands without_network(const RunFrame& low) override {
+        Strands plain;
+        transform_.interpolate(low.seen(), low.head, plain);
+        return plain;
+    }
+
+  protected:
+    // `kind`: of the colours.
+    QuadMethod(const std::string& kind, const QuadSettings& q, const Groom& high, const RunHeader& low)
+        : transform_(q.form, stencil_of(q.roots, high, low.groom), high, low.groom, low.saturation, q.radius,
+                     float(q.gain), q.units),
+          name_(kind + (q.form == Reconstruction::paper ? ", paper" : ", core and detail") +
+                suffix_of(q.roots)) {}
+    void name_gain(const QuadSettings& q) {
+        name_ += fmt::format(", gain {:g}", q.gain);
+        if (q.units == ShiftUnits::printed) name_ += ", Eq 18 as printed";
+    }
+    QuadTransform transform_;
+    std::string name_;
+};
+
+// Colours of the wet run itself, as training pairs hold them.
+class OracleColours final : public QuadMethod {
+  public:
+    OracleColours(const RunPair& pair, ShiftUnits colour_units, const QuadSettings& q, const Groom& high)
+        : QuadMethod("oracle colours", q, high, pair.dry->header()) {
+        name_gain(q);
+        if (colour_units == ShiftUnits::printed) name_ += ", Eq 16 as printed";
+        ColourBox box;
+        colours_ = roots_of(pair, q.radius, colour_units, box).wet;
+        for (auto& frame : colours_)
+            for (Vec3f& c : frame) c = colour_of(c, box);
+    }
+    void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
+        transform_.apply(low.seen(), low.head, colours_.at(next_++), p);
+    }
+
+  private:
+    std::vector<std::vector<Vec3f>> colours_;  // (frame, high strand)
+    size_t next_ = 0;
+};
+
+// The weights of Eq 18 that bring strands nearest to the wet run's.
+class OracleWeights final : public QuadMethod {
+  public:
+    OracleWeights(RunPair pair, const QuadSettings& q, const Groom& high)
+        : QuadMethod("oracle weights", q, high, pair.dry->header()), truth_(std::move(pair.wet)) {}
+    void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
+        transform_.apply_nearest(low.seen(), low.head, truth_->frame(next_++).seen(), p);
+    }
+
+  private:
+    std::unique_ptr<RunReader> truth_;
+    int next_ = 0;
+};
+
+class RootMethod final : public QuadMethod {
+  public:
+    RootMethod(std::unique_ptr<Network> network, const std::string& file, const QuadSettings& q,
+               const Groom& high, const RunHeader& low)
+        : QuadMethod(network->card().architecture, q, high, low),
+          network_(std::move(network)),
           high_image_(high.grid, 2),
-          low_image_(low.grid),
-          transform_(form, stencil_of(roots, high, low), high, low, std::move(low_saturation), radius),
-          plain_(form == Reconstruction::paper ? Interpolation::quad : Interpolation::core,
-                 stencil_of(roots, high, low), high, low),
-          radius_(radius),
+          low_image_(low.groom.grid),
+          radius_(q.radius),
           input_(3 * low_image_.pixels()),
           output_(3 * high_image_.pixels()) {
+        name_gain(q);
         const auto& a = network_->card().arrays;
         auto corner = [&](const char* name) {
             const auto at = a.find(name);
             if (at == a.end() || at->second.size() != 3)
-                throw Error(std::string("the model lacks ") + name + " of Eq 14 (3 numbers)");
+                throw Error(file + ": array '" + name + "' is missing, needed are the 3 numbers of Eq 14");
             return Vec3d{at->second[0], at->second[1], at->second[2]};
         };
         box_ = {corner("b_min"), corner("b_max")};
     }
-    std::string name() const override { return name_; }
     void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
         std::vector<Vec3f> colours = shifted_roots(low.positions, {}, radius_);
         for (auto& c : colours) c = colour_of(c, box_);
         low_image_.draw(colours, input_.data());
         network_->run(input_.data(), {1, 3, low_image_.height(), low_image_.width()}, output_.data());
-        transform_.apply(low.positions, low.head, high_image_.read(output_.data()), p);
-    }
-    Strands without_network(const RunFrame& low) override {
-        Strands plain;
-        plain_.apply(low.positions, low.head, plain);
-        return plain;
+        transform_.apply(low.seen(), low.head, high_image_.read(output_.data()), p);
     }
 
   private:
     std::unique_ptr<Network> network_;
-    std::string name_;
     RootImage high_image_, low_image_;
-    QuadTransform transform_;
-    Interpolator plain_;
     float radius_;
     ColourBox box_;
     std::vector<float> input_, output_;
@@ -175,6 +235,8 @@ Scene target_scene(const InferOptions& o, const RunHeader& low) {
     return load_scene(o.wetness, options);
 }
 
+bool is_scene(const std::string& path) { return path.ends_with(".toml"); }
+
 const std::string& scene_name(const InferOptions& o) { return o.wetness.empty() ? o.input : o.wetness; }
 
 // What strands can be moved to where wet ones come to rest for.
@@ -184,7 +246,35 @@ void require_settling(const InferOptions& o, const ModelCard& card) {
                      " learned from " + card.low + " ones, on codec " + card.codec);
 }
 
+// Whether the wet run's own strands take a network's place.
+bool is_oracle(const InferOptions& o) { return !o.oracle_colours.empty() || !o.oracle_weights.empty(); }
+
+// Of Eq 18, from the command line, the model's recipe where it has one, and the defaults.
+QuadSettings quad_settings(const InferOptions& o, const Scene& scene, const RunHeader& low,
+                           const std::string& recipe) {
+    if (low.saturation.empty())
+        throw Error(o.input + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
+    const Table t = Config::parse(recipe, o.model + ": its recipe").root().table("reconstruct");
+    const std::string units = o.units.empty() ? t.choice("units", "length", shift_units_names) : o.units;
+    return {reconstruction_named(o.reconstruct.empty() ? "core" : o.reconstruct), o.roots,
+            o.gain ? *o.gain : t.number("gain", 1, 0, largest_gain), shift_units_named(units),
+            float(scene.cohesion ? scene.cohesion->h_c : 0.012)};
+}
+
+std::unique_ptr<Method> oracle_of(const InferOptions& o, const Scene& scene, const RunHeader& low) {
+    const QuadSettings q = quad_settings(o, scene, low, "");
+    RunPair pair(o.input, o.oracle_colours + o.oracle_weights);
+    if (!simulated_wet(pair.wet->header()))
+        throw Error(pair.wet->path() + ": found a run " + pair.wet->header().method +
+                    ", allowed for an oracle is one simulated wet");
+    if (!o.oracle_weights.empty()) return std::make_unique<OracleWeights>(std::move(pair), q, scene.groom);
+    return std::make_unique<OracleColours>(
+        pair, o.colour_units.empty() ? ShiftUnits::length : shift_units_named(o.colour_units), q,
+        scene.groom);
+}
+
 std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const RunHeader& low) {
+    if (is_oracle(o)) return oracle_of(o, scene, low);
     if (o.settled && simulated_wet(low))
         throw Misuse("--settled: " + o.input + " was simulated wet, allowed is a dry run");
     if (o.interpolate.empty()) require_settling(o, network_module().card(o.model));
@@ -211,6 +301,9 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     if (card.codec == "strand") {
         if (!o.reconstruct.empty())
             throw Misuse("--reconstruct is for models of the root codec; this one predicts whole strands");
+        if (o.gain || !o.units.empty())
+            throw Misuse(
+                "--gain and --units are for models of the root codec; this one predicts whole strands");
         if (o.roots == 3)
             throw Misuse("--roots 3 is for models of the root codec; this one predicts whole strands");
         if (card.particles != scene.groom.rest.particles)
@@ -227,26 +320,34 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     }
     if (o.crop) throw Misuse("--crop is for models of the strand codec; this one predicts images");
     if (o.cohesion) throw Misuse("--cohesion is for --interpolate and models of the strand codec");
-    if (low.saturation.empty())
-        throw Error(o.input + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
-    const double radius = scene.cohesion ? scene.cohesion->h_c : 0.012;
-    return std::make_unique<RootMethod>(network_module().load(o.model, o.device, o.threads),
-                                        reconstruction_named(o.reconstruct.empty() ? "core" : o.reconstruct),
-                                        o.roots, scene.groom, low.groom, low.saturation, float(radius));
+    const QuadSettings q = quad_settings(o, scene, low, card.recipe);
+    return std::make_unique<RootMethod>(network_module().load(o.model, o.device, o.threads), o.model, q,
+                                        scene.groom, low);
 }
 
-// What the scene's [learned] names, where the command line names nothing.
+// What the scene's [learned] names, where the command line names nothing. `scene` is that of the
+// low-resolution run where `o.input` is a scene, else the one to predict for.
 void take_learned(InferOptions& o, const Scene& scene) {
-    if (!o.model.empty() || !o.interpolate.empty()) return;
+    if (!o.model.empty() || !o.interpolate.empty() || is_oracle(o)) return;
     if (!scene.learned)
         throw Misuse(
             "infer needs --model MODEL.h5, --interpolate nearest|quad|core|rest, or a scene with [learned] "
             "model");
     o.model = scene.learned->model;
     if (o.reconstruct.empty()) o.reconstruct = scene.learned->reconstruct;
-    if (!std::filesystem::exists(o.model))
-        throw Error(o.model + ": [learned] names it and it is not there yet; `wetcurl train sr PAIRS.h5 -o " +
-                    o.model + "` makes it, the head of scenes/scene11a.toml says of which pairs");
+    if (!o.gain) o.gain = scene.learned->gain;
+    if (o.units.empty()) o.units = scene.learned->units;
+    const std::string where = (is_scene(o.input) ? o.input : scene_name(o)) + ": [learned] model";
+    // A way of reconstruction is for models of images alone.
+    if (is_scene(o.input) && scene.term<Adhesion>() && o.reconstruct.empty())
+        return require_model_of_adhesion(o.model, where, o.input, o);
+    RunsToLearnFrom runs;
+    runs.scene = scene_name(o), runs.codec = o.reconstruct.empty() ? "strand" : "root";
+    if (is_scene(o.input))
+        runs.low_scene = o.input, runs.low_strands = scene.groom.rest.count;
+    else
+        runs.low = o.input, runs.strands = scene.stride > 1 ? scene.groom.rest.count : 0;
+    require_model_of_strands(o.model, where, runs, o);
 }
 
 // What Eq 9 and 10 are asked of.
@@ -257,13 +358,12 @@ void require_named(const InferOptions& o, const Scene& scene) {
         throw Misuse("--wet-shape: the scene to predict for has no [curl]; --wetness names one that has");
 }
 
-bool is_scene(const std::string& path) { return path.ends_with(".toml"); }
-
 SimulateOptions simulation_of(const InferOptions& o) {
     SimulateOptions s;
     static_cast<CommonOptions&>(s) = o;
     s.scene = o.input;
     s.output = o.output;
+    s.frames = o.frames;
     return s;
 }
 
@@ -287,12 +387,35 @@ void simulate_low(InferOptions& o, const Scene& low, bool wet, int substeps) {
 int simulate_with(const InferOptions& o, const Scene& scene) {
     if (!scene.term<Adhesion>())
         throw Misuse(o.model + ": stands in Eq 11's place, and " + o.input + " has no [adhesion]");
-    if (!o.wetness.empty() || !o.reconstruct.empty() || o.roots == 3 || o.crop)
+    if (!o.wetness.empty() || !o.reconstruct.empty() || o.gain || !o.units.empty() || o.roots == 3 || o.crop)
         throw Misuse(o.model +
-                     ": an adhesion model takes neither --wetness, --reconstruct, --roots nor --crop");
+                     ": an adhesion model takes neither --wetness, --reconstruct, --gain, --units, --roots "
+                     "nor --crop");
     SimulateOptions wet = simulation_of(o);
     wet.set.push_back("adhesion.model='" + std::filesystem::absolute(o.model).string() + "'");
     return simulate_command(wet);
+}
+
+// Refuses two ways at once, and what the one asked for does not read.
+void require_one_way(const InferOptions& o) {
+    if (!o.model.empty() + !o.interpolate.empty() + !o.oracle_colours.empty() + !o.oracle_weights.empty() > 1)
+        throw Misuse(
+            "infer needs one of --model MODEL.h5, --interpolate nearest|quad|core|rest, "
+            "--oracle-colours WET.h5 and --oracle-weights WET.h5");
+    if (!o.interpolate.empty() && !o.reconstruct.empty())
+        throw Misuse("--reconstruct is for models; --interpolate says itself how strands are made");
+    if ((!o.interpolate.empty() || !o.oracle_weights.empty()) && (o.gain || !o.units.empty()))
+        throw Misuse(
+            "--gain and --units are for models of the root codec and --oracle-colours, which have weights to "
+            "scale");
+    if (o.oracle_colours.empty() && !o.colour_units.empty())
+        throw Misuse("--colour-units is for --oracle-colours; a model has the colours that it learned");
+    if (!is_oracle(o)) return;
+    refuse_device(o, "infer with an oracle");
+    if (!o.wetness.empty() || o.settled || o.crop || o.cohesion)
+        throw Misuse(
+            "an oracle takes neither --wetness, --settled, --crop nor --cohesion: it is of the root codec, "
+            "and its run says how wet it is");
 }
 
 }  // namespace
@@ -300,12 +423,10 @@ int simulate_with(const InferOptions& o, const Scene& scene) {
 int infer_command(const InferOptions& given) {
     InferOptions o = given;
     // A range of the command line lets what is no number pass.
-    if ((o.spacing && std::isnan(*o.spacing)) || (o.relaxation && std::isnan(*o.relaxation)))
-        throw Misuse("--spacing and --relaxation: found nan, a number is needed");
-    if (!o.model.empty() && !o.interpolate.empty())
-        throw Misuse("infer needs either --model MODEL.h5 or --interpolate nearest|quad|core|rest");
-    if (!o.interpolate.empty() && !o.reconstruct.empty())
-        throw Misuse("--reconstruct is for models; --interpolate says itself how strands are made");
+    for (const auto& number : {o.spacing, o.relaxation, o.gain})
+        if (number && std::isnan(*number))
+            throw Misuse("--spacing, --relaxation and --gain: found nan, a number is needed");
+    require_one_way(o);
     if (!o.interpolate.empty() && !o.cohesion && !o.settled)
         refuse_device(o, "interpolation without --cohesion and --settled");
     require_device(o.device);
@@ -316,10 +437,11 @@ int infer_command(const InferOptions& given) {
         throw Misuse("--settled is for --interpolate rest and models that learned from wet runs");
     if (o.interpolate == "nearest" && o.roots == 3)
         throw Misuse("--roots 3 is for quad and core; nearest copies the strand of one root");
-    check_files(o, o.output, {o.input, o.model, o.wetness});
+    check_files(o, o.output, {o.input, o.model, o.wetness, o.oracle_colours, o.oracle_weights});
     if (is_scene(o.input)) {
         const Scene low = load_scene(
-            o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
+            o.input,
+            {.set = o.set, .frames = o.frames, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
         if (o.wetness.empty()) require_named(o, low);
         take_learned(o, low);
         bool wet = false;
@@ -337,6 +459,10 @@ int infer_command(const InferOptions& given) {
     }
     const RunReader run(o.input);
     const RunHeader& low = run.header();
+    if (o.frames && *o.frames > run.frames())
+        throw Misuse(fmt::format("--frames: found {}, allowed 1 to {}, which {} has", *o.frames, run.frames(),
+                                 o.input));
+    const int frames = o.frames.value_or(run.frames());
     Scene scene = target_scene(o, low);
     take_learned(o, scene);
     check_files(o, o.output, scene.files);
@@ -345,9 +471,13 @@ int infer_command(const InferOptions& given) {
                     ": its scene moves the water ([wetness.flow]), allowed is wetness that stays; "
                     "--wetness names a scene of it");
     require_named(o, scene);
+    try {
+        require_nested(scene.groom, low.groom);
+    } catch (const Error& e) {
+        throw Error(o.input + ", " + (o.wetness.empty() ? "its scene" : o.wetness) + ": " + e.what());
+    }
     const double begun = omp_get_wtime();
     const auto method = method_of(o, scene, low);
-    require_nested(scene.groom, low.groom);
     std::optional<DisplayOn> display;
     if ((o.passes || o.spacing || o.relaxation) && !(method->before_cohesion() && scene.cohesion))
         throw Misuse(std::string(o.passes    ? "--passes"
@@ -361,6 +491,7 @@ int infer_command(const InferOptions& given) {
 
     RunHeader header = low;
     header.method = method->name();
+    if (low.device != o.device) header.device = low.device + ", then " + o.device;
     header.groom = scene.groom;
     header.stride = scene.stride;
     header.scene = scene.text;
@@ -369,18 +500,20 @@ int infer_command(const InferOptions& given) {
     header.energy_kinds.clear();
     header.stages = {"low-resolution run", "reconstruction", "cohesion"};
     header.inputs = {o.input};
-    if (!o.model.empty()) header.inputs.push_back(o.model);
+    for (const auto& input : {o.model, o.oracle_colours, o.oracle_weights})
+        if (!input.empty()) header.inputs.push_back(input);
     const double preparation = omp_get_wtime() - begun;
     InterruptGuard guard;
+    ResultFile results(o);
     RunWriter writer(o.output, header, o.overwrite);
 
-    Progress progress("infer", run.frames(), "frame");
+    Progress progress("infer", frames, "frame");
     FrameWindow window(run);
     RunFrame out;
     std::vector<double> seconds, own_seconds;
     double moved = 0;
     int done = 0;
-    while (!guard.asked() && window.advance()) {
+    while (done < frames && !guard.asked() && window.advance()) {
         const RunFrame& frame = window.now();
         const double begin = omp_get_wtime();
         method->apply(frame, window.heads(), out.positions);
@@ -409,8 +542,8 @@ int infer_command(const InferOptions& given) {
         if (done > 0) seconds.push_back(out.seconds), own_seconds.push_back(end - begin);
         progress.update(++done);
     }
-    if (done < run.frames())
-        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
+    if (done < frames)
+        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}", done, partial_of(o.output)));
     writer.commit();
     Json json{{"frames", done},
               {"strands", scene.groom.rest.count},
@@ -421,15 +554,16 @@ int infer_command(const InferOptions& given) {
               {"device", o.device},
               {"method", method->name()},
               {"cohesion_after", display.has_value()}};
-    if (!o.model.empty()) json["moved_by_network_mm"] = moved / std::max(1, done);
-    write_json(json, o.json);
-    log_info(fmt::format(
-        "{}: {}, {} strands, {:.1f} ms a frame of which inference {:.1f} ms{}", o.output, method->name(),
-        scene.groom.rest.count, 1000 * json["seconds_per_frame"]["median"].get<double>(),
-        1000 * json["inference_seconds_per_frame"]["median"].get<double>(),
-        o.model.empty() ? ""
-                        : fmt::format("; the network moves a particle by {:.2f} mm on average",
-                                      moved / std::max(1, done))));
+    if (!o.model.empty() || is_oracle(o))
+        json[is_oracle(o) ? "moved_by_oracle_mm" : "moved_by_network_mm"] = moved / std::max(1, done);
+    results.write_json(json);
+    log_info(fmt::format("{}: {}, {} strands, {} a frame of which inference {}{}", o.output, method->name(),
+                         scene.groom.rest.count, milliseconds_text(json["seconds_per_frame"]["median"]),
+                         milliseconds_text(json["inference_seconds_per_frame"]["median"]),
+                         o.model.empty() && !is_oracle(o)
+                             ? ""
+                             : fmt::format("; the {} moves a particle by {:.2f} mm on average",
+                                           is_oracle(o) ? "oracle" : "network", moved / std::max(1, done))));
     return 0;
 }
 

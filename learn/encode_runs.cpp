@@ -27,6 +27,10 @@ RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
     same("frames", dry->frames(), wet->frames());
     same("frames a second", d.fps, w.fps);
     if (dry->frames() == 0) throw Error(dry_path + ": there is no frame in it");
+    if (!simulated_wet(w))
+        throw Error(wet_path + ": found a run '" + w.method +
+                    "', allowed as the second of a pair is one that was simulated wet (simulate without "
+                    "--dry, of a scene with [wetness])");
     if (w.saturation.empty())
         throw Error(wet_path + ": knows no saturation, allowed is a run of a scene with [wetness]");
     try {
@@ -106,48 +110,41 @@ double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shap
     return floor_mm / pair.dry->frames();
 }
 
+static std::vector<float> coloured(const RootImage& image, std::vector<Vec3f> roots, const ColourBox& box) {
+    for (Vec3f& p : roots) p = colour_of(p, box);
+    std::vector<float> out(3 * image.pixels());
+    image.draw(roots, out.data());
+    return out;
+}
+
 std::vector<float> root_colours(const RootImage& image, const Strands& strands,
                                 const std::vector<float>& saturation, float support_radius,
                                 const ColourBox& box) {
-    std::vector<Vec3f> roots = shifted_roots(strands, saturation, support_radius);
-    for (Vec3f& p : roots) p = colour_of(p, box);
-    std::vector<float> out(3 * image.pixels());
-    image.draw(roots, out.data());
-    return out;
+    return coloured(image, shifted_roots(strands, saturation, support_radius), box);
 }
 
-namespace {
-
-// The roots of one pair over its frames: dry ones, and wet ones shifted by Eq 16.
-struct RootFramesOf {
-    std::vector<std::vector<Vec3f>> dry, wet;
-};
-
-std::vector<float> coloured(const RootImage& image, std::vector<Vec3f> roots, const ColourBox& box) {
-    for (Vec3f& p : roots) p = colour_of(p, box);
-    std::vector<float> out(3 * image.pixels());
-    image.draw(roots, out.data());
-    return out;
+PairRoots roots_of(const RunPair& pair, float support_radius, ShiftUnits units, ColourBox& box) {
+    PairRoots roots;
+    for_each_frame(pair, "roots", [&](const FrameWindow& window, const RunFrame& wet) {
+        roots.dry.push_back(shifted_roots(window.now().positions, {}, support_radius));
+        roots.wet.push_back(
+            shifted_roots(wet.seen(), wet.wetness(pair.wet->header()), support_radius, units));
+        grow(box, roots.dry.back());
+        grow(box, roots.wet.back());
+    });
+    return roots;
 }
 
-}  // namespace
-
-void encode_roots(const std::vector<RunPair>& pairs, float support_radius, PairsWriter& out) {
+void encode_roots(const std::vector<RunPair>& pairs, float support_radius, PairsWriter& out,
+                  ShiftUnits units) {
     ColourBox box;
-    std::vector<RootFramesOf> all;
-    for (const RunPair& pair : pairs) {
-        RootFramesOf& roots = all.emplace_back();
-        for_each_frame(pair, "encode", [&](const FrameWindow& window, const RunFrame& wet) {
-            roots.dry.push_back(shifted_roots(window.now().positions, {}, support_radius));
-            roots.wet.push_back(shifted_roots(wet.seen(), wet.wetness(pair.wet->header()), support_radius));
-            grow(box, roots.dry.back());
-            grow(box, roots.wet.back());
-        });
-    }
+    std::vector<PairRoots> all;
+    for (const RunPair& pair : pairs) all.push_back(roots_of(pair, support_radius, units, box));
     if (!(box.diagonal() > 0))
         throw Error("root codec: all roots lie in one point, allowed is a box with a diagonal");
     out.box(&box.lower.x, &box.upper.x);
     out.attribute("support_radius", support_radius);
+    out.attribute("colour_units", name_of(units));
     for (size_t p = 0; p < pairs.size(); ++p) {
         const RootImage low(pairs[p].dry->header().groom.grid), high(pairs[p].wet->header().groom.grid, 2);
         out.begin(RootPairs{int(all[p].dry.size()), low.height(), low.width(), low.mask(), high.mask()});

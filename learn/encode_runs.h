@@ -49,14 +49,22 @@ std::vector<float> root_colours(const RootImage& image, const Strands& strands,
                                 const std::vector<float>& saturation, float support_radius,
                                 const ColourBox& box);
 
-// Both throw Interrupted; what was added is in `out`.
+// These throw Interrupted; what was added is in `out`.
 
 // Adds the pair to `out` (codec strand); `shape` and `reach` as of a StrandCodec. Returns the mean distance
 // that encoding costs the wet strands before cohesion [mm].
 double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape = nullptr,
                       double reach = 0);
 
-// Adds the pairs to `out` (codec root) with one box for all; `support_radius` h of Eq 16 [m].
-void encode_roots(const std::vector<RunPair>& pairs, float support_radius, PairsWriter& out);
+// The roots of a pair's frames [m]: dry ones, and wet ones shifted by Eq 16.
+struct PairRoots {
+    std::vector<std::vector<Vec3f>> dry, wet;
+};
+// Grows `box` by all of them; `support_radius` h of Eq 16 [m].
+PairRoots roots_of(const RunPair& pair, float support_radius, ShiftUnits units, ColourBox& box);
+
+// Adds the pairs to `out` (codec root) with one box for all.
+void encode_roots(const std::vector<RunPair>& pairs, float support_radius, PairsWriter& out,
+                  ShiftUnits units = ShiftUnits::length);
 
 }  // namespace wetcurl

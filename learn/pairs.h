@@ -4,7 +4,8 @@
 // Attributes: `codec` (strand | root | adhesion), `particles` a strand, `low` (dry, or wet where the
 // low-resolution runs were simulated wet too), `low_substeps` (theirs a frame, where they agree), `floor_mm`
 // (codec strand: mean distance that encoding alone costs), `support_radius` (codec root: h of Eq 16 [m],
-// where they agree, or 0), and the inputs with their hashes ("input 000 dry", "input 000 wet": "FILE HASH").
+// where they agree, or 0), `colour_units` (codec root: how Eq 16 is read, length | printed; absent: length),
+// and the inputs with their hashes ("input 000 dry", "input 000 wet": "FILE HASH").
 //
 // codec strand, F frames, (H, W) the high-resolution root grid:
 //   static (85, H, W) f32, dynamic (F, 153, H, W) f32: channels in learn/strand_codec.h; the first 72 of
@@ -56,7 +57,10 @@ struct RootPairs {
 class PairsWriter {
   public:
     // Throws Error where the file cannot be made, or is there and `overwrite` is false.
-    PairsWriter(const std::string& path, Codec codec, int particles, bool overwrite);
+    PairsWriter(const std::string& path, Codec codec, int particles, bool overwrite)
+        : PairsWriter(OutputFile(path, overwrite), codec, particles) {}
+    // Into a place that was secured before.
+    PairsWriter(OutputFile place, Codec codec, int particles);
 
     // Each begins the next group; its frames follow by `append` (dynamic, target and, where there is one,
     // displayed; or input and target).

@@ -42,8 +42,10 @@ std::vector<float> strand_saturation(const Strands& strands, const std::vector<f
     return out;
 }
 
-std::vector<Vec3f> shifted_roots(const Strands& strands, const std::vector<float>& saturation, float h) {
+std::vector<Vec3f> shifted_roots(const Strands& strands, const std::vector<float>& saturation, float h,
+                                 ShiftUnits units) {
     const int n = strands.particles;
+    const float unit = units == ShiftUnits::length ? h * h : 1;
     std::vector<Vec3f> out;
     for (int s = 0; s < strands.count; ++s) out.push_back(strands.at(s, 0));
     if (saturation.empty()) return out;
@@ -62,7 +64,7 @@ std::vector<Vec3f> shifted_roots(const Strands& strands, const std::vector<float
             shift += sigma[size_t(j)] * kernel_gradient(r, h);
             sum += kernel(norm(r), h);
         });
-        out[size_t(s)] += (h * h / sum) * shift;
+        out[size_t(s)] += (unit / sum) * shift;
     }
     return out;
 }

@@ -1,13 +1,14 @@
 // Roots as colours of a geometry image.
-// Eq 14-16. Differs: Eq 16 has h^2 before its sum (in print the shift is one over a length) and W(0) of the
-// root itself below (else one neighbour at the rim of the support throws the root to infinity); sigma is the
-// strand's length-weighted mean.
+// Eq 14-16. Differs: Eq 16 has h^2 before its sum, unless it is read as printed (the shift is then one over a
+// length), and W(0) of the root itself below (else one neighbour at the rim of the support throws the root to
+// infinity); sigma is the strand's length-weighted mean.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "base/geometry/strands.h"
+#include "base/shift_units.h"
 
 namespace wetcurl {
 
@@ -31,8 +32,10 @@ inline Vec3f position_of(const Vec3f& colour, const ColourBox& box) {
 std::vector<float> strand_saturation(const Strands& strands, const std::vector<float>& saturation);
 
 // Eq 16 for every root: p + h^2 sum_j sigma_j grad W(p - p_j) / (W(0) + sum_j W(p - p_j)), j the particles of
-// other strands within h [m]. `saturation` (strand, particle), empty for dry: then the roots themselves.
-std::vector<Vec3f> shifted_roots(const Strands& strands, const std::vector<float>& saturation, float h);
+// other strands within h [m]; `units` printed: without the h^2. `saturation` (strand, particle), empty for
+// dry: then the roots themselves.
+std::vector<Vec3f> shifted_roots(const Strands& strands, const std::vector<float>& saturation, float h,
+                                 ShiftUnits units = ShiftUnits::length);
 
 // How the roots of a grid lie in an image with sides of multiples of 32.
 class RootImage {

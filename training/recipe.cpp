@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/config.h"
+#include "base/shift_units.h"
 #include "learn/strand_codec.h"
 
 namespace wetcurl {
@@ -59,6 +60,7 @@ std::string resolved_text(const Recipe& recipe, Codec codec) {
                       "\"\ndeterministic = " + (recipe.deterministic ? "true" : "false") + "\n";
     if (codec == Codec::strand)
         out += "target = \"" + recipe.target + "\"\nleave_out = \"" + recipe.leave_out + "\"\n";
+    if (codec == Codec::root) out += "reconstruct.units = \"" + recipe.units + "\"\n";
     for (const auto& row : recipe_rows())
         if (!std::isnan(row.fallback(codec)) && row.member != &Recipe::checkpoint_seconds)
             out += std::string(row.key) + " = " + as_text(recipe.*row.member) + "\n";
@@ -104,6 +106,8 @@ const std::vector<RecipeRow>& recipe_rows() {
         {"loss.steady", &R::steady, 0, none, none, 0, 1e6, false,
          "weight: mean error of how far particles go in a frame / strand length; frames then come in pairs, "
          "held out ones alone"},
+        {"reconstruct.gain", &R::gain, none, 1, none, 0, largest_gain, false,
+         "kappa of Eq 18, which infer reconstructs with"},
     };
     return rows;
 }
@@ -129,6 +133,8 @@ Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<s
         recipe.leave_out = root.text("leave_out", "");
         require_inputs(root, recipe.leave_out);
     }
+    if (codec == Codec::root)
+        recipe.units = root.table("reconstruct").choice("units", "length", shift_units_names);
     config.require_all_used();
 
     if (!request.architecture.empty()) recipe.architecture = request.architecture;

@@ -14,9 +14,11 @@ struct Recipe {
     double epochs, batch, learning_rate, weight_decay, gradient_clip, patch, epoch_samples, width, seed;
     double validation, validate_every, checkpoint_seconds;
     double position, edge, curvature, length, steady;  // weights of the losses
+    double gain;                                       // kappa of Eq 18, codec root
     std::string architecture, schedule, device, precision;
     bool deterministic;     // on CUDA devices
     std::string target;     // codec strand: "strands", which Eq 10 follows, or "displayed", after it
+    std::string units;      // of Eq 18, codec root: "length" or "printed" (base/shift_units.h)
     std::string leave_out;  // codec strand: names of inputs (learn/strand_codec.h), blanks between
     std::string
         text;  // the whole recipe as TOML, `device` and `checkpoint_seconds` apart: they change no result

@@ -356,6 +356,19 @@ TEST(RootCodec, doubling_the_units_doubles_the_shift) {
     }
 }
 
+// Eq 16 without h^2: the sums alone, whose shift is no length.
+TEST(RootCodec, as_printed_the_shift_lacks_the_square_of_the_radius) {
+    const Strands strands = curly_groom({}).rest;
+    const std::vector<float> wet(strands.points.size(), 0.7f);
+    const auto read = shifted_roots(strands, wet, reach),
+               printed = shifted_roots(strands, wet, reach, ShiftUnits::printed);
+    ASSERT_GT(largest_shift(strands, printed), 1);  // [m]
+    for (int s = 0; s < strands.count; ++s) {
+        const Vec3f root = strands.at(s, 0);
+        EXPECT_LT(norm(reach * reach * (printed[size_t(s)] - root) - (read[size_t(s)] - root)), 1e-7);
+    }
+}
+
 TEST(RootCodec, a_strands_saturation_is_its_length_weighted_mean) {
     Strands one(1, 3);
     one.points = {{0, 0, 0}, {1, 0, 0}, {4, 0, 0}};

@@ -19,9 +19,10 @@ struct Case {
         for (int s = 0; s < high.rest.count; ++s) colours.push_back(cast<float>(random.vector()));
     }
     Strands transformed(Reconstruction form, float saturation, const Strands& strands, const Pose& head = {},
-                        bool triangles = false, float gain = 1) const {
+                        bool triangles = false, float gain = 1, ShiftUnits units = ShiftUnits::length) const {
         QuadTransform transform(form, triangles ? triangle_stencil(high, low) : quad_stencil(high, low), high,
-                                low, std::vector<float>(low.rest.points.size(), saturation), reach, gain);
+                                low, std::vector<float>(low.rest.points.size(), saturation), reach, gain,
+                                units);
         Strands out;
         transform.apply(strands, head, colours, out);
         return out;
@@ -67,6 +68,58 @@ TEST(QuadTransform, shift_is_proportional_to_the_gain_and_roots_are_exact) {
         EXPECT_LT(norm((twice.points[k] - plain.points[k]) - 2.0f * (once.points[k] - plain.points[k])),
                   2e-7);
     for (int s = 0; s < plain.count; ++s) EXPECT_EQ(norm(once.at(s, 0) - c.high.rest.at(s, 0)), 0);
+}
+
+TEST(QuadTransform, gain_of_0_is_the_interpolation_bit_for_bit) {
+    const Case c;
+    for (Reconstruction form : forms)
+        for (bool triangles : {false, true})
+            for (ShiftUnits units : {ShiftUnits::length, ShiftUnits::printed}) {
+                const Strands none = c.transformed(form, 1, c.low.rest, {}, triangles, 0, units);
+                EXPECT_EQ(largest_distance(none, c.plain(form, triangles)), 0);
+                EXPECT_GT(largest_distance(c.transformed(form, 1, c.low.rest, {}, triangles, 1, units), none),
+                          1e-4);
+            }
+}
+
+// The whole of a hair twice as large, its support radius too.
+TEST(QuadTransform, shift_doubles_with_all_lengths_unless_it_is_as_printed) {
+    const Case c;
+    Case large = c;
+    for (Groom* groom : {&large.high, &large.low})
+        for (Vec3f& p : groom->rest.points) p = 2.0f * p;
+    auto shifts = [](const Case& hair, float h, ShiftUnits units) {
+        QuadTransform transform(Reconstruction::paper, quad_stencil(hair.high, hair.low), hair.high, hair.low,
+                                std::vector<float>(hair.low.rest.points.size(), 1), h, 1, units);
+        Strands before, after;
+        transform.interpolate(hair.low.rest, Pose{}, before);
+        transform.apply(hair.low.rest, Pose{}, hair.colours, after);
+        for (size_t k = 0; k < after.points.size(); ++k) after.points[k] -= before.points[k];
+        return after.points;
+    };
+    // A gradient of the kernel [1/m^4] falls to a sixteenth, and so does the shift as printed.
+    for (const auto& [units, factor] :
+         {std::pair{ShiftUnits::length, 2.0f}, std::pair{ShiftUnits::printed, 1.0f / 16}}) {
+        const auto once = shifts(c, reach, units), twice = shifts(large, 2 * reach, units);
+        float most = 0, wrong = 0;
+        for (size_t k = 0; k < once.size(); ++k) {
+            most = std::max(most, norm(once[k]));
+            wrong = std::max(wrong, norm(twice[k] - factor * once[k]));
+        }
+        ASSERT_GT(most, 1e-4);
+        EXPECT_LT(wrong, 1e-3f * factor * most);  // positions of 0.3 m are rounded to 3e-8
+    }
+}
+
+TEST(QuadTransform, as_printed_is_a_gain_of_one_over_the_radius_to_the_fifth) {
+    const Case c;
+    const Strands printed =
+        c.transformed(Reconstruction::paper, 1, c.low.rest, {}, false, 1, ShiftUnits::printed);
+    const Strands gained = c.transformed(Reconstruction::paper, 1, c.low.rest, {}, false,
+                                         1 / (reach * reach * reach * reach * reach));
+    const double far = largest_distance(printed, c.plain(Reconstruction::paper));
+    EXPECT_GT(far, 1e4);  // [m]: in SI units nothing stays in sight
+    EXPECT_LT(largest_distance(printed, gained), 1e-5 * far);
 }
 
 TEST(QuadTransform, follows_the_head) {
@@ -134,7 +187,10 @@ TEST(QuadTransform, wrong_sizes_are_errors) {
             QuadTransform(Reconstruction::core, quad_stencil(c.high, c.low), c.high, c.low, {1, 1}, reach);
         },
         {"found 2 saturations"});
+    expect_error([&] { c.transformed(Reconstruction::core, 1, c.low.rest, {}, false, -1); },
+                 {"gain must be 0 or more"});
     expect_error<Misuse>([] { reconstruction_named("cores"); }, {"'cores'", "allowed paper, core"});
+    expect_error<Misuse>([] { shift_units_named("lengths"); }, {"'lengths'", "allowed length, printed"});
 }
 
 }  // namespace

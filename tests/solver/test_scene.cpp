@@ -149,6 +149,11 @@ TEST(Scene, a_learned_scene_names_its_model_trained_or_not) {
     EXPECT_EQ(fs::path(s.learned->model).filename(), "absent.h5");
     EXPECT_TRUE(fs::path(s.learned->model).is_absolute());
     EXPECT_EQ(s.learned->reconstruct, "");
+    EXPECT_FALSE(s.learned->gain);
+    EXPECT_EQ(s.learned->units, "");
+    const Scene set = scene_of(dry_scene + "[learned]\nmodel = \"a.h5\"\ngain = 30\nunits = \"printed\"\n");
+    EXPECT_EQ(set.learned->gain, 30);
+    EXPECT_EQ(set.learned->units, "printed");
     EXPECT_EQ(
         scene_of(dry_scene + "[learned]\nmodel = \"a.h5\"\nreconstruct = \"paper\"\n").learned->reconstruct,
         "paper");
@@ -161,6 +166,8 @@ TEST(Scene, a_learned_scene_names_its_model_trained_or_not) {
     refuses("model = \"a.h5\"\nmodell = \"b.h5\"", {"scene.toml:13", "did you mean 'model'"});
     refuses("model = \"a.h5\"\nreconstruct = \"cor\"",
             {"scene.toml:13", "did you mean 'core'", "paper, core"});
+    refuses("model = \"a.h5\"\ngain = -1", {"scene.toml:13", "learned.gain", "found -1"});
+    refuses("model = \"a.h5\"\nunits = \"meters\"", {"scene.toml:13", "length, printed"});
 }
 
 TEST(Scene, a_dry_twin_keeps_the_record_of_its_wetness_and_nothing_that_acts) {

@@ -120,6 +120,9 @@ TEST(Recipe, WordsAreChosenFromAList) {
     expect_error<Misuse>([] { with(Codec::root, {"architecture=third"}); }, {"third", "second"});
     expect_error<Misuse>([] { with(Codec::root, {"schedule=linear"}); }, {"linear", "cosine"});
     expect_error<Misuse>([] { with(Codec::root, {"precision=double"}); }, {"double", "bfloat16"});
+    expect_error<Misuse>([] { with(Codec::root, {"reconstruct.units=print"}); },
+                         {"print", "length, printed"});
+    expect_error<Misuse>([] { with(Codec::strand, {"reconstruct.units=length"}); }, {"reconstruct"});
 }
 
 TEST(Recipe, ALossWithoutWeightsIsRefused) {
@@ -167,6 +170,16 @@ TEST(MetricsLog, GoesOnWhereACheckpointWasAndDropsTheRest) {
         log.line({{"epoch", 2}, {"loss", 0.125}});
     }
     EXPECT_EQ(testing::bytes_of(path), "{\"epoch\":1,\"loss\":0.5}\n{\"epoch\":2,\"loss\":0.125}\n");
+}
+
+TEST(MetricsLog, IsNotCutByAnotherTraining) {
+    Scratch scratch;
+    const std::string path = scratch.path("m.jsonl");
+    MetricsLog log(path, 0);
+    log.line({{"epoch", 1}});
+    testing::expect_error([&] { MetricsLog(path, 0); }, {path, "writes it"});
+    log.line({{"epoch", 2}});
+    EXPECT_EQ(testing::bytes_of(path), "{\"epoch\":1}\n{\"epoch\":2}\n");
 }
 
 }  // namespace

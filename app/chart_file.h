@@ -1,0 +1,14 @@
+// Charts from a JSON file, for what a script has measured.
+#pragma once
+
+#include <string>
+
+#include "app/chart.h"
+
+namespace wetcurl {
+
+// {"title", "x_label", "y_label", "dx", "curves": [{"name", "values": [number or null, ...]}, ...]}; a curve
+// ends at its first null. Throws Error where the file is something else, or holds no curve of two values.
+Chart chart_of_file(const std::string& path);
+
+}  // namespace wetcurl

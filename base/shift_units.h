@@ -1,0 +1,21 @@
+// The readings of Eq 16 and 18, whose shifts are in print no lengths: names and ranges that scenes, recipes,
+// pairs and the command line share.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace wetcurl {
+
+// length: times the power of the support radius that makes the shift a length, so that hair of twice the size
+// is shifted twice as far; printed: no factor, SI numbers as they are.
+enum class ShiftUnits { length, printed };
+inline const std::vector<std::string> shift_units_names{"length", "printed"};
+// Throws Misuse for another name.
+ShiftUnits shift_units_named(const std::string& name);
+std::string name_of(ShiftUnits units);
+
+// Of kappa, the gain of Eq 18, which is never negative.
+inline constexpr double largest_gain = 1e12;
+
+}  // namespace wetcurl
