@@ -24,7 +24,7 @@ complaints() {
         grep -qE "^$item +[-0-9.]+ +" <<<"$listed" || echo "$item: scripts/reproduce does not list it"
         also=$(sed -n 's/^# also: //p' "$file")
         for name in $also; do
-            [[ -f $1/scenes/$name.toml || $name =~ ^(fig|table|scene|sec)[0-9a-z]+$ ]] || echo "$item: its other name '$name' is no figure, table or scene"
+            [[ -f $1/scenes/$name.toml || $name =~ ^(fig|table|scene|sec|eq)[0-9a-z]+$ ]] || echo "$item: its other name '$name' is no figure, table, scene or equation"
         done
     done
 }
