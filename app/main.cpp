@@ -287,14 +287,17 @@ int main(int argc, char** argv) {
         "without a strand are hatched.");
 
     PlotOptions plot;
-    c = command("plot",
-                "draw the energy of runs or the time of their frames, the loss of trainings, an adhesion network, "
-                "or charts, side by side",
-                plot, plot_command);
-    c->add_option("runs", plot.runs,
-                  "RUN.h5; logs of trainings: MODEL.h5.jsonl, each on its own logarithmic axis; PAIRS.h5 of codec "
-                  "adhesion; or charts: CHART.json {\"title\", \"x_label\", \"y_label\", \"dx\", \"curves\": [{\"name\", "
-                  "\"values\"}]}")
+    c = command(
+        "plot",
+        "draw the energy of runs or the time of their frames, the loss of trainings, an adhesion network, "
+        "or charts, side by side",
+        plot, plot_command);
+    c->add_option(
+         "runs", plot.runs,
+         "RUN.h5; logs of trainings: MODEL.h5.jsonl, each on its own logarithmic axis; PAIRS.h5 of codec "
+         "adhesion; or charts: CHART.json {\"title\", \"x_label\", \"y_label\", \"dx\", \"curves\": "
+         "[{\"name\", "
+         "\"values\"}]}")
         ->required();
     c->add_flag("--time", plot.time,
                 "of runs: the time of each frame by stage, in place of energy (as in Fig. 40)");

@@ -37,8 +37,9 @@ std::vector<Chart> charts_of(const PlotOptions& o) {
     std::vector<Chart> charts;
     for (const auto& path : o.runs)
         if (is_training_log(path) != is_training_log(o.runs[0]) || is_chart(path) != is_chart(o.runs[0]))
-            throw Misuse("plot: " + path + " beside " + o.runs[0] +
-                         "; allowed are runs, logs of trainings (.jsonl) or charts (.json): one kind in a picture");
+            throw Misuse(
+                "plot: " + path + " beside " + o.runs[0] +
+                "; allowed are runs, logs of trainings (.jsonl) or charts (.json): one kind in a picture");
     if (is_training_log(o.runs[0]) || is_chart(o.runs[0])) {
         if (o.time || !o.model.empty())
             throw Misuse(std::string("plot: ") + (o.time ? "--time is for runs" : "--model is for pairs") +

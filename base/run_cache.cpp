@@ -49,8 +49,7 @@ std::string kind_of(const RunHeader& header) {
     if (header.method.starts_with("simulated"))
         return header.method.ends_with("learned") ? "learned" : "simulated";
     // What is inferred names its dry run and, where there is one, the model.
-    const bool no_network =
-        header.method.starts_with("strand_linear") || header.method.starts_with("oracle");
+    const bool no_network = header.method.starts_with("strand_linear") || header.method.starts_with("oracle");
     return header.inputs.size() < 2 || no_network ? "interpolated" : "learned";
 }
 
