@@ -192,6 +192,7 @@ int bench_command(const BenchOptions& o) {
     require_device(o.device);
     check_files(o, "", o.models);
     const std::vector<Entry> all = chosen(o);
+    ResultFile json_file(o);
     const bool table = o.json != "-";
     const Machine machine = machine_of(o.device);
     if (table) print_head(machine);
@@ -247,13 +248,14 @@ int bench_command(const BenchOptions& o) {
                        slope, at_last);
     }
     json["machine"]["peak_bytes"] = peak_bytes();
-    const bool whole = done == all.size(), printed = o.json.empty() || o.json == "-";
-    const std::string file = whole || printed ? o.json : o.json + ".partial";
-    write_json(json, file);
-    if (!whole)
-        throw Interrupted(fmt::format("interrupted: {} of {} entries are {}", done, all.size(),
-                                      printed ? "printed" : "kept in " + file));
-    return 0;
+    if (done == all.size()) {
+        json_file.write_json(json);
+        return 0;
+    }
+    json_file.leave_json(json);
+    const bool printed = o.json.empty() || o.json == "-" || is_stream(o.json);
+    throw Interrupted(fmt::format("interrupted: {} of {} entries are {}", done, all.size(),
+                                  printed ? "printed" : "kept in " + partial_of(o.json)));
 }
 
 }  // namespace wetcurl

@@ -7,8 +7,8 @@
 
 namespace wetcurl {
 
-// {"title", "x_label", "y_label", "dx", "curves": [{"name", "values": [number or null, ...]}, ...]}; a curve
-// ends at its first null. Throws Error where the file is something else, or holds no curve of two values.
+// {"title", "x_label", "y_label", "dx", "curves": [{"name", "values": [number or null, ...]}, ...]}; null is
+// a gap. Throws Error where the file is something else, or holds no curve of two values.
 Chart chart_of_file(const std::string& path);
 
 }  // namespace wetcurl

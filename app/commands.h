@@ -44,6 +44,7 @@ struct TrainOptions : CommonOptions {
 };
 struct InferOptions : CommonOptions {
     std::string input, model, interpolate, reconstruct, wetness, output;
+    std::optional<int> frames;                   // the first so many alone
     std::string oracle_colours, oracle_weights;  // a wet run, in place of a network's
     std::optional<double> gain;                  // kappa of Eq 18; none: the scene's or the model's
     std::string units, colour_units;             // of Eq 18, of Eq 16; "": the scene's or the model's
@@ -64,19 +65,25 @@ struct CompareOptions : CommonOptions {
 struct ReportOptions : CommonOptions {
     std::vector<std::string> runs;  // the reference, then what is compared with it; none: a table alone
     std::string table, stability, output;  // folder of comparisons, the battery's JSON, the page; "": none
+    std::vector<std::string> trainings;    // their logs, MODEL.h5.jsonl
     int first_frame = 0;                   // of the runs, as for compare
 };
 struct RenderOptions : CommonOptions {
-    std::vector<std::string> runs;  // side by side
+    std::vector<std::string> runs;  // side by side; with `image` pairs and models too
     std::string output;
-    int frame = -1;  // -1: all of them (video), or the last one (picture)
+    int frame = -1;      // -1: all of them (video), or the last one (picture)
+    bool image = false;  // geometry images in place of strands
+    int run = 0;         // of a pairs file, for `image`
+    int pixels = 400;    // a panel's least side, for `image`
     int width = 720, height = 900;
     bool saturation = false;
     double yaw = 30;  // of the camera around the head [degrees]
     bool labels = true;
 };
 struct PlotOptions : CommonOptions {
-    std::vector<std::string> runs;  // side by side
+    std::vector<std::string> runs;  // side by side: runs, logs of trainings, or one pairs file
+    std::string model;              // for pairs of codec adhesion
+    bool time = false;              // of runs: the time of each frame in place of energy
     std::string output;
     int width = 720, height = 480;
 };
@@ -85,7 +92,8 @@ struct ImportOptions : CommonOptions {
     int resample = 0;  // 0: as it is
 };
 struct InspectOptions : CommonOptions {
-    std::string what, file, output;  // scene | run | pairs | model | terms | device
+    std::string what, file;  // scene | run | pairs | model | terms | device
+    std::string output;      // allowed for none: render draws
 };
 struct BenchOptions : CommonOptions {
     std::string filter;
@@ -104,6 +112,7 @@ int dataset_command(const DatasetOptions&);
 int train_command(const TrainOptions&);
 int infer_command(const InferOptions&);
 int compare_command(const CompareOptions&);
+std::string compare_columns();  // what the columns of its table mean, a line each
 int report_command(const ReportOptions&);
 int render_command(const RenderOptions&);
 int plot_command(const PlotOptions&);

@@ -54,6 +54,11 @@ Json json_of(const Comparison& c) {
             {"velocity_error_m_per_s", c.velocity_error}};
 }
 
+std::optional<double> speed_up(const Comparison& c) {
+    if (!(c.seconds_per_frame > 0 && c.seconds_per_frame_reference > 0)) return std::nullopt;
+    return c.seconds_per_frame_reference / c.seconds_per_frame;
+}
+
 std::vector<Comparison> compare_runs(const std::string& reference, const std::vector<std::string>& others,
                                      int first_frame) {
     const RunReader against(reference);

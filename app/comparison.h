@@ -1,6 +1,7 @@
 // Comparisons with a reference, made and written as JSON: what `compare` and `report` share. Ours.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,10 @@ namespace wetcurl {
 
 // What `compare --json` says of one run: an entry of its `others`.
 Json json_of(const Comparison& comparison);
+
+// The reference's time a frame over the run's, over the frames that are compared; none where either has no
+// time.
+std::optional<double> speed_up(const Comparison& comparison);
 
 // Each of `others` against `reference`, frames from `first_frame` on, solids as the reference's scene has
 // them. Warns of runs of another length. Throws Error as `compare` does (learn/metrics.h).

@@ -1,9 +1,6 @@
 // `wetcurl dataset`: many scenes, dry at low and wet at high resolution, to pairs in shards.
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <omp.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <exception>
@@ -12,6 +9,7 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "app/commands.h"
@@ -71,6 +69,51 @@ bool is_done(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& 
     return std::all_of(outputs.begin(), outputs.end(), [](const auto& f) { return fs::exists(f); });
 }
 
+// At the resolution of a stride. Throws as load_scene does, the member's name first.
+Scene scene_of(const DatasetRecipe& recipe, const DatasetMember& m, int stride) {
+    Config config = m.scene();
+    if (!config.root().has("wetness"))
+        throw Misuse(recipe.scene_line + ": " + m.name +
+                     " has no [wetness], which is what is to be learned; " +
+                     "neither the scene that it starts from nor what was picked and drawn for it names one");
+    if (stride > 1 && recipe.low_substeps)
+        config.set(fmt::format("integrator.substeps={}", recipe.low_substeps), recipe.low_substeps_line);
+    SceneOptions options;
+    options.stride = stride;
+    try {
+        Scene scene = parse_scene(config, options);
+        if (scene.flow) throw Misuse("its water moves ([wetness.flow]), allowed is wetness that stays");
+        if (recipe.first >= scene.frames)
+            throw Misuse(fmt::format("{}: found {}, allowed 0 to {}, since the scene has {} frames",
+                                     recipe.first_line, recipe.first, scene.frames - 1, scene.frames));
+        return scene;
+    } catch (const Misuse& e) {
+        throw Misuse(m.name + ": " + e.what());
+    } catch (const Error& e) {
+        throw Error(m.name + ": " + e.what());
+    }
+}
+
+// Reads a scene of each split and of each entry that is picked, before any is simulated: what is wrong with
+// a line of the recipe is said at once.
+void check_scenes(const DatasetRecipe& recipe) {
+    std::set<std::string> seen;
+    for (const auto& m : recipe.members) {
+        bool fresh = seen.insert(m.split).second;
+        for (const auto& [list, entry] : m.picked)
+            fresh = seen.insert(list + "/" + entry + "/" + m.split).second || fresh;
+        if (fresh) scene_of(recipe, m, 1), scene_of(recipe, m, 2);
+    }
+}
+
+// Name -> what is to be written there, by this process alone.
+using Places = std::map<std::string, OutputFile>;
+Places secured(const std::vector<std::string>& outputs) {
+    Places out;
+    for (const auto& path : outputs) out.emplace(path, OutputFile(path, true));
+    return out;
+}
+
 using Images = std::vector<std::pair<std::vector<float>, std::vector<float>>>;  // (frame): input, target
 
 struct StrandImages {
@@ -80,19 +123,19 @@ struct StrandImages {
 // One scene at both resolutions, frame by frame.
 class MemberRun {
   public:
-    MemberRun(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to,
+    MemberRun(const DatasetRecipe& recipe, const DatasetMember& m, const Folder& to, Places places,
               const std::string& device)
-        : recipe_(recipe), member_(m), to_(to), high_(scene(1)), low_(scene(2)), reach_(reach_of(high_)) {
-        if (!high_.wetness) throw Misuse(m.name + ": has no [wetness], which is what is to be learned");
-        if (high_.flow)
-            throw Misuse(m.name + ": its water moves ([wetness.flow]), allowed is wetness that stays");
+        : recipe_(recipe),
+          member_(m),
+          to_(to),
+          places_(std::move(places)),
+          high_(scene_of(recipe, m, 1)),
+          low_(scene_of(recipe, m, 2)),
+          reach_(reach_of(high_)) {
         if (!recipe.low_is_wet) make_dry(low_);
         // Eq 10 moves what is seen alone, and no network sees it of the low-resolution run.
         leave_out_display(low_);
         if (!recipe.root && !recipe.displayed && !keeps_runs()) leave_out_display(high_);
-        if (recipe.first >= high_.frames)
-            throw Misuse(fmt::format("{}: first: found {}, allowed 0 to {}, since the scene has {} frames",
-                                     m.name, recipe.first, high_.frames - 1, high_.frames));
         wet_ = make_simulation_on(device, high_, trusted_precision(high_, "float"));
         dry_ = make_simulation_on(device, low_, trusted_precision(low_, "float"));
     }
@@ -106,8 +149,8 @@ class MemberRun {
         }
         std::unique_ptr<RunWriter> low_writer, wet_writer;
         if (keeps_runs()) {
-            low_writer = writer("low", low_, *dry_, recipe_.low_is_wet ? "simulated wet" : "simulated dry");
-            wet_writer = writer("wet", high_, *wet_, "simulated wet");
+            low_writer = writer("low", low_, *dry_);
+            wet_writer = writer("wet", high_, *wet_);
         }
         const float radius = high_.cohesion ? float(high_.cohesion->h_c) : 0;
         const RootImage low_image(low_.groom.grid), high_image(high_.groom.grid, 2);
@@ -158,14 +201,7 @@ class MemberRun {
                                     diverged->strand));
     }
     bool displayed() const { return recipe_.displayed && high_.cohesion; }
-    Scene scene(int stride) const {
-        SceneOptions options;
-        options.set = member_.set, options.stride = stride;
-        if (stride > 1 && recipe_.low_substeps)
-            options.set.push_back(fmt::format("integrator.substeps={}", recipe_.low_substeps));
-        return parse_scene(member_.text, member_.name, recipe_.folder, options);
-    }
-    void write_strands(const StrandEncoder& encoder) const {
+    void write_strands(const StrandEncoder& encoder) {
         PairsWriter out = shard(Codec::strand);
         out.low(recipe_.low_is_wet, low_.integrator.substeps);
         StrandPairs run = encoder.begin(int(strand_images_.size()), displayed());
@@ -178,7 +214,7 @@ class MemberRun {
             out.attribute("floor_displayed_mm", floor_displayed_mm_ / double(strand_images_.size()));
         out.commit();
     }
-    void write_roots(const RootImage& low, const RootImage& high, float radius) const {
+    void write_roots(const RootImage& low, const RootImage& high, float radius) {
         PairsWriter out = shard(Codec::root);
         out.low(recipe_.low_is_wet, low_.integrator.substeps);
         out.box(&recipe_.box.lower.x, &recipe_.box.upper.x);
@@ -187,18 +223,18 @@ class MemberRun {
         for (const auto& [input, target] : root_images_) out.append(input.data(), target.data());
         out.commit();
     }
-    PairsWriter shard(Codec codec) const {
-        return {to_.shard(member_, codec), codec, high_.groom.rest.particles, true};
+    PairsWriter shard(Codec codec) {
+        return {std::move(places_.at(to_.shard(member_, codec))), codec, high_.groom.rest.particles};
     }
-    std::unique_ptr<RunWriter> writer(const char* which, const Scene& scene, const Simulation& simulation,
-                                      const char* method) const {
-        return std::make_unique<RunWriter>(to_.run(member_, which), header_of(scene, simulation, method),
-                                           true);
+    std::unique_ptr<RunWriter> writer(const char* which, const Scene& scene, const Simulation& simulation) {
+        return std::make_unique<RunWriter>(std::move(places_.at(to_.run(member_, which))),
+                                           header_of(scene, simulation, method_of(scene)));
     }
 
     const DatasetRecipe& recipe_;
     const DatasetMember& member_;
     const Folder& to_;
+    Places places_;
     Scene high_, low_;
     double reach_;  // of Eq 10, which may be left out of them [m]
     std::unique_ptr<Simulation> dry_, wet_;
@@ -227,18 +263,13 @@ std::string text_of(const std::string& path) {
     return text.str();
 }
 
-// Whole or not at all, by the first of several parts; the others find what it wrote.
-void write_once(const std::string& path, const std::string& text, long part) {
-    const std::string draft = path + "." + std::to_string(part);
-    std::ofstream out(draft);
-    out << text;
-    if (!out.flush()) throw Error(draft + ": cannot be written");
-    std::error_code failed;
-    fs::create_hard_link(draft, path, failed);
-    if (failed && !fs::exists(path))
-        fs::rename(draft, path);  // a file system without links
-    else
-        fs::remove(draft);
+// By the first of several parts; the others find what it wrote.
+void write_once(const std::string& path, const std::string& text) {
+    OutputFile file(path, true, "", LockedFile::Others::wait);
+    if (!fs::exists(path)) {
+        file.write(text);
+        file.commit();
+    }
     if (text_of(path) != text)
         throw Error(path + ": found another recipe, written just now; every part needs the same one");
 }
@@ -247,9 +278,6 @@ void write_once(const std::string& path, const std::string& text, long part) {
 void take_folder(const CommonOptions& o, const Folder& to, const DatasetRecipe& recipe, const Ranks& part) {
     const std::string path = to.of("recipe.toml"), there = text_of(path);
     const bool shared = !part.alone();
-    if (shared && o.overwrite)
-        throw Misuse("--overwrite: several parts would remove each other's scenes; remove " + to.of("") +
-                     " instead");
     if (there == recipe.text && (o.resume || shared)) return;
     if (!there.empty() && !o.overwrite)
         throw Error(there == recipe.text
@@ -263,23 +291,8 @@ void take_folder(const CommonOptions& o, const Folder& to, const DatasetRecipe& 
     }
     fs::create_directories(to.of("shards"));
     if (!recipe.runs.empty()) fs::create_directories(to.of("runs"));
-    write_once(path, recipe.text, part.mine);
+    write_once(path, recipe.text);
 }
-
-// One of those who share a folder at a time.
-class FolderLock {
-  public:
-    explicit FolderLock(const Folder& to) : file_(open(to.of("recipe.toml").c_str(), O_RDONLY)) {
-        if (file_ >= 0) flock(file_, LOCK_EX);
-    }
-    ~FolderLock() {
-        if (file_ >= 0) close(file_);
-    }
-    FolderLock(const FolderLock&) = delete;
-
-  private:
-    int file_;
-};
 
 // File -> hash, of many and large ones.
 std::map<std::string, std::string> hashes_of(const std::vector<std::string>& files) {
@@ -303,7 +316,8 @@ std::map<std::string, std::string> hashes_of(const std::vector<std::string>& fil
 
 // One file a split and codec that shows all its shards as one, and the list of what is there.
 Json finish(const DatasetRecipe& recipe, const Folder& to) {
-    const FolderLock lock(to);
+    // One of those who share the folder at a time.
+    const LockedFile turn(to.of("recipe.toml"), to.of(""), LockedFile::Kind::alone, LockedFile::Others::wait);
     std::vector<std::string> shards;
     for (const auto& m : recipe.members)
         for (Codec codec : codecs_of(recipe)) shards.push_back(to.shard(m, codec));
@@ -354,7 +368,7 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
             }
             out->commit();
         }
-    write_json(manifest, to.of("manifest.json"));
+    ResultFile(to.of("manifest.json"), true).write_json(manifest);
     return manifest;
 }
 
@@ -372,6 +386,14 @@ int dataset_command(const DatasetOptions& o) {
             throw Misuse(file + ": lies where the data set keeps its own; another folder is needed for -o");
     if (!o.json.empty() && o.json != "-") check_files(o, "", recipe.files);
     const Ranks part = part_of(o.part);
+    if (!part.alone() && o.overwrite)
+        throw Misuse("--overwrite: several parts would remove each other's scenes; remove " + to.of("") +
+                     " instead");
+    check_scenes(recipe);
+    // Processes that a launcher started write the same one, each in its turn.
+    const bool launched = !part.alone() && o.part.empty();
+    ResultFile results(launched ? "" : o.json, o.overwrite);
+    const OutputFolder filled(o.output, part.alone() ? LockedFile::Kind::alone : LockedFile::Kind::shared);
     take_folder(o, to, recipe, part);
 
     std::vector<const DatasetMember*> mine;
@@ -390,7 +412,9 @@ int dataset_command(const DatasetOptions& o) {
     for (size_t k = 0; k < mine.size(); ++k) {
         if (guard.asked() || failing) continue;
         try {
-            if (!MemberRun(recipe, *mine[k], to, o.device).compute(guard)) continue;
+            Places places = secured(outputs_of(recipe, *mine[k], to));
+            if (is_done(recipe, *mine[k], to)) continue;  // by another process, meanwhile
+            if (!MemberRun(recipe, *mine[k], to, std::move(places), o.device).compute(guard)) continue;
         } catch (...) {
             const std::lock_guard lock(mutex);
             if (!failed) failed = std::current_exception();
@@ -420,7 +444,10 @@ int dataset_command(const DatasetOptions& o) {
                                      value.get<double>(), key));
             }
     }
-    write_json(json, o.json);
+    if (launched)
+        ResultFile(o.json, true, LockedFile::Others::wait).write_json(json);
+    else
+        results.write_json(json);
     log_info(fmt::format("{}: {} scenes made in {:.0f} s{}", o.output, done, json["seconds"].get<double>(),
                          json["whole"].get<bool>() ? "" : ", others are not there yet"));
     return 0;

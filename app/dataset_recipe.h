@@ -32,18 +32,28 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "base/config.h"
 #include "learn/root_codec.h"
 
 namespace wetcurl {
 
 struct DatasetMember {
-    std::string name, split;  // "train-0007", "train"
-    std::string text;         // the scene before `set`
-    std::vector<std::string> set;
+    std::string name, split;                    // "train-0007", "train"
+    std::string text;                           // the scene before `set`
+    std::vector<std::string> set, set_by;       // what was drawn, and the recipe's line that drew it
     std::map<std::string, std::string> picked;  // the entry's name in each list
+
+    // The scene with what was picked and drawn; messages name the file and line of each value.
+    Config scene() const;
+    struct Replacement {
+        std::string text, where;
+    };
+    std::shared_ptr<const Config> base;
+    std::vector<Replacement> replacements;  // in the order in which they take the base scene's place
 };
 
 struct DatasetRecipe {
@@ -57,6 +67,8 @@ struct DatasetRecipe {
     std::string folder;              // where the scenes' relative paths start
     std::string text;                // resolved, TOML, and hashes of the base scene and of files named
     std::vector<std::string> files;  // what it was read from
+    // "recipe.toml:3: first": where messages about them point.
+    std::string scene_line, first_line, low_substeps_line;
 };
 
 inline const std::vector<std::string> dataset_splits{"train", "validation", "test"};

@@ -55,18 +55,9 @@ std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
     return out;
 }
 
-// The cohesion radius of the scene [m], or its default where the scene has no cohesion: h of Eq 16.
-float support_radius_of(const RunHeader& header) {
-    Cohesion cohesion;
-    read_parameters(
-        cohesion, Cohesion::parameters,
-        Config::parse(header.scene, "the run's scene", header.scene_folder).root().table("cohesion"));
-    return float(cohesion.h_c);
-}
-
 // Reach of Eq 10 on what is displayed of the run [m], 0 without it.
 double reach_of(const RunHeader& header) {
-    const bool coheres = Config::parse(header.scene, "the run's scene", header.scene_folder)
+    const bool coheres = Config::parse(header.scene, scene_name(header), header.scene_folder)
                              .root()
                              .table("cohesion")
                              .present();
@@ -76,11 +67,11 @@ double reach_of(const RunHeader& header) {
 // The strands of a run at rest with their water.
 Strands shape_of(const RunHeader& header) {
     const bool curls =
-        Config::parse(header.scene, "the run's scene", header.scene_folder).root().table("curl").present();
+        Config::parse(header.scene, scene_name(header), header.scene_folder).root().table("curl").present();
     if (!curls) return header.groom.rest;
     SceneOptions options;
     options.stride = header.stride;
-    return shape_at_rest(parse_scene(header.scene, "the run's scene", header.scene_folder, options));
+    return shape_at_rest(parse_scene(header.scene, scene_name(header), header.scene_folder, options));
 }
 
 Json encode_pairs(const EncodeOptions& o, Codec codec) {
@@ -129,7 +120,7 @@ Json encode_adhesion(const EncodeOptions& o) {
         SceneOptions options;
         options.set = o.set;
         options.seed = o.seed;
-        scenes.push_back(load_scene(path, options));
+        scenes.push_back(scene_of_file(path, options));
         check_files(o, o.output, scenes.back().files);
         if (!scenes.back().term<Adhesion>())
             throw Misuse(path + ": has no [adhesion], which is what is to be learned");
@@ -174,7 +165,7 @@ Json encode_adhesion(const EncodeOptions& o) {
 // What is kept of an interrupted encoding: NAME.partial where it holds something (codec root sees all frames
 // before it writes one).
 std::string kept_of(const EncodeOptions& o) {
-    const std::string partial = o.output + ".partial";
+    const std::string partial = partial_of(o.output);
     if (!H5Reader(partial, pairs_format, pairs_version).list("runs").empty())
         return "; what was encoded is kept in " + partial;
     std::filesystem::remove(partial);
@@ -189,8 +180,9 @@ int encode_command(const EncodeOptions& o) {
     const Codec codec = codec_named(o.codec);
     if (codec != Codec::root && !o.colour_units.empty())
         throw Misuse("--colour-units is for --codec root, found --codec " + o.codec);
+    ResultFile results(o);
     try {
-        write_json(codec == Codec::adhesion ? encode_adhesion(o) : encode_pairs(o, codec), o.json);
+        results.write_json(codec == Codec::adhesion ? encode_adhesion(o) : encode_pairs(o, codec));
     } catch (const Interrupted& e) {
         throw Interrupted(e.what() + kept_of(o));
     }

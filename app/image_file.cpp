@@ -6,10 +6,11 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
+#include <optional>
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/output_file.h"
 
 #ifdef WETCURL_HAVE_OPENCV
 #include <opencv2/core.hpp>
@@ -22,12 +23,6 @@
 namespace wetcurl {
 
 namespace fs = std::filesystem;
-
-void write_image_png(const std::string& path, const float* rgb, int width, int height, float scale) {
-    Image image(width, height);
-    std::transform(rgb, rgb + image.rgb.size(), image.rgb.begin(), [&](float x) { return scale * x; });
-    write_png(path, image);
-}
 
 #ifdef WETCURL_HAVE_OPENCV
 
@@ -46,28 +41,16 @@ cv::Mat bytes_of(const Image& image) {
     return result;
 }
 
-void make_folder_of(const std::string& path) {
-    const fs::path folder = fs::path(path).parent_path();
-    std::error_code error;
-    if (!folder.empty()) fs::create_directories(folder, error);
-    if (error) throw Error(folder.string() + ": cannot make the folder: " + error.message());
-}
-
 }  // namespace
 
-void write_png(const std::string& path, const Image& image) {
+void write_png(const std::string& path, const Image& image, bool overwrite) {
     std::vector<uint8_t> file;
     if (image.width < 1 || image.height < 1 || !cv::imencode(".png", bytes_of(image), file))
         throw Error(path + ": a picture of " + std::to_string(image.width) + " x " +
                     std::to_string(image.height) + " pixels cannot be written as PNG");
-    make_folder_of(path);
-    const std::string partial = path + ".partial";
-    std::ofstream out(partial, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(file.data()), std::streamsize(file.size()));
-    out.close();
-    std::error_code error;
-    if (out) fs::rename(partial, path, error);
-    if (!out || error) throw Error(path + ": cannot be written");
+    OutputFile out(path, overwrite);
+    out.write({file.begin(), file.end()});
+    out.commit();
 }
 
 // Drawn large and shrunk: the strokes of OpenCV's letters are whole pixels wide.
@@ -93,6 +76,11 @@ void draw_text(Image& image, const std::string& text, int column, int row, doubl
             float* p = image.pixel(left + c, top + r);
             for (int k = 0; k < 3; ++k) p[k] += ink * (0.13f - p[k]);
         }
+}
+
+int text_width(const std::string& text, double height) {
+    int below = 0;
+    return 8 + cv::getTextSize(text, cv::FONT_HERSHEY_DUPLEX, height / 22, 1, &below).width;
 }
 
 void draw_label(Image& image, const std::string& text) {
@@ -121,27 +109,24 @@ void draw_saturation_legend(Image& image) {
 }
 
 struct VideoFile::Body {
-    std::string path, partial, folder;  // `folder`: of PNGs, where no codec was found
+    std::optional<OutputFile> file;
+    // Where no codec was found, a folder of PNGs.
+    std::string folder;
+    std::optional<OutputFolder> filled;
+    bool overwrite = false;
     cv::VideoWriter writer;
     cv::Size size;
     int written = 0;
 
-    bool open(const std::string& extension, const char (&codec)[5], double fps, bool overwrite) {
-        const fs::path base = fs::path(path).replace_extension();
-        if (!overwrite && fs::exists(base.string() + extension))
-            throw Error(base.string() + extension + " exists; --overwrite replaces it");
-        partial = base.string() + ".partial" + extension;
-        if (!std::ofstream(partial)) throw Error(partial + ": cannot be written");
+    bool open(const std::string& path, const char (&codec)[5], double fps) {
+        file.emplace(path, overwrite, fs::path(path).extension().string());
+        file->begin();
         const int code = cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]);
         try {
-            if (writer.open(partial, cv::CAP_FFMPEG, code, fps, size)) {
-                path = base.string() + extension;
-                return true;
-            }
+            if (writer.open(file->partial(), cv::CAP_FFMPEG, code, fps, size)) return true;
         } catch (const cv::Exception&) {
         }
-        std::error_code ignored;
-        fs::remove(partial, ignored);
+        file.reset();
         return false;
     }
 };
@@ -150,48 +135,51 @@ VideoFile::VideoFile(const std::string& path, int width, int height, double fps,
     : body_(new Body) {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     Body& b = *body_;
-    b.path = path;
     b.size = {width & ~1, height & ~1};  // both codecs halve the colours each way
-    make_folder_of(path);
+    b.overwrite = overwrite;
     const bool mp4 = fs::path(path).extension() == ".mp4";
-    if (mp4 && b.open(".mp4", "avc1", fps, overwrite)) return;
-    if (b.open(".webm", "VP80", fps, overwrite)) {
+    const std::string webm = fs::path(path).replace_extension(".webm").string();
+    if (mp4 && b.open(path, "avc1", fps)) return;
+    if (b.open(webm, "VP80", fps)) {
         if (mp4)
-            log_warning(path + ": this OpenCV has no H.264 encoder; writing VP8 to " + b.path + " instead");
+            log_warning(path + ": this OpenCV has no H.264 encoder; writing VP8 to " + webm + " instead");
         return;
     }
     b.folder = fs::path(path).replace_extension().string() + "_frames";
-    log_warning(path + ": this OpenCV has neither an H.264 nor a VP8 encoder; writing PNGs to " + b.folder +
-                "/ instead");
+    b.filled.emplace(b.folder);
+    log_warning(path + ": this OpenCV has neither an H.264 nor a VP8 encoder for " +
+                std::to_string(b.size.width) + " x " + std::to_string(b.size.height) +
+                " pixels; writing PNGs to " + b.folder + "/ instead");
 }
 
 VideoFile::~VideoFile() = default;
 
 void VideoFile::append(const Image& image) {
     Body& b = *body_;
-    if (b.folder.empty()) {
+    if (b.file) {
         b.writer.write(bytes_of(image)(cv::Rect(cv::Point(0, 0), b.size)));
+        b.file->keep();  // what is in it can be played
     } else {
         std::string number = std::to_string(b.written);
         write_png(b.folder + "/" + std::string(5 - std::min<size_t>(5, number.size()), '0') + number + ".png",
-                  image);
+                  image, b.overwrite);
     }
     ++b.written;
 }
 
 std::string VideoFile::leave() {
-    body_->writer.release();
-    return body_->folder.empty() ? body_->partial : body_->folder;
+    Body& b = *body_;
+    if (!b.file) return b.folder;
+    b.writer.release();
+    return b.file->partial();
 }
 
 std::string VideoFile::commit() {
     Body& b = *body_;
-    if (!b.folder.empty()) return b.folder;
+    if (!b.file) return b.folder;
     b.writer.release();
-    std::error_code error;
-    fs::rename(b.partial, b.path, error);
-    if (error) throw Error(b.path + ": cannot be written: " + error.message());
-    return b.path;
+    b.file->commit();
+    return b.file->path();
 }
 
 #else
@@ -210,8 +198,9 @@ VideoFile::~VideoFile() = default;
 void VideoFile::append(const Image&) { no_opencv(); }
 std::string VideoFile::leave() { no_opencv(); }
 std::string VideoFile::commit() { no_opencv(); }
-void write_png(const std::string&, const Image&) { no_opencv(); }
+void write_png(const std::string&, const Image&, bool) { no_opencv(); }
 void draw_text(Image&, const std::string&, int, int, double, double) { no_opencv(); }
+int text_width(const std::string&, double) { no_opencv(); }
 void draw_label(Image&, const std::string&) { no_opencv(); }
 void draw_saturation_legend(Image&) { no_opencv(); }
 

@@ -10,15 +10,15 @@
 
 namespace wetcurl {
 
-// Writes an 8-bit PNG beside its name and renames it. Throws Error where it cannot.
-void write_png(const std::string& path, const Image& image);
-
-// Writes rgb[(row * width + column) * 3 + channel], times `scale`, clamped to 0..1, pixel by pixel.
-void write_image_png(const std::string& path, const float* rgb, int width, int height, float scale);
+// Writes an 8-bit PNG, as an OutputFile. Throws Error where it cannot.
+void write_png(const std::string& path, const Image& image, bool overwrite);
 
 // Text whose baseline lies at `row`, `height` [pixel] from line to line; of its width the part `anchor` lies
 // left of `column`. Shifted to where it fits.
 void draw_text(Image& image, const std::string& text, int column, int row, double height, double anchor);
+
+// How wide draw_text draws it [pixel].
+int text_width(const std::string& text, double height);
 
 // Text centred under the picture, on the last rows of the image.
 void draw_label(Image& image, const std::string& text);

@@ -91,6 +91,7 @@ int import_command(const ImportOptions& options) {
     refuse_device(options, "import");
     check_files(options, options.output, {options.input, options.scalp});
     if (writes) require_writable(options.output, options.overwrite);
+    ResultFile results(options);
     ImportedStrands in = import_strands(options.input, meant);
     if (options.resample) in.strands = resampled_strands(in.strands, options.resample);
 
@@ -104,7 +105,7 @@ int import_command(const ImportOptions& options) {
     const Extent extent = extent_of(in.strands);
     if (writes) write_strands(options.output, in.strands, options.overwrite);
     if (options.json != "-") print(options, in, extent, depth ? &*depth : nullptr, layout);
-    write_json(report(options, in, extent, depth ? &*depth : nullptr, layout), options.json);
+    results.write_json(report(options, in, extent, depth ? &*depth : nullptr, layout));
     return 0;
 }
 

@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/device.h"
 #include "app/learned_hair.h"
+#include "app/missing_model.h"
 #include "app/results.h"
 #include "app/run_of_scene.h"
 #include "base/config.h"
@@ -170,8 +171,8 @@ class OracleWeights final : public QuadMethod {
 
 class RootMethod final : public QuadMethod {
   public:
-    RootMethod(std::unique_ptr<Network> network, const QuadSettings& q, const Groom& high,
-               const RunHeader& low)
+    RootMethod(std::unique_ptr<Network> network, const std::string& file, const QuadSettings& q,
+               const Groom& high, const RunHeader& low)
         : QuadMethod(network->card().architecture, q, high, low),
           network_(std::move(network)),
           high_image_(high.grid, 2),
@@ -184,7 +185,7 @@ class RootMethod final : public QuadMethod {
         auto corner = [&](const char* name) {
             const auto at = a.find(name);
             if (at == a.end() || at->second.size() != 3)
-                throw Error(std::string("the model lacks ") + name + " of Eq 14 (3 numbers)");
+                throw Error(file + ": array '" + name + "' is missing, needed are the 3 numbers of Eq 14");
             return Vec3d{at->second[0], at->second[1], at->second[2]};
         };
         box_ = {corner("b_min"), corner("b_max")};
@@ -234,6 +235,8 @@ Scene target_scene(const InferOptions& o, const RunHeader& low) {
     return load_scene(o.wetness, options);
 }
 
+bool is_scene(const std::string& path) { return path.ends_with(".toml"); }
+
 const std::string& scene_name(const InferOptions& o) { return o.wetness.empty() ? o.input : o.wetness; }
 
 // What strands can be moved to where wet ones come to rest for.
@@ -261,9 +264,6 @@ QuadSettings quad_settings(const InferOptions& o, const Scene& scene, const RunH
 std::unique_ptr<Method> oracle_of(const InferOptions& o, const Scene& scene, const RunHeader& low) {
     const QuadSettings q = quad_settings(o, scene, low, "");
     RunPair pair(o.input, o.oracle_colours + o.oracle_weights);
-    if (!simulated_wet(pair.wet->header()))
-        throw Error(pair.wet->path() + ": found a run " + pair.wet->header().method +
-                    ", allowed for an oracle is one simulated wet");
     if (!o.oracle_weights.empty()) return std::make_unique<OracleWeights>(std::move(pair), q, scene.groom);
     return std::make_unique<OracleColours>(
         pair, o.colour_units.empty() ? ShiftUnits::length : shift_units_named(o.colour_units), q,
@@ -318,11 +318,12 @@ std::unique_ptr<Method> method_of(const InferOptions& o, Scene& scene, const Run
     if (o.crop) throw Misuse("--crop is for models of the strand codec; this one predicts images");
     if (o.cohesion) throw Misuse("--cohesion is for --interpolate and models of the strand codec");
     const QuadSettings q = quad_settings(o, scene, low, card.recipe);
-    return std::make_unique<RootMethod>(network_module().load(o.model, o.device, o.threads), q, scene.groom,
-                                        low);
+    return std::make_unique<RootMethod>(network_module().load(o.model, o.device, o.threads), o.model, q,
+                                        scene.groom, low);
 }
 
-// What the scene's [learned] names, where the command line names nothing.
+// What the scene's [learned] names, where the command line names nothing. `scene` is that of the
+// low-resolution run where `o.input` is a scene, else the one to predict for.
 void take_learned(InferOptions& o, const Scene& scene) {
     if (!o.model.empty() || !o.interpolate.empty() || is_oracle(o)) return;
     if (!scene.learned)
@@ -333,9 +334,17 @@ void take_learned(InferOptions& o, const Scene& scene) {
     if (o.reconstruct.empty()) o.reconstruct = scene.learned->reconstruct;
     if (!o.gain) o.gain = scene.learned->gain;
     if (o.units.empty()) o.units = scene.learned->units;
-    if (!std::filesystem::exists(o.model))
-        throw Error(o.model + ": [learned] names it and it is not there yet; `wetcurl train sr PAIRS.h5 -o " +
-                    o.model + "` makes it, the head of scenes/scene11a.toml says of which pairs");
+    const std::string where = (is_scene(o.input) ? o.input : scene_name(o)) + ": [learned] model";
+    // A way of reconstruction is for models of images alone.
+    if (is_scene(o.input) && scene.term<Adhesion>() && o.reconstruct.empty())
+        return require_model_of_adhesion(o.model, where, o.input, o);
+    RunsToLearnFrom runs;
+    runs.scene = scene_name(o), runs.codec = o.reconstruct.empty() ? "strand" : "root";
+    if (is_scene(o.input))
+        runs.low_scene = o.input, runs.low_strands = scene.groom.rest.count;
+    else
+        runs.low = o.input, runs.strands = scene.stride > 1 ? scene.groom.rest.count : 0;
+    require_model_of_strands(o.model, where, runs, o);
 }
 
 // What Eq 9 and 10 are asked of.
@@ -346,13 +355,12 @@ void require_named(const InferOptions& o, const Scene& scene) {
         throw Misuse("--wet-shape: the scene to predict for has no [curl]; --wetness names one that has");
 }
 
-bool is_scene(const std::string& path) { return path.ends_with(".toml"); }
-
 SimulateOptions simulation_of(const InferOptions& o) {
     SimulateOptions s;
     static_cast<CommonOptions&>(s) = o;
     s.scene = o.input;
     s.output = o.output;
+    s.frames = o.frames;
     return s;
 }
 
@@ -429,7 +437,8 @@ int infer_command(const InferOptions& given) {
     check_files(o, o.output, {o.input, o.model, o.wetness, o.oracle_colours, o.oracle_weights});
     if (is_scene(o.input)) {
         const Scene low = load_scene(
-            o.input, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
+            o.input,
+            {.set = o.set, .frames = o.frames, .strands = {}, .seed = o.seed, .groom = "", .stride = 2});
         if (o.wetness.empty()) require_named(o, low);
         take_learned(o, low);
         bool wet = false;
@@ -447,6 +456,10 @@ int infer_command(const InferOptions& given) {
     }
     const RunReader run(o.input);
     const RunHeader& low = run.header();
+    if (o.frames && *o.frames > run.frames())
+        throw Misuse(fmt::format("--frames: found {}, allowed 1 to {}, which {} has", *o.frames, run.frames(),
+                                 o.input));
+    const int frames = o.frames.value_or(run.frames());
     Scene scene = target_scene(o, low);
     take_learned(o, scene);
     check_files(o, o.output, scene.files);
@@ -455,9 +468,13 @@ int infer_command(const InferOptions& given) {
                     ": its scene moves the water ([wetness.flow]), allowed is wetness that stays; "
                     "--wetness names a scene of it");
     require_named(o, scene);
+    try {
+        require_nested(scene.groom, low.groom);
+    } catch (const Error& e) {
+        throw Error(o.input + ", " + (o.wetness.empty() ? "its scene" : o.wetness) + ": " + e.what());
+    }
     const double begun = omp_get_wtime();
     const auto method = method_of(o, scene, low);
-    require_nested(scene.groom, low.groom);
     std::optional<DisplayOn> display;
     if ((o.passes || o.spacing || o.relaxation) && !(method->before_cohesion() && scene.cohesion))
         throw Misuse(std::string(o.passes    ? "--passes"
@@ -471,6 +488,7 @@ int infer_command(const InferOptions& given) {
 
     RunHeader header = low;
     header.method = method->name();
+    if (low.device != o.device) header.device = low.device + ", then " + o.device;
     header.groom = scene.groom;
     header.stride = scene.stride;
     header.scene = scene.text;
@@ -483,15 +501,16 @@ int infer_command(const InferOptions& given) {
         if (!input.empty()) header.inputs.push_back(input);
     const double preparation = omp_get_wtime() - begun;
     InterruptGuard guard;
+    ResultFile results(o);
     RunWriter writer(o.output, header, o.overwrite);
 
-    Progress progress("infer", run.frames(), "frame");
+    Progress progress("infer", frames, "frame");
     FrameWindow window(run);
     RunFrame out;
     std::vector<double> seconds, own_seconds;
     double moved = 0;
     int done = 0;
-    while (!guard.asked() && window.advance()) {
+    while (done < frames && !guard.asked() && window.advance()) {
         const RunFrame& frame = window.now();
         const double begin = omp_get_wtime();
         method->apply(frame, window.heads(), out.positions);
@@ -520,8 +539,8 @@ int infer_command(const InferOptions& given) {
         if (done > 0) seconds.push_back(out.seconds), own_seconds.push_back(end - begin);
         progress.update(++done);
     }
-    if (done < run.frames())
-        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
+    if (done < frames)
+        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}", done, partial_of(o.output)));
     writer.commit();
     Json json{{"frames", done},
               {"strands", scene.groom.rest.count},
@@ -534,11 +553,10 @@ int infer_command(const InferOptions& given) {
               {"cohesion_after", display.has_value()}};
     if (!o.model.empty() || is_oracle(o))
         json[is_oracle(o) ? "moved_by_oracle_mm" : "moved_by_network_mm"] = moved / std::max(1, done);
-    write_json(json, o.json);
-    log_info(fmt::format("{}: {}, {} strands, {:.1f} ms a frame of which inference {:.1f} ms{}", o.output,
-                         method->name(), scene.groom.rest.count,
-                         1000 * json["seconds_per_frame"]["median"].get<double>(),
-                         1000 * json["inference_seconds_per_frame"]["median"].get<double>(),
+    results.write_json(json);
+    log_info(fmt::format("{}: {}, {} strands, {} a frame of which inference {}{}", o.output, method->name(),
+                         scene.groom.rest.count, milliseconds_text(json["seconds_per_frame"]["median"]),
+                         milliseconds_text(json["inference_seconds_per_frame"]["median"]),
                          o.model.empty() && !is_oracle(o)
                              ? ""
                              : fmt::format("; the {} moves a particle by {:.2f} mm on average",

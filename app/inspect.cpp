@@ -4,16 +4,16 @@
 #include <omp.h>
 
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "app/axial_extent.h"
 #include "app/commands.h"
 #include "app/device.h"
 #include "app/fall.h"
-#include "app/image_file.h"
 #include "app/results.h"
 #include "app/run_solids.h"
+#include "learn/core_detail.h"
 #include "learn/network_module.h"
 #include "learn/pairs.h"
 #include "solver/plan.h"
@@ -25,7 +25,7 @@ namespace {
 
 // Results go to one place: JSON where it is asked for, a table otherwise.
 void show(const InspectOptions& o, const Json& json) {
-    if (!o.json.empty()) return write_json(json, o.json);
+    if (!o.json.empty()) return ResultFile(o).write_json(json);
     std::string text;
     for (const auto& [key, value] : json.items()) {
         if (value.is_array() && !value.empty() && value[0].is_object()) {
@@ -33,15 +33,16 @@ void show(const InspectOptions& o, const Json& json) {
             for (const auto& row : value) {
                 std::string line;
                 for (const auto& [k, v] : row.items())
-                    line += fmt::format("  {} {}", k, v.is_string() ? v.get<std::string>() : v.dump());
+                    line += fmt::format("  {} {}", k, v.is_string() ? v.get<std::string>() : json_text(v));
                 text += "  " + line + "\n";
             }
         } else if (value.is_array()) {
             std::vector<std::string> words;
-            for (const auto& v : value) words.push_back(v.is_string() ? v.get<std::string>() : v.dump());
+            for (const auto& v : value) words.push_back(v.is_string() ? v.get<std::string>() : json_text(v));
             text += fmt::format("{}: {}\n", key, fmt::join(words, ", "));
         } else {
-            text += fmt::format("{}: {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+            text +=
+                fmt::format("{}: {}\n", key, value.is_string() ? value.get<std::string>() : json_text(value));
         }
     }
     std::fputs(text.c_str(), stdout);
@@ -71,6 +72,17 @@ Json scene_json(const InspectOptions& o) {
     return json;
 }
 
+// [s] of each frame but frame 0, a state that nothing was computed for.
+std::vector<double> run_times_of(const RunReader& run) {
+    auto seconds = run.seconds();
+    if (!seconds.empty()) seconds.erase(seconds.begin());
+    return seconds;
+}
+
+double mean_of(const std::vector<float>& values) {
+    return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
 Json run_json(const InspectOptions& o) {
     const RunReader run(o.file);
     const RunHeader& h = run.header();
@@ -86,20 +98,35 @@ Json run_json(const InspectOptions& o) {
               {"wetness_recorded", !h.saturation.empty()},
               {"terms_present", h.terms_present},
               {"terms_absent", h.terms_absent},
-              {"seconds_per_frame", time_statistics(run.seconds())}};
+              {"seconds_per_frame", time_statistics(run_times_of(run))}};
     if (run.frames() > 0) {
         const auto solid = solid_distance_of(h, true);
         double extent = 0;
+        Bounce bounce;
+        std::vector<double> stage_seconds(h.stages.size(), 0);  // summed over frames but frame 0
         for (int f = 0; f < run.frames(); ++f) {
             const RunFrame frame = run.frame(f);
-            extent += 1000 * axial_extent(frame.seen()) / run.frames();
+            for (size_t k = 0; k < h.stages.size() && f > 0; ++k)
+                stage_seconds[k] += double(frame.stage_seconds[k]);
+            const double extent_now = 1000 * axial_extent(frame.seen());
+            extent += extent_now / run.frames();
             const Fall fall = fall_of(frame.seen(), solid, frame.head, f / h.fps);
+            if (solid) {
+                std::vector<float> distance;
+                for (const Vec3f& x : frame.seen().points)
+                    distance.push_back(solid(x, frame.head, f / h.fps));
+                bounce.add(std::move(distance));
+            }
             json["fall"].push_back({{"time", f / h.fps},
                                     {"width_mm", 1000 * fall.width},
                                     {"height_mm", 1000 * fall.height},
+                                    {"drop_mm", 1000 * fall.drop},
+                                    {"axial_extent_mm", extent_now},
+                                    {"curl_radius_mm", 1000 * mean_of(curl_radii(frame.seen()))},
                                     {"angle_degrees", fall.angle ? Json(*fall.angle) : Json(nullptr)}});
         }
         json["axial_extent_mm"] = extent;
+        if (const auto value = bounce.value()) json["bounce_mm"] = 1000 * *value;
         // (frame) [J] of each kind, and their sum: what VI.I plots.
         for (int f = 0; f < run.frames() && !h.energy_kinds.empty(); ++f) {
             const auto energy = run.frame(f).energy;
@@ -118,56 +145,20 @@ Json run_json(const InspectOptions& o) {
         for (size_t k = 0; k < last.water.size(); ++k) json["last_water_kg"][water[k]] = last.water[k];
         for (size_t k = 0; k < h.stages.size(); ++k)
             json["last_stage_seconds"][h.stages[k]] = last.stage_seconds[k];
+        for (size_t k = 0; k < h.stages.size() && run.frames() > 1; ++k)
+            json["mean_stage_seconds"][h.stages[k]] = stage_seconds[k] / (run.frames() - 1);
     }
     return json;
-}
-
-// (channels, height, width) of a dataset's last frame, three channels, as a picture with interleaved colours.
-void write_geometry_image(const H5Reader& file, const std::string& dataset, const std::string& path) {
-    const auto shape = file.shape(dataset);
-    // Colours, or sixteen amplitudes of each axis first.
-    const size_t step = shape.size() == 4 && shape[1] == 3 ? 1 : 16;
-    if (shape.size() != 4 || shape[0] == 0 || shape[1] <= 2 * step)
-        throw Error(file.path() + ": dataset '" + dataset +
-                    "' is no geometry image, allowed (frames, 3 or at least 33, height, width)");
-    const size_t plane = shape[2] * shape[3];
-    std::vector<float> data(shape[1] * plane), rgb(3 * plane);
-    file.read_row(dataset, shape[0] - 1, data.data());
-    float low = 0, high = 1;
-    if (shape[1] != 3) {  // amplitudes [m], not colours: the first of each axis, over their range
-        low = 1e9f, high = -1e9f;
-        for (size_t c = 0; c < 3; ++c)
-            for (size_t k = 0; k < plane; ++k)
-                low = std::min(low, data[c * step * plane + k]),
-                high = std::max(high, data[c * step * plane + k]);
-    }
-    for (size_t c = 0; c < 3; ++c)
-        for (size_t k = 0; k < plane; ++k)
-            rgb[3 * k + c] = (data[c * step * plane + k] - low) / std::max(1e-9f, high - low);
-    write_image_png(path, rgb.data(), int(shape[3]), int(shape[2]), 1);
 }
 
 Json pairs_json(const InspectOptions& o) {
     const H5Reader file(o.file, pairs_format, pairs_version);
     Json json{{"codec", file.text("codec")},
               {"particles_per_strand", file.number("particles")},
-              {"runs", Json::array()},
-              {"images", Json::array()}};
+              {"runs", Json::array()}};
     for (const auto& run : file.list("runs")) {
         Json one{{"name", run}};
-        for (const auto& name : file.list("runs/" + run)) {
-            const std::string dataset = "runs/" + run + "/" + name;
-            const auto shape = file.shape(dataset);
-            one[name] = shape;
-            if (o.output.empty() || shape.size() != 4 || name == "static") continue;
-            const std::filesystem::path stem(o.output);
-            const std::string path =
-                (stem.parent_path() / (stem.stem().string() + "_" + run + "_" + name + ".png")).string();
-            if (!o.overwrite && std::filesystem::exists(path))
-                throw Error(path + ": is there already; --overwrite replaces it");
-            write_geometry_image(file, dataset, path);
-            json["images"].push_back(path);
-        }
+        for (const auto& name : file.list("runs/" + run)) one[name] = file.shape("runs/" + run + "/" + name);
         json["runs"].push_back(one);
     }
     return json;
@@ -175,6 +166,10 @@ Json pairs_json(const InspectOptions& o) {
 
 Json model_json(const InspectOptions& o) {
     const ModelCard card = network_module().card(o.file);
+    const H5Reader file(o.file, model_format, model_version);
+    Json weights = Json::array();  // of each layer, by name
+    for (const auto& name : file.list("weights"))
+        weights.push_back({{"name", name}, {"shape", file.shape("weights/" + name)}});
     return {{"codec", card.codec},
             {"architecture", card.architecture},
             {"width", card.width},
@@ -188,7 +183,8 @@ Json model_json(const InspectOptions& o) {
             {"low_substeps", card.low_substeps ? Json(card.low_substeps) : Json()},
             {"numbers", card.numbers},
             {"trained_on", card.inputs},
-            {"recipe", card.recipe}};
+            {"recipe", card.recipe},
+            {"weights", weights}};
 }
 
 template <class Term>
@@ -238,10 +234,13 @@ Json device_json() {
 }  // namespace
 
 int inspect_command(const InspectOptions& o) {
+    if (!o.output.empty())
+        throw Misuse(
+            "inspect: -o " + o.output +
+            ": it writes no pictures; `wetcurl render --image PAIRS.h5 -o out.png` draws the geometry "
+            "images of pairs, --json FILE writes what inspect says");
     const bool needs_file = o.what != "terms" && o.what != "device";
     if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
-    if (!o.output.empty() && o.what != "pairs")
-        throw Misuse("inspect -o writes the images of pairs; it has no meaning for " + o.what);
     if (!needs_file && !o.file.empty())
         throw Misuse("inspect " + o.what + ": found the file " + o.file + ", none is needed");
     if (o.what != "scene") refuse_scene_options(o, "inspect " + o.what);

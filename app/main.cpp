@@ -223,6 +223,9 @@ int main(int argc, char** argv) {
     c->add_option("--relaxation", infer.relaxation,
                   "about how many passes of Eq 10 an over-relaxed sweep stands for, in place of the scene's")
         ->check(cohesion_range("relaxation"));
+    c->add_option("--frames", infer.frames,
+                  "the first frames of the run alone, so many; of a scene, in place of its own")
+        ->check(CLI::Range(1, 1000000));
     c->add_option("--wetness", infer.wetness, "scene whose wetness and cohesion to predict for");
     c->add_option("-o,--output", infer.output, "run cache (HDF5)")->required();
 
@@ -230,6 +233,7 @@ int main(int argc, char** argv) {
     c = command("compare", "error and run time of runs against a reference", compare, compare_command);
     c->add_option("reference", compare.reference, "REFERENCE.h5")->required();
     c->add_option("others", compare.others, "OTHER.h5")->required();
+    c->footer(compare_columns());
     c->add_option("--first-frame", compare.first_frame, "leave out the frames before this one")
         ->check(CLI::NonNegativeNumber);
 
@@ -241,32 +245,66 @@ int main(int argc, char** argv) {
         "comparisons over many scenes: FOLDER/ROW/SCENE.json, of compare --json; ROW@1, ROW@2: seeds of "
         "one training");
     c->add_option("--stability", report.stability, "what stability --json wrote");
+    c->add_option("--training", report.trainings, "log of a training, MODEL.h5.jsonl (repeatable)")
+        ->expected(1)
+        ->take_all();
     c->add_option("--first-frame", report.first_frame, "leave out the frames before this one")
         ->check(CLI::NonNegativeNumber);
     c->add_option("-o,--output", report.output, "report.html");
 
     RenderOptions render;
-    c = command("render", "draw runs, side by side, without a window", render, render_command);
-    c->add_option("runs", render.runs, "RUN.h5")->required();
+    c = command("render", "draw runs, or geometry images, side by side, without a window", render,
+                render_command);
+    c->add_option("runs", render.runs,
+                  "RUN.h5; with --image: runs, PAIRS.h5 with any models of its codec, or models")
+        ->required();
     c->add_option("-o,--output", render.output, "out.png, out.mp4 or out.webm")->required();
     c->add_option("--frame", render.frame, "one frame (default: all for a video, the last for a picture)")
         ->check(CLI::NonNegativeNumber);
-    c->add_option("--width", render.width, "of one panel, 16 to 8192 [pixels]")->capture_default_str();
-    c->add_option("--height", render.height, "of one panel, 16 to 8192 [pixels]")->capture_default_str();
-    c->add_option("--yaw", render.yaw, "of the camera around the head, -360 to 360 [degrees]")
+    CLI::Option* of_strands[] = {
+        c->add_option("--width", render.width, "of one panel, 16 to 8192 [pixels]")->capture_default_str(),
+        c->add_option("--height", render.height, "of one panel, 16 to 8192 [pixels]")->capture_default_str(),
+        c->add_option("--yaw", render.yaw, "of the camera around the head, -360 to 360 [degrees]")
+            ->capture_default_str(),
+        c->add_flag("--saturation", render.saturation, "colour by saturation (red wet, blue dry)"),
+        c->add_flag_callback(
+            "--no-labels", [&] { render.labels = false; }, "no text under the panels")};
+    CLI::Option* image = c->add_flag(
+        "--image", render.image,
+        "geometry images, a strand a square: of a run its roots (Eq 14, wet ones after Eq 16); of pairs "
+        "input, target and residual; with models their predictions too; of a model its first layer");
+    for (CLI::Option* option : of_strands) image->excludes(option);
+    c->add_option("--run", render.run, "with --image: which of the runs in PAIRS.h5")
+        ->check(CLI::NonNegativeNumber)
+        ->needs(image)
         ->capture_default_str();
-    c->add_flag("--saturation", render.saturation, "colour by saturation (red wet, blue dry)");
-    c->add_flag_callback(
-        "--no-labels", [&] { render.labels = false; }, "no text under the panels");
+    c->add_option("--pixels", render.pixels, "with --image: least side of a panel, 16 to 8192")
+        ->needs(image)
+        ->capture_default_str();
+    c->footer(
+        "Geometry images: codec root shows its colours; codec strand the offset of the tip from the root in "
+        "the strand's root frame (red x, green y along the scalp's normal, blue z; grey: none). Pixels "
+        "without a strand are hatched.");
 
     PlotOptions plot;
-    c = command("plot", "draw the energy of runs or the loss of trainings over time, or charts, side by side",
-                plot, plot_command);
-    c->add_option("runs", plot.runs,
-                  "RUN.h5, logs of trainings: MODEL.h5.jsonl, or charts: CHART.json {\"title\", \"x_label\", "
-                  "\"y_label\", \"dx\", \"curves\": [{\"name\", \"values\"}]}")
+    c = command(
+        "plot",
+        "draw the energy of runs or the time of their frames, the loss of trainings, an adhesion network, "
+        "or charts, side by side",
+        plot, plot_command);
+    c->add_option(
+         "runs", plot.runs,
+         "RUN.h5; logs of trainings: MODEL.h5.jsonl, each on its own logarithmic axis; PAIRS.h5 of codec "
+         "adhesion; or charts: CHART.json {\"title\", \"x_label\", \"y_label\", \"dx\", \"curves\": "
+         "[{\"name\", "
+         "\"values\"}]}")
         ->required();
-    c->add_option("-o,--output", plot.output, "energy.png")->required();
+    c->add_flag("--time", plot.time,
+                "of runs: the time of each frame by stage, in place of energy (as in Fig. 40)");
+    c->add_option("--model", plot.model,
+                  "adhesion network to draw on PAIRS.h5: its answers against the targets, over phi/h beside "
+                  "Eq 11, and what each input is worth");
+    c->add_option("-o,--output", plot.output, "out.png")->required();
     c->add_option("--width", plot.width, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
     c->add_option("--height", plot.height, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
 
@@ -291,8 +329,8 @@ int main(int argc, char** argv) {
         ->required()
         ->check(CLI::IsMember({"scene", "run", "pairs", "model", "terms", "device"}));
     c->add_option("file", inspect.file, "the file");
-    c->add_option("-o,--output", inspect.output,
-                  "pairs: write the geometry images of the last frame as PNG, by this name's stem");
+    c->add_option("-o,--output", inspect.output)->group("");  // once images of pairs: said in the error
+    c->footer("`wetcurl render --image PAIRS.h5 -o out.png` draws the geometry images of pairs.");
 
     StabilityCommandOptions stability;
     c = command("stability", "put ways of stepping through the battery of stability, S1 to S9", stability,

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/chart.h"
 #include "app/commands.h"
 #include "app/comparison.h"
 #include "app/report_page.h"
@@ -23,8 +24,11 @@ namespace {
 void check(const ReportOptions& o) {
     if (o.output.empty() && o.json.empty())
         throw Misuse("report: nothing to write, -o report.html or --json FILE is needed");
-    if (o.runs.empty() && o.table.empty())
-        throw Misuse("report: nothing to report on, REFERENCE.h5 OTHER.h5 or --table FOLDER is needed");
+    if (o.runs.empty() && o.table.empty() && o.trainings.empty())
+        throw Misuse(
+            "report: nothing to report on, REFERENCE.h5 OTHER.h5, --table FOLDER or --training "
+            "MODEL.h5.jsonl "
+            "is needed");
     if (o.runs.size() == 1)
         throw Misuse("report: found " + o.runs[0] +
                      " alone, a reference and one run or more beside it are needed");
@@ -36,6 +40,7 @@ void check(const ReportOptions& o) {
     refuse_device(o, "report");
     auto inputs = o.runs;
     inputs.push_back(o.stability);
+    inputs.insert(inputs.end(), o.trainings.begin(), o.trainings.end());
     check_files(o, o.output, inputs);
 }
 
@@ -63,7 +68,7 @@ Json read_stability(const std::string& path) {
 }
 
 std::string title_of(const RunHeader& header) {
-    return Config::parse(header.scene, "the run's scene", header.scene_folder).root().text("title", "");
+    return Config::parse(header.scene, scene_name(header), header.scene_folder).root().text("title", "");
 }
 
 ReportPage::Facts facts_of(const std::string& path) {
@@ -96,12 +101,11 @@ std::vector<ErrorCurve> curves_of(const Rows& rows) {
     return out;
 }
 
-// 1, 2 or 5 times a power of ten, at or above x.
-double round_above(double x) {
-    const double ten = std::pow(10, std::floor(std::log10(std::max(x, 1e-3))));
-    for (double one : {1.0, 2.0, 5.0})
-        if (one * ten >= x) return one * ten;
-    return 10 * ten;
+Json json_of(const TrainingLog& log) {
+    Json out{{"file", log.path}, {"quantity", log.quantity}, {"unit", log.unit}, {"epochs", log.epochs}};
+    for (const auto& s : log.series)
+        out["series"].push_back({{"name", s.name}, {"epoch", s.epoch}, {"value", s.value}});
+    return out;
 }
 
 void describe_runs(const ReportOptions& o, const std::vector<Comparison>& others, const Rows& rows,
@@ -130,6 +134,7 @@ void describe_runs(const ReportOptions& o, const std::vector<Comparison>& others
 
 int report_command(const ReportOptions& o) {
     check(o);
+    ResultFile html(o.output, o.overwrite), results(o);
     ReportPage page;
     page.stability = read_stability(o.stability);
     std::vector<std::string> files;
@@ -140,13 +145,15 @@ int report_command(const ReportOptions& o) {
         others = compare_runs(o.runs[0], {o.runs.begin() + 1, o.runs.end()}, o.first_frame);
         of_runs = rows_of(entries_of(o.runs[0], others));
     }
-    const Rows& rows = of_table ? *of_table : *of_runs;
+    for (const auto& path : o.trainings) page.trainings.push_back(read_training_log(path));
+    const Rows rows = of_table ? *of_table : of_runs ? *of_runs : Rows();
 
     Json json{{"reference", o.runs.empty() ? Json() : Json(o.runs[0])}};
     if (of_table) json["table"] = o.table;
     json.update(json_of(rows));
     if (of_table && of_runs) json["shown"] = json_of(*of_runs)["rows"];
     json["stability"] = page.stability;
+    for (const auto& log : page.trainings) json["trainings"].push_back(json_of(log));
 
     if (!o.output.empty()) {
         page.scenes = scenes_of(rows);
@@ -163,13 +170,19 @@ int report_command(const ReportOptions& o) {
             }
             if (of_runs) page.shown = of_runs;
         }
+        if (rows.all.empty()) {
+            page.title = "Trainings";
+            page.compared = fmt::format("{} {}.", page.trainings.size(),
+                                        page.trainings.size() == 1 ? "training" : "trainings");
+        }
         if (!o.stability.empty()) files.push_back(o.stability);
+        files.insert(files.end(), o.trainings.begin(), o.trainings.end());
         for (const auto& file : files) page.files.emplace_back(file, hash_of_file(file));
         page.rows = rows;
-        write_text(html_of(page), o.output);
+        html.write(html_of(page));
         log_info("wrote " + o.output);
     }
-    write_json(json, o.json);
+    results.write_json(json);
     return 0;
 }
 

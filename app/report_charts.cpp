@@ -40,6 +40,14 @@ std::string text(const char* kind, double x, double y, const char* anchor, const
                        y, anchor, escaped(words));
 }
 
+// Of the axis at the left.
+std::string vertical_label(const std::string& words) {
+    return fmt::format(
+        "<text class=\"axis\" transform=\"translate(15 {:.1f}) rotate(-90)\" "
+        "text-anchor=\"middle\">{}</text>\n",
+        (top + height - bottom) / 2, escaped(words));
+}
+
 // A circle, square or diamond: kinds differ without their colours.
 std::string mark(const std::string& kind, double x, double y, bool hollow) {
     const std::string classes = escaped(kind) + (hollow ? " hollow" : "");
@@ -57,7 +65,6 @@ std::string mark(const std::string& kind, double x, double y, bool hollow) {
 struct LogAxis {
     double low, high, from, to;  // log10; pixels
     double at(double value) const { return from + (std::log10(value) - low) / (high - low) * (to - from); }
-    bool holds(double value) const { return std::log10(value) >= low && std::log10(value) <= high; }
 };
 
 // A little more than what is shown, a decade at the least.
@@ -68,15 +75,8 @@ LogAxis log_axis(const std::vector<double>& values, double from, double to) {
     return {low - std::max(more, missing), high + std::max(more, missing), from, to};
 }
 
-// 1, 2, 5 of each decade; of more than three decades 1 alone.
 std::vector<double> log_ticks(const LogAxis& axis) {
-    std::vector<double> out;
-    for (int e = int(std::floor(axis.low)); e <= int(std::ceil(axis.high)); ++e)
-        for (double one : {1.0, 2.0, 5.0})
-            if (const double v = one * std::pow(10, e);
-                axis.holds(v) && (one == 1 || axis.high - axis.low < 3))
-                out.push_back(v);
-    return out;
+    return log_ticks_between(std::pow(10, axis.low), std::pow(10, axis.high));
 }
 
 // Labels beside marks: each takes the first of the places around its mark that is free.
@@ -133,10 +133,7 @@ std::string cost_chart(const Rows& rows) {
         svg += text("tick", left - 8, y.at(v) + 4, "end", fmt::format("{:.4g}", v));
     }
     svg += text("axis", (left + width - right) / 2, height - 8, "middle", "time a frame [ms]");
-    svg += fmt::format(
-        "<text class=\"axis\" transform=\"translate(15 {:.1f}) rotate(-90)\" "
-        "text-anchor=\"middle\">mean error [mm]</text>\n",
-        (top + height - bottom) / 2);
+    svg += vertical_label("mean error [mm]");
 
     std::vector<Rectangle> taken;  // where no label goes
     // From the first of the front straight up, along the steps, and out to the right.
@@ -213,10 +210,7 @@ std::string error_chart(const std::vector<ErrorCurve>& curves, double start, dou
         svg += text("tick", px(v), height - bottom + 18, "middle", fmt::format("{:.4g}", v));
     }
     svg += text("axis", (left + end) / 2, height - 8, "middle", x_label);
-    svg += fmt::format(
-        "<text class=\"axis\" transform=\"translate(15 {:.1f}) rotate(-90)\" "
-        "text-anchor=\"middle\">mean error [mm]</text>\n",
-        (top + height - bottom) / 2);
+    svg += vertical_label("mean error [mm]");
     std::vector<double> ends;
     std::map<std::string, int> of_kind;  // those of one kind differ by their dashes
     for (const auto& curve : curves) {
@@ -233,6 +227,54 @@ std::string error_chart(const std::vector<ErrorCurve>& curves, double start, dou
         svg += line("lead", x + 2, ends[k], end + 10, places[k]);
         svg += text(("label ink-" + escaped(curves[k].kind)).c_str(), end + 13, places[k] + 4, "start",
                     curves[k].name);
+    }
+    return svg + "</svg>\n";
+}
+
+std::string training_chart_svg(const TrainingLog& log) {
+    const std::map<std::string, const char*> classes{
+        {"training", "training"}, {"held out", "learned"}, {"no network", "quiet-curve dash1"}};
+    std::vector<double> values;
+    double first = 1e300, last = 0;
+    size_t letters = 4;
+    for (const auto& s : log.series) {
+        for (double v : s.value)
+            if (v > 0) values.push_back(v);
+        first = std::min(first, s.epoch.front()), last = std::max(last, s.epoch.back());
+        letters = std::max(letters, letters_of(s.name) + 10);
+    }
+    if (values.empty()) values = {1};
+    if (!(last > first)) last = first + 1;
+    const double end = width - 14 - letter_width * double(letters);
+    const LogAxis y = log_axis(values, height - bottom, top);
+    const auto px = [&](double epoch) { return left + (epoch - first) / (last - first) * (end - left); };
+    const auto py = [&](double v) { return y.at(std::max(v, std::pow(10, y.low))); };
+    std::string svg = begin_svg("Training of " + log.name);
+    for (double v : log_ticks(y)) {
+        svg += line("grid", left, y.at(v), end, y.at(v));
+        svg += text("tick", left - 8, y.at(v) + 4, "end", fmt::format("{:.4g}", v));
+    }
+    for (double v : ticks_between(first, last, 8)) {
+        svg += line("grid", px(v), height - bottom, px(v), height - bottom + 5);
+        svg += text("tick", px(v), height - bottom + 18, "middle", fmt::format("{:.4g}", v));
+    }
+    svg += text("axis", (left + end) / 2, height - 8, "middle", "epoch");
+    svg += vertical_label(log.label());
+    std::vector<double> ends;
+    for (const auto& s : log.series) {
+        std::string points;
+        for (size_t k = 0; k < s.value.size(); ++k)
+            points += fmt::format("{:.1f},{:.1f} ", px(s.epoch[k]), py(s.value[k]));
+        svg += fmt::format("<g><title>{}</title><polyline class=\"curve {}\" points=\"{}\"/></g>\n",
+                           escaped(s.name), classes.at(s.name), points);
+        ends.push_back(py(s.value.back()));
+    }
+    const auto places = spread_apart(ends, letter_height + 1, top, height - bottom);
+    for (size_t k = 0; k < log.series.size(); ++k) {
+        const auto& s = log.series[k];
+        svg += line("lead", px(s.epoch.back()) + 2, ends[k], end + 10, places[k]);
+        svg +=
+            text("label", end + 13, places[k] + 4, "start", fmt::format("{} {:.3g}", s.name, s.value.back()));
     }
     return svg + "</svg>\n";
 }

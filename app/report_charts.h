@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/report_rows.h"
+#include "app/training_log.h"
 
 namespace wetcurl {
 
@@ -22,6 +23,9 @@ struct ErrorCurve {
 // Error over the time of a run. x of value k: start + k step, in the unit that `x_label` names.
 std::string error_chart(const std::vector<ErrorCurve>& curves, double start, double step,
                         const std::string& x_label);
+
+// What is learned over the epochs, on a logarithmic axis: training, held out, no network.
+std::string training_chart_svg(const TrainingLog& log);
 
 // Moves `places`, sorted or not, apart to at least `gap` each, within low..high as far as they fit, in their
 // order and near where they were: heights of labels.

@@ -226,8 +226,18 @@ std::string legend() {
     return html + "<span><i class=\"stair\"></i>Pareto front</span></p>\n";
 }
 
+std::string metrics_section(const ReportPage& page) {
+    if (page.rows.all.empty()) return "";
+    return section("metrics", "All numbers",
+                   metrics_table(page.rows, page.scenes > 1) + "<p class=\"note\">" +
+                       (page.scenes > 1 ? "Means over the scenes, of the largest values too. " : "") +
+                       "The best of a column is bold. A heading sorts; held over, it says what it means." +
+                       apart(page.rows) + "</p>\n");
+}
+
 std::string cost_section(const ReportPage& page) {
     const Rows& rows = page.rows;
+    if (rows.all.empty()) return "";
     return section(
         "cost", "Error against run time",
         legend() + "<figure>" + cost_chart(rows) + "</figure>\n" +
@@ -311,6 +321,28 @@ std::string player_section(const ReportPage& page) {
             columns + ">\n" + panels +
             "</div></div>\n<p class=\"note\">Drag to turn, wheel to zoom, double click to start over. " +
             escaped(thinned(page.player)) + "</p>\n" + data_element("player-data", page.player));
+}
+
+std::string trainings_section(const std::vector<TrainingLog>& trainings) {
+    if (trainings.empty()) return "";
+    std::string html = "<div class=\"trainings\">\n";
+    for (const auto& log : trainings) {
+        const double best = log.least("held out"), without = log.least("no network");
+        const std::string at_best =
+            std::isfinite(best)
+                ? fmt::format("held out {:.3g} {} at best{}", best, log.unit,
+                              std::isfinite(without)
+                                  ? fmt::format(", {:.3g} {} without a network", without, log.unit)
+                                  : "")
+                : "nothing was held out";
+        html += fmt::format("<figure>{}<figcaption><b>{}</b> {} epochs, {}</figcaption></figure>\n",
+                            training_chart_svg(log), escaped(log.name), log.epochs, escaped(at_best));
+    }
+    return section("training", "Training",
+                   html +
+                       "</div>\n<p class=\"note\">Each on its own logarithmic axis. Held out are frames or "
+                       "samples that the training does not see; without a network: the error of what the "
+                       "network starts from.</p>\n");
 }
 
 std::string figure(const Json& value) {
@@ -427,13 +459,9 @@ std::string html_of(const ReportPage& page) {
            escaped(page.title) + "</title>\n<style>\n" + report_style +
            "</style>\n</head>\n<body>\n<main>\n<header><h1>" + escaped(page.title) + "</h1>\n<p>" +
            escaped(page.compared) + "</p></header>\n" + headline(page.rows) + cost_section(page) +
-           section("metrics", "All numbers",
-                   metrics_table(page.rows, page.scenes > 1) + "<p class=\"note\">" +
-                       (page.scenes > 1 ? "Means over the scenes, of the largest values too. " : "") +
-                       "The best of a column is bold. A heading sorts; held over, it says what it means." +
-                       apart(page.rows) + "</p>\n") +
-           error_section(page) + player_section(page) + stability_section(page.stability) +
-           sources_section(page) + "</main>\n<script>\n" + report_script + "</script>\n</body>\n</html>\n";
+           metrics_section(page) + error_section(page) + player_section(page) +
+           trainings_section(page.trainings) + stability_section(page.stability) + sources_section(page) +
+           "</main>\n<script>\n" + report_script + "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace wetcurl

@@ -15,7 +15,7 @@ namespace wetcurl {
 struct ReportPage {
     std::string title;          // the scene's, or what stands for it
     std::string compared;       // one line
-    Rows rows;                  // of headline numbers, chart and table
+    Rows rows;                  // of headline numbers, chart and table; empty: of trainings alone
     int scenes = 1;             // that most rows have
     std::optional<Rows> shown;  // of the runs in the player, where `rows` are of a table
     std::vector<ErrorCurve> curves;
@@ -23,6 +23,7 @@ struct ReportPage {
     std::string curve_unit;  // "time [s]"
     Json player;             // of report_player.h; null: none
     Json stability;          // what `stability --json` wrote; null: none
+    std::vector<TrainingLog> trainings;
     // What it was made from: a heading, and lines of names and values.
     using Facts = std::vector<std::pair<std::string, std::string>>;
     std::vector<std::pair<std::string, Facts>> sources;

@@ -1,11 +1,15 @@
 // Results as JSON, the files of a command.
 #include "app/results.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -22,26 +26,41 @@ static bool same_file(const std::string& a, const std::string& b) {
            (!fs::exists(a, absent) && fs::weakly_canonical(a, absent) == fs::weakly_canonical(b, absent));
 }
 
+// Throws Error where no file can be made there: its folder, or the nearest one above it, takes none.
+static void require_folder_for(const std::string& output) {
+    std::error_code absent;
+    fs::path folder = fs::absolute(output).parent_path();
+    while (!fs::exists(folder, absent) && folder.has_relative_path()) folder = folder.parent_path();
+    if (!fs::is_directory(folder, absent))
+        throw Error(output + ": cannot be written: " + folder.string() + " is no folder");
+    if (access(folder.c_str(), W_OK) != 0)
+        throw Error(output + ": cannot be written in " + folder.string() + ": " + std::strerror(errno));
+}
+
 void check_files(const CommonOptions& o, const std::string& output, const std::vector<std::string>& inputs) {
     const std::string json = o.json == "-" ? "" : o.json;
-    if (!output.empty() && !json.empty() && same_file(output, json))
-        throw Misuse("--json " + json + ": is the output as well; another name is needed");
-    for (const std::string* written : {&output, &json}) {
-        if (written->empty()) continue;
+    auto touched = [](const std::string& path) {
+        if (path.empty() || is_stream(path)) return std::vector<std::string>();
+        return std::vector<std::string>{path, partial_of(path)};
+    };
+    for (const auto& a : touched(output))
+        for (const auto& b : touched(json))
+            if (same_file(a, b))
+                throw Misuse("--json " + json + ": is the output as well; another name is needed");
+    for (const std::string* written : {&output, &json})
         for (const auto& input : inputs)
-            for (const auto& touched : {*written, *written + ".partial"})
-                if (!input.empty() && same_file(touched, input))
+            for (const auto& file : touched(*written))
+                if (!input.empty() && same_file(file, input))
                     throw Misuse(*written + ": writing it would destroy the input " + input +
                                  "; another name is needed");
-        // A device or a pipe is written to, never replaced; what is resumed is there already.
-        if (!o.overwrite && !(o.resume && written == &output) && fs::is_regular_file(*written))
-            throw Error(*written + ": is there already; --overwrite replaces it");
+    // What is resumed is there already.
+    if (!output.empty()) {
+        require_place(output, o.overwrite || o.resume);
+        require_folder_for(target_of(output));
     }
-    if (fs::is_directory(json)) throw Error(json + ": is a folder, a file name is needed for --json");
-    std::error_code error;
-    if (const fs::path folder = fs::path(json).parent_path(); !folder.empty())
-        fs::create_directories(folder, error);
-    if (error) throw Error(json + ": its folder cannot be made: " + error.message());
+    if (json.empty() || is_stream(json)) return;
+    require_place(json, o.overwrite);
+    make_folder_of(json);
 }
 
 void refuse_scene_options(const CommonOptions& o, const std::string& who) {
@@ -53,33 +72,40 @@ void refuse_device(const CommonOptions& o, const std::string& who) {
     if (o.device != "cpu") throw Misuse("--device " + o.device + ": " + who + " runs on the CPU alone");
 }
 
-void write_text(const std::string& text, const std::string& path) {
-    if (fs::exists(path) && !fs::is_regular_file(path)) {
-        std::ofstream out(path);
-        out << text << std::flush;
-        if (!out) throw Error(path + ": cannot be written");
-        return;
-    }
-    const std::string partial = path + ".partial";
-    {
-        std::ofstream out(partial);
-        out << text << std::flush;
-        if (!out) throw Error(path + ": cannot be written");
-    }
-    fs::rename(partial, path);
+ResultFile::ResultFile(const std::string& path, bool overwrite, LockedFile::Others others) : path_(path) {
+    if (!path.empty() && path != "-" && !is_stream(path)) file_.emplace(path, overwrite, "", others);
 }
 
-void write_json(const Json& json, const std::string& path) {
-    if (path.empty()) return;
-    const std::string text = json.dump(2) + "\n";
-    if (path == "-")
+std::string json_text(const Json& json, int indent) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+void ResultFile::write(const std::string& text) {
+    if (file_) {
+        file_->write(text);
+        file_->commit();
+    } else if (path_ == "-") {
         std::fputs(text.c_str(), stdout);
-    else
-        write_text(text, path);
+    } else if (!path_.empty()) {
+        write_to_stream(path_, text);
+    }
+}
+
+static std::string text_of(const Json& json) { return json_text(json, 2) + "\n"; }
+
+void ResultFile::write_json(const Json& json) {
+    if (!path_.empty()) write(text_of(json));
+}
+
+void ResultFile::leave_json(const Json& json) {
+    if (!file_) return write_json(json);
+    file_->write(text_of(json));
+    file_->keep();
 }
 
 Json time_statistics(std::vector<double> t) {
-    if (t.empty()) return {{"mean", 0}, {"median", 0}, {"min", 0}, {"max", 0}, {"std", 0}};
+    if (t.empty())
+        return {{"mean", nullptr}, {"median", nullptr}, {"min", nullptr}, {"max", nullptr}, {"std", nullptr}};
     std::sort(t.begin(), t.end());
     const size_t n = t.size();
     const double mean = std::accumulate(t.begin(), t.end(), 0.0) / double(n);
@@ -90,6 +116,10 @@ Json time_statistics(std::vector<double> t) {
             {"min", t.front()},
             {"max", t.back()},
             {"std", std::sqrt(square / double(n))}};
+}
+
+std::string milliseconds_text(const Json& seconds) {
+    return seconds.is_null() ? "- ms" : fmt::format("{:.1f} ms", 1000 * seconds.get<double>());
 }
 
 }  // namespace wetcurl

@@ -35,10 +35,17 @@ Scene scene_of_file(const std::string& path, const SceneOptions& options) {
 }
 
 int substeps_of(const RunHeader& run) {
-    return int(Config::parse(run.scene, "the run's scene", run.scene_folder)
+    return int(Config::parse(run.scene, scene_name(run), run.scene_folder)
                    .root()
                    .table("integrator")
                    .integer("substeps", Integrator().substeps, 1, 1'000'000));
+}
+
+float support_radius_of(const RunHeader& run) {
+    Cohesion cohesion;
+    read_parameters(cohesion, Cohesion::parameters,
+                    Config::parse(run.scene, scene_name(run), run.scene_folder).root().table("cohesion"));
+    return float(cohesion.h_c);
 }
 
 }  // namespace wetcurl

@@ -16,4 +16,7 @@ Scene scene_of_file(const std::string& path, const SceneOptions& options);
 // Of a frame of the run's scene.
 int substeps_of(const RunHeader& run);
 
+// h of Eq 16 [m]: the cohesion radius of the run's scene, or its default where the scene has no cohesion.
+float support_radius_of(const RunHeader& run);
+
 }  // namespace wetcurl

@@ -17,7 +17,7 @@ static std::shared_ptr<const Scene> scene_of(const RunHeader& header) {
         SceneOptions options;
         options.stride = header.stride;
         scene = std::make_shared<Scene>(
-            parse_scene(header.scene, "the run's scene", header.scene_folder, options));
+            parse_scene(header.scene, scene_name(header), header.scene_folder, options));
     }
     return scene;
 }

@@ -10,6 +10,7 @@
 #include "app/adhesion_network.h"
 #include "app/commands.h"
 #include "app/device.h"
+#include "app/missing_model.h"
 #include "app/reference.h"
 #include "app/results.h"
 #include "app/run_of_scene.h"
@@ -30,6 +31,7 @@ int simulate_command(const SimulateOptions& o) {
     options.groom = o.groom;
     Scene scene = scene_of_file(o.scene, options);
     check_files(o, o.output, scene.files);
+    ResultFile results(o);
     if (o.dry) make_dry(scene);
     if (o.before_cohesion) leave_out_display(scene);
     if (o.before_cohesion && scene.cohesion)
@@ -37,6 +39,8 @@ int simulate_command(const SimulateOptions& o) {
             fmt::format("--before-cohesion: found cohesion.strength = {:g}, allowed 0: cohesion that acts "
                         "in the solve cannot be left out of what is displayed",
                         scene.cohesion->strength));
+    if (!scene.adhesion_model.empty())
+        require_model_of_adhesion(scene.adhesion_model, o.scene + ": [adhesion] model", o.scene, o);
     const std::string precision = trusted_precision(scene, o.precision);
     if (precision != o.precision)
         log_warning(
@@ -48,10 +52,8 @@ int simulate_command(const SimulateOptions& o) {
     auto network = adhesion_model_of(scene, o.threads);
     simulation->use_adhesion_model(network.get());
 
-    RunHeader header = header_of(scene, *simulation,
-                                 network           ? "simulated wet, adhesion learned"
-                                 : acts_wet(scene) ? "simulated wet"
-                                                   : "simulated dry");
+    RunHeader header =
+        header_of(scene, *simulation, method_of(scene) + (network ? ", adhesion learned" : ""));
     header.device = o.device;
     InterruptGuard guard;
     RunWriter writer(o.output, header, o.overwrite);
@@ -119,20 +121,20 @@ int simulate_command(const SimulateOptions& o) {
             {"mean", std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size())},
             {"last", errors.back()},
             {"max", *std::max_element(errors.begin(), errors.end())}};
-    write_json(json, o.json);
+    results.write_json(json);
     if (diverged) {
         throw Error(fmt::format(
-            "the run diverged at frame {}, strand {}, largest term '{}'; {} frames are kept in {}.partial "
+            "the run diverged at frame {}, strand {}, largest term '{}'; {} frames are kept in {} "
             "(more [integrator] substeps, or less stiffness, may help)",
-            done, diverged->strand, diverged->largest_term, done, o.output));
+            done, diverged->strand, diverged->largest_term, done, partial_of(o.output)));
     }
     if (done < scene.frames)
-        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}.partial", done, o.output));
+        throw Interrupted(fmt::format("interrupted: {} frames are kept in {}", done, partial_of(o.output)));
     log_info(
-        fmt::format("{}: {} strands x {} particles, {} frames, median {:.1f} ms a frame, {:.0f} bytes a "
+        fmt::format("{}: {} strands x {} particles, {} frames, median {} a frame, {:.0f} bytes a "
                     "particle; present: {}",
                     o.output, scene.groom.rest.count, scene.groom.rest.particles, done,
-                    1000 * json["seconds_per_frame"]["median"].get<double>(),
+                    milliseconds_text(json["seconds_per_frame"]["median"]),
                     json["bytes_per_particle"].get<double>(), fmt::join(presence.present, ", ")));
     if (water)
         log_info(fmt::format(

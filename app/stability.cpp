@@ -100,6 +100,7 @@ int stability_command(const StabilityCommandOptions& o) {
     if (o.scene.empty()) refuse_scene_options(o, "stability without a scene");
     check_files(o, "", {o.scene});
     const auto as_listed = chosen(o.methods);
+    ResultFile results_file(o);
     StabilityOptions options;
     options.quick = o.quick, options.scene = o.scene, options.set = o.set, options.only = o.only;
     if (o.seed) options.set.push_back(fmt::format("seed={}", *o.seed));
@@ -180,7 +181,7 @@ int stability_command(const StabilityCommandOptions& o) {
                            cell(p.energy_ratio), p.holds() ? "  holds" : "");
         }
     }
-    write_json(json, o.json);
+    results_file.write_json(json);
     return ours_passed ? 0 : 1;
 }
 

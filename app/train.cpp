@@ -39,6 +39,7 @@ int train_command(const TrainOptions& o) {
     request.overwrite = o.overwrite;
     request.resume = o.resume;
     request.ranks = ranks_of_launcher();
+    ResultFile results(request.ranks.first() ? o.json : "", o.overwrite);
     std::unique_ptr<Progress> bar;  // how many steps there are is known at the first
     if (request.ranks.first()) {
         request.log = log_info;
@@ -57,7 +58,7 @@ int train_command(const TrainOptions& o) {
               {"codec", card.codec},
               {"parameters", card.parameters}};
     for (const auto& [name, value] : card.numbers) json[name] = value;
-    write_json(json, o.json);
+    results.write_json(json);
     if (o.json != "-") {
         std::string line = fmt::format("{}: {}, {} parameters", o.output, card.architecture, card.parameters);
         for (const auto& [name, value] : card.numbers) line += fmt::format(", {} {:.4g}", name, value);

@@ -16,9 +16,28 @@
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
 
+#include "base/lfs_pointer.h"
+
 namespace wetcurl {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// Where a value was written.
+struct Place {
+    std::string file;
+    int line;
+};
+using Places = std::map<std::string, Place>;  // of each full path
+
+// The path of the table or array that holds `path`; "" of a name at the top.
+std::string holder_of(const std::string& path) {
+    const auto end = path.find_last_of(".[");
+    return end == std::string::npos ? "" : path.substr(0, end);
+}
+
+}  // namespace
 
 struct Config::Body {
     toml::table root;
@@ -26,6 +45,19 @@ struct Config::Body {
     std::set<std::string> used;                  // full paths that a getter asked for
     std::set<std::string> files;                 // read, or named by a value that was asked for
     std::map<std::string, std::string> written;  // by set(), and what gave it: no line to show
+    Places places;                               // of the others
+
+    // "scene.toml:12: ", "--set groom.grid: ", or the file alone where no line is known. What a message about
+    // `path` begins with, less the path itself where `set` has said it.
+    std::string where(const std::string& path) const {
+        for (std::string at = path;; at = holder_of(at)) {
+            if (const auto given = written.find(at); given != written.end())
+                return at == path ? given->second : given->second + ": " + path;
+            if (const auto place = places.find(at); place != places.end())
+                return fmt::format("{}:{}: {}", place->second.file, place->second.line, path);
+            if (at.empty()) return name + ": " + path;
+        }
+    }
 };
 
 namespace {
@@ -36,7 +68,42 @@ std::string read_file(const std::string& path) {
     if (!in) throw Misuse(path + ": cannot be read (no such file, or no permission)");
     std::stringstream text;
     text << in.rdbuf();
+    refuse_lfs_pointer(text.str(), path);
     return text.str();
+}
+
+constexpr const char* about_backslashes =
+    "; a backslash in double quotes begins an escape sequence (\\b is a backspace): in paths write / instead";
+
+// Control characters as TOML writes them.
+std::string printable(const std::string& text) {
+    const std::pair<char, const char*> short_ones[] = {
+        {'\b', "\\b"}, {'\t', "\\t"}, {'\n', "\\n"}, {'\f', "\\f"}, {'\r', "\\r"}};
+    std::string out;
+    for (const char c : text) {
+        const auto known = std::find_if(std::begin(short_ones), std::end(short_ones),
+                                        [&](const auto& one) { return one.first == c; });
+        if (known != std::end(short_ones))
+            out += known->second;
+        else if ((unsigned char)c < 32 || c == 127)
+            out += fmt::format("\\u{:04x}", int(c));
+        else
+            out += c;
+    }
+    return out;
+}
+
+// What is wrong with the name of a file in a scene or recipe, where that is its backslashes; "": nothing.
+std::string backslashes_in(const std::string& path, const fs::path& folder) {
+    if (printable(path) != path)
+        return "found '" + printable(path) + "', which has control characters" + about_backslashes;
+    std::string slashes = path;
+    std::replace(slashes.begin(), slashes.end(), '\\', '/');
+    std::error_code none;
+    if (slashes != path && !fs::exists(folder / path, none))
+        return "no file '" + path + "': folders are divided by / here, not by a backslash; write '" +
+               slashes + "'";
+    return "";
 }
 
 toml::table parse_toml(const std::string& text, const std::string& name) {
@@ -45,37 +112,81 @@ toml::table parse_toml(const std::string& text, const std::string& name) {
     try {
         return toml::parse(text, name);
     } catch (const toml::parse_error& e) {
-        throw Misuse(fmt::format("{}:{}: {}", name, e.source().begin.line, e.description()));
+        const std::string said(e.description());
+        throw Misuse(fmt::format("{}:{}: {}{}", name, e.source().begin.line, said,
+                                 said.find("escape sequence") == std::string::npos ? "" : about_backslashes));
     }
+}
+
+std::string joined(const std::string& path, const std::string& key) {
+    return path.empty() ? key : path + "." + key;
+}
+
+void note_places(const toml::node& node, const std::string& path, const std::string& file, Places& places) {
+    const int line = int(node.source().begin.line);
+    if (!path.empty() && line > 0) places[path] = {file, line};
+    if (const auto* t = node.as_table())
+        for (const auto& [key, value] : *t)
+            note_places(value, joined(path, std::string(key.str())), file, places);
+    if (const auto* a = node.as_array())
+        for (size_t i = 0; i < a->size(); ++i)
+            note_places(*a->get(i), fmt::format("{}[{}]", path, i), file, places);
+}
+
+// Whether `path` is `top` or lies in it.
+bool lies_in(const std::string& path, const std::string& top) {
+    return path.starts_with(top) &&
+           (path.size() == top.size() || path[top.size()] == '.' || path[top.size()] == '[');
+}
+
+// A table and where its values were written.
+struct Written {
+    toml::table root;
+    Places places;
+};
+
+Written written_in(const std::string& text, const std::string& name) {
+    Written out{parse_toml(text, name), {}};
+    note_places(out.root, "", name, out.places);
+    return out;
 }
 
 // Tables merge key by key; anything else in `over` wins.
-void merge_below(toml::table& over, const toml::table& below) {
+void merge_below(toml::table& over, Places& places, const std::string& path, const toml::table& below,
+                 const Places& below_places) {
     for (const auto& [key, value] : below) {
-        if (!over.contains(key.str()))
+        const std::string at = joined(path, std::string(key.str()));
+        if (!over.contains(key.str())) {
             over.insert(key, value);
-        else if (value.is_table() && over[key.str()].is_table())
-            merge_below(*over[key.str()].as_table(), *value.as_table());
+            for (const auto& [name, place] : below_places)
+                if (lies_in(name, at)) places[name] = place;
+        } else if (value.is_table() && over[key.str()].is_table()) {
+            merge_below(*over[key.str()].as_table(), places, at, *value.as_table(), below_places);
+        }
     }
 }
 
-void include_files(toml::table& table, const fs::path& folder, const std::string& name, int depth,
+void include_files(Written& table, const fs::path& folder, const std::string& name, int depth,
                    std::set<std::string>& files) {
-    const toml::node* node = table.get("include");
+    const toml::node* node = table.root.get("include");
     if (!node) return;
     const auto line = node->source().begin.line;
     if (depth > 8)
         throw Misuse(fmt::format("{}:{}: include: nested deeper than 8 files (a circle?)", name, line));
     if (!node->is_string())
         throw Misuse(fmt::format("{}:{}: include: a file name in quotes is needed", name, line));
-    const fs::path path = folder / node->as_string()->get();
+    const std::string& given = node->as_string()->get();
+    if (const std::string wrong = backslashes_in(given, folder); !wrong.empty())
+        throw Misuse(fmt::format("{}:{}: include: {}", name, line, wrong));
+    const fs::path path = folder / given;
     if (!fs::exists(path))
         throw Misuse(fmt::format("{}:{}: include: no file '{}'", name, line, path.string()));
-    toml::table below = parse_toml(read_file(path.string()), path.string());
+    Written below = written_in(read_file(path.string()), path.string());
     files.insert(path.string());
     include_files(below, path.parent_path(), path.string(), depth + 1, files);
-    table.erase("include");
-    merge_below(table, below);
+    table.root.erase("include");
+    table.places.erase("include");
+    merge_below(table.root, table.places, "", below.root, below.places);
 }
 
 const char* type_name(const toml::node& n) {
@@ -108,10 +219,6 @@ std::string shown(const toml::node& n) {
     return out.str();
 }
 
-std::string joined(const std::string& path, const std::string& key) {
-    return path.empty() ? key : path + "." + key;
-}
-
 }  // namespace
 
 Config Config::parse(const std::string& text, const std::string& name, const std::string& folder) {
@@ -119,8 +226,10 @@ Config Config::parse(const std::string& text, const std::string& name, const std
     c.body_ = std::make_shared<Body>();
     c.body_->name = name;
     c.body_->folder = fs::absolute(folder).lexically_normal().string();
-    c.body_->root = parse_toml(text, name);
-    include_files(c.body_->root, folder, name, 0, c.body_->files);
+    Written written = written_in(text, name);
+    include_files(written, folder, name, 0, c.body_->files);
+    c.body_->root = std::move(written.root);
+    c.body_->places = std::move(written.places);
     return c;
 }
 
@@ -152,18 +261,19 @@ static std::vector<std::string> names_of_path(const std::string& path) {
 }
 
 void Config::set(const std::string& assignment, const std::string& option) {
+    const std::string who = option.empty() ? "--set " + assignment : option;
     const auto equals = assignment.find('=');
-    if (equals == std::string::npos || equals == 0)
-        throw Misuse("--set " + assignment + ": found no 'key.path=value'");
+    if (equals == std::string::npos || equals == 0) throw Misuse(who + ": found no 'key.path=value'");
     const std::string value = assignment.substr(equals + 1);
     const auto keys = names_of_path(assignment.substr(0, equals));
     const std::string path = fmt::format("{}", fmt::join(keys, "."));
     if (keys.empty())
-        throw Misuse("--set " + assignment + ": found key '" + assignment.substr(0, equals) +
+        throw Misuse(who + ": found key '" + assignment.substr(0, equals) +
                      "', allowed are names joined by dots, in quotes where a name has dots itself "
                      "(tables [[…]] cannot be set)");
     if (value.find('\n') != std::string::npos)
-        throw Misuse("--set " + path + ": found a value of several lines, allowed is one");
+        throw Misuse((option.empty() ? "--set " + path : option) +
+                     ": found a value of several lines, allowed is one");
     toml::table one;
     try {
         one = toml::parse("v = " + value);
@@ -174,21 +284,38 @@ void Config::set(const std::string& assignment, const std::string& option) {
     for (size_t i = 0; i + 1 < keys.size(); ++i) {
         if (!at->contains(keys[i])) at->insert(keys[i], toml::table{});
         at = at->get(keys[i])->as_table();
-        if (!at) throw Misuse("--set " + assignment + ": '" + keys[i] + "' is no table");
+        if (!at) throw Misuse(who + ": '" + keys[i] + "' is no table");
     }
     at->insert_or_assign(keys.back(), *one.get("v"));
+    std::erase_if(body_->places, [&](const auto& place) { return lies_in(place.first, path); });
+    std::erase_if(body_->written, [&](const auto& given) { return lies_in(given.first, path); });
     body_->written[path] = option.empty() ? "--set " + path : option;
 }
 
 void Config::replace(const std::string& text, const std::string& name) {
-    for (const auto& [key, value] : parse_toml(text, name)) {
+    const Written more = written_in(text, name);
+    for (const auto& [key, value] : more.root) {
+        const std::string path(key.str());
         toml::array* mine = body_->root[key.str()].as_array();
-        const toml::array* more = value.as_array();
-        if (mine && mine->is_array_of_tables() && more && more->is_array_of_tables())
-            for (const auto& table : *more) mine->push_back(table);
-        else
-            body_->root.insert_or_assign(key.str(), value);
+        const toml::array* others = value.as_array();
+        if (mine && mine->is_array_of_tables() && others && others->is_array_of_tables()) {
+            for (const auto& table : *others) {
+                note_places(table, fmt::format("{}[{}]", path, mine->size()), name, body_->places);
+                mine->push_back(table);
+            }
+            continue;
+        }
+        body_->root.insert_or_assign(key.str(), value);
+        std::erase_if(body_->places, [&](const auto& place) { return lies_in(place.first, path); });
+        std::erase_if(body_->written, [&](const auto& given) { return lies_in(given.first, path); });
+        note_places(value, path, name, body_->places);
     }
+}
+
+Config Config::copy() const {
+    Config out;
+    out.body_ = std::make_shared<Body>(*body_);
+    return out;
 }
 
 Table Config::root() {
@@ -199,27 +326,24 @@ Table Config::root() {
 }
 
 static void find_unused(const toml::node& node, const std::string& path, const std::set<std::string>& used,
-                        std::vector<std::pair<std::string, int>>& out) {
+                        std::vector<std::string>& out) {
     if (const auto* t = node.as_table()) {
-        if (!path.empty() && !used.count(path)) {
-            out.emplace_back(path, int(t->source().begin.line));
-            return;
-        }
+        if (!path.empty() && !used.count(path)) return out.push_back(path);
         for (const auto& [key, value] : *t)
             find_unused(value, joined(path, std::string(key.str())), used, out);
     } else if (const auto* a = node.as_array(); a && a->is_array_of_tables() && used.count(path)) {
         for (size_t i = 0; i < a->size(); ++i)
             find_unused(*a->get(i), fmt::format("{}[{}]", path, i), used, out);
     } else if (!used.count(path)) {
-        out.emplace_back(path, int(node.source().begin.line));
+        out.push_back(path);
     }
 }
 
 void Config::require_all_used() const {
-    std::vector<std::pair<std::string, int>> unused;
+    std::vector<std::string> unused;
     find_unused(body_->root, "", body_->used, unused);
     if (unused.empty()) return;
-    const auto& [path, line] = unused.front();
+    const std::string& path = unused.front();
     // Names are compared within their table.
     const auto dot = path.rfind('.');
     const std::string prefix = dot == std::string::npos ? "" : path.substr(0, dot + 1);
@@ -227,9 +351,8 @@ void Config::require_all_used() const {
     for (const auto& u : body_->used)
         if (u.rfind(prefix, 0) == 0 && u.find('.', prefix.size()) == std::string::npos)
             siblings.push_back(u.substr(prefix.size()));
-    throw Misuse(fmt::format("{}: unknown or unused key '{}'{}",
-                             line > 0 ? fmt::format("{}:{}", body_->name, line) : "--set", path,
-                             did_you_mean(path.substr(prefix.size()), siblings)));
+    throw Misuse(body_->where(path) + ": unknown or unused key '" + path + "'" +
+                 did_you_mean(path.substr(prefix.size()), siblings));
 }
 
 std::string Config::text() const {
@@ -260,14 +383,7 @@ static const toml::table* as_table(const void* node) { return static_cast<const 
 bool Table::present() const { return node_ != nullptr; }
 
 std::string Table::where(const std::string& key) const {
-    const std::string path = key.empty() ? path_ : joined(path_, key);
-    if (const auto given = body_->written.find(path); given != body_->written.end()) return given->second;
-    const toml::node* at = node_ ? as_table(node_) : nullptr;
-    if (at && !key.empty())
-        if (const toml::node* child = as_table(node_)->get(key)) at = child;
-    const int line = at ? int(at->source().begin.line) : 0;
-    return line > 0 ? fmt::format("{}:{}: {}", body_->name, line, path)
-                    : fmt::format("{}: {}", body_->name, path);
+    return body_->where(key.empty() ? path_ : joined(path_, key));
 }
 
 void Table::fail(const std::string& key, const std::string& message) const {
@@ -405,6 +521,7 @@ std::string Table::Ranges::with(const std::vector<double>& numbers) const {
 std::string Table::path(const std::string& key) const {
     const std::string p = text(key, "");
     if (p.empty()) return p;
+    if (const std::string wrong = backslashes_in(p, body_->folder); !wrong.empty()) fail(key, wrong);
     return *body_->files.insert((fs::path(body_->folder) / p).lexically_normal().string()).first;
 }
 

@@ -30,9 +30,12 @@ class Config {
     // gave it, where that is not --set, and is what messages name.
     void set(const std::string& assignment, const std::string& option = "");
     // Another text's tables and values take the place of those of their name; its [[tables]] come after them.
+    // `name` stands for it in messages.
     void replace(const std::string& text, const std::string& name);
+    // A config of its own: what is set or read there is not set or read here.
+    Config copy() const;
     Table root();
-    // Throws Misuse for the first key that nobody asked for, with the nearest key that somebody did.
+    // Throws Misuse for the first key that nothing read, with the nearest key that something did.
     void require_all_used() const;
     // The whole as TOML text, includes and assignments merged: what goes into a cache's provenance.
     std::string text() const;
@@ -79,7 +82,8 @@ class Table {
     Table table(const std::string& key) const;
     std::vector<std::string> keys() const;                    // that are written, sorted
     std::vector<Table> tables(const std::string& key) const;  // [[key]]
-    // "scene.toml:12: groom.grid": where a message should point.
+    // "scene.toml:12: groom.grid": where a message should point; the file is the one that the value was
+    // written in, be it included or replaced.
     std::string where(const std::string& key = "") const;
     [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 

@@ -3,12 +3,17 @@
 
 #include <hdf5.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <mutex>
+#include <thread>
 #include <type_traits>
 #include <utility>
+
+#include "base/lfs_pointer.h"
 
 namespace wetcurl {
 
@@ -80,6 +85,23 @@ hid_t untimed_dataset() {
     return list;
 }
 
+// HDF5 would lock what it writes too, by the same flock(2), and find the OutputFile's lock in its way.
+hid_t unlocked() {
+    static const hid_t list = [] {
+        hid_t l = H5Pcreate(H5P_FILE_ACCESS);
+        H5Pset_file_locking(l, false, true);
+        return l;
+    }();
+    return list;
+}
+// The environment's word would go before that. Its "FALSE", for file systems without locks, still holds for
+// reading.
+const bool unlocked_can_be_had = [] {
+    const char* word = std::getenv("HDF5_USE_FILE_LOCKING");
+    return !word || std::string(word) == "FALSE" || std::string(word) == "0" ||
+           unsetenv("HDF5_USE_FILE_LOCKING") == 0;
+}();
+
 std::string shape_text(const std::vector<size_t>& shape) {
     std::string s = "(";
     for (size_t i = 0; i < shape.size(); ++i)
@@ -89,29 +111,26 @@ std::string shape_text(const std::vector<size_t>& shape) {
 
 }  // namespace
 
-H5Writer::H5Writer(const std::string& path, const std::string& format, int version, bool overwrite)
-    : path_(path), partial_(path + ".partial") {
+H5Writer::H5Writer(OutputFile place, const std::string& format, int version)
+    : place_(std::move(place)), path_(place_.path()) {
     const Turn turn;
-    if (path.empty()) throw Misuse("output: found an empty file name");
-    std::error_code unreadable;
-    if (fs::is_directory(path, unreadable)) throw Error(path + ": is a folder, a file name is needed");
-    if (fs::exists(path, unreadable) && !overwrite)
-        throw Error(path + ": is there already; --overwrite replaces it");
-    const fs::path folder = fs::path(path).parent_path();
-    if (!folder.empty()) {
-        std::error_code error;
-        fs::create_directories(folder, error);
-        if (error) throw Error(path + ": its folder cannot be made: " + error.message());
+    place_.begin();
+    file_ = H5Fcreate(place_.partial().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, unlocked());
+    check(file_ >= 0, path_, "cannot be written (HDF5 cannot make " + place_.partial() + ")");
+    try {
+        attribute("format", format);
+        attribute("version", double(version));
+    } catch (...) {
+        H5Fclose(file_);
+        throw;
     }
-    file_ = H5Fcreate(partial_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-    check(file_ >= 0, path, "cannot be written (folder missing, or no permission)");
-    attribute("format", format);
-    attribute("version", double(version));
 }
 
 H5Writer::~H5Writer() {
     const Turn turn;
-    if (file_ >= 0) H5Fclose(file_);
+    if (file_ < 0) return;
+    place_.keep();
+    H5Fclose(file_);
 }
 
 template <class T>
@@ -189,18 +208,41 @@ void H5Writer::link(const std::string& name, const std::string& file, const std:
 void H5Writer::flush() {
     const Turn turn;
     check(H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0, path_,
-          "cannot be written (disk full?); what was written is in " + partial_);
+          "cannot be written (disk full?); what was written is in " + place_.partial());
 }
 
 void H5Writer::commit() {
     const Turn turn;
+    place_.keep();
     const bool flushed = H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;
-    const bool closed = H5Fclose(file_) >= 0;
-    file_ = -1;
-    check(flushed && closed, path_, "cannot be finished (disk full?); what was written is in " + partial_);
-    std::error_code error;
-    fs::rename(partial_, path_, error);
-    check(!error, path_, "cannot be renamed from " + partial_ + ": " + error.message());
+    const bool closed = H5Fclose(std::exchange(file_, -1)) >= 0;
+    check(flushed && closed, path_,
+          "cannot be finished (disk full?); what was written is in " + place_.partial());
+    place_.commit();
+}
+
+void H5Writer::discard() {
+    const Turn turn;
+    if (file_ >= 0) H5Fclose(std::exchange(file_, -1));
+}
+
+static void require_unwritten(const std::string& path, const std::string& writer) {
+    check(writer.empty(), path, "found that " + writer + " writes it; wait until it ends");
+}
+
+// A file gets its name a moment before its writer lets go of it.
+static hid_t opened_to_read(const std::string& path) {
+    constexpr int most = 50;
+    std::string writer;
+    for (int k = 0; k < most; ++k) {
+        const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+        if (file >= 0) return file;
+        writer = writer_of(path);
+        if (writer.empty() && k > 0) break;
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    require_unwritten(path, writer);
+    throw Error(path + ": is cut short or damaged (HDF5 cannot open it)");
 }
 
 H5Reader::H5Reader(const std::string& path, const std::string& format, int version, int oldest)
@@ -208,11 +250,14 @@ H5Reader::H5Reader(const std::string& path, const std::string& format, int versi
     const Turn turn;
     if (!fs::exists(path)) throw Error(path + ": no such file");
     if (fs::is_directory(path)) throw Error(path + ": found a folder, a '" + format + "' file is needed");
-    if (fs::file_size(path) == 0) throw Error(path + ": the file is empty");
-    if (H5Fis_hdf5(path.c_str()) <= 0)
-        throw Error(path + ": found no HDF5 file, a '" + format + "' file is needed");
-    file_ = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-    check(file_ >= 0, path, "is cut short or damaged (HDF5 cannot open it)");
+    const bool empty = fs::file_size(path) == 0;
+    if (!empty) refuse_lfs_pointer(path);
+    if (empty || H5Fis_hdf5(path.c_str()) <= 0) {
+        require_unwritten(path, writer_of(path));
+        throw Error(path + (empty ? ": the file is empty"
+                                  : ": found no HDF5 file, a '" + format + "' file is needed"));
+    }
+    file_ = opened_to_read(path);
     try {
         check(has("about/format"), path, "found a foreign HDF5 file, a '" + format + "' file is needed");
         const std::string found = text("format");
@@ -262,6 +307,24 @@ bool H5Reader::has(const std::string& name) const {
     return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0;
 }
 
+// Whether the file holds what `set` claims to: as many bytes, or so many that its filters (gzip at most)
+// could have made them of it. A claim is believed before memory is asked for, and unwritten values read as 0.
+static void check_stored(hid_t set, const std::vector<size_t>& shape, const std::string& path,
+                         const std::string& name) {
+    constexpr double most_compressed = 1032;  // of gzip
+    Handle type(H5Dget_type(set), H5Tclose);
+    Handle list(H5Dget_create_plist(set), H5Pclose);
+    const bool filtered = H5Pget_nfilters(list) > 0;
+    double claimed = double(H5Tget_size(type));
+    for (const size_t side : shape) claimed *= double(side);
+    const double stored = double(H5Dget_storage_size(set));
+    if (claimed <= stored * (filtered ? most_compressed : 1)) return;
+    char sizes[96];
+    std::snprintf(sizes, sizeof sizes, "%.0f bytes, of which the file holds %.0f", claimed, stored);
+    throw Error(path + ": dataset '" + name + "' claims " + shape_text(shape) + " values of " + sizes +
+                ": it is cut short or damaged");
+}
+
 std::vector<size_t> H5Reader::shape(const std::string& name) const {
     const Turn turn;
     check(has(name), path_, "dataset '" + name + "' is missing" + other_file(file_, name));
@@ -270,7 +333,12 @@ std::vector<size_t> H5Reader::shape(const std::string& name) const {
     Handle space(H5Dget_space(set), H5Sclose);
     std::vector<hsize_t> dims(size_t(std::max(0, H5Sget_simple_extent_ndims(space))));
     if (!dims.empty()) H5Sget_simple_extent_dims(space, dims.data(), nullptr);
-    return {dims.begin(), dims.end()};
+    const std::vector<size_t> found(dims.begin(), dims.end());
+    if (!stored_.contains(name)) {
+        check_stored(set, found, path_, name);
+        stored_.insert(name);
+    }
+    return found;
 }
 
 static void check_same_kind(hid_t set, hid_t wanted, const std::string& path, const std::string& name) {
@@ -340,7 +408,7 @@ std::string H5Reader::text(const std::string& attribute) const {
     Handle type(H5Dget_type(set), H5Tclose);
     check(H5Tget_class(type) == H5T_STRING && !H5Tis_variable_str(type) && shape(name).empty(), path_,
           "attribute '" + attribute + "' is no text");
-    std::string value(H5Tget_size(type), '\0');
+    std::string value(H5Tget_size(type), '\0');  // which the file holds: `shape` has checked it
     check(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.data()) >= 0, path_,
           "attribute '" + attribute + "' cannot be read");
     value.resize(value.find('\0') == std::string::npos ? value.size() : value.find('\0'));

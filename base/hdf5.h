@@ -2,21 +2,27 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "base/output_file.h"
 
 namespace wetcurl {
 
 // Both may be used by several threads, an object by one at a time.
 
-// A file of ours: it carries a format name and a version, and is written beside its name (NAME.partial),
-// then renamed when `commit` is called. One that is destroyed uncommitted stays as NAME.partial, readable.
+// A file of ours: it carries a format name and a version, and is written as an OutputFile, which gets its
+// name when `commit` is called. One that is destroyed uncommitted stays as NAME.partial, readable.
 class H5Writer {
   public:
-    // Throws Error where `path` exists and `overwrite` is false, or where it cannot be made.
-    H5Writer(const std::string& path, const std::string& format, int version, bool overwrite);
+    // Throws Error where `path` exists and `overwrite` is false, where another process writes it, or where it
+    // cannot be made.
+    H5Writer(const std::string& path, const std::string& format, int version, bool overwrite)
+        : H5Writer(OutputFile(path, overwrite), format, version) {}
+    // Into a place that was secured before.
+    H5Writer(OutputFile place, const std::string& format, int version);
     ~H5Writer();
     H5Writer(const H5Writer&) = delete;
     H5Writer& operator=(const H5Writer&) = delete;
@@ -36,25 +42,28 @@ class H5Writer {
     void attribute(const std::string& name, double value);
     // `name` here is what lies at `target` in another file, whose path starts at this one's folder.
     void link(const std::string& name, const std::string& file, const std::string& target);
-    void flush();   // what is written so far survives a crash
-    void commit();  // closes and renames to the final name
+    void flush();    // what is written so far survives a crash
+    void commit();   // closes and renames to the final name
+    void discard();  // closes and removes what was written
     const std::string& path() const { return path_; }
 
   private:
-    std::string path_, partial_;
+    OutputFile place_;
+    std::string path_;
     int64_t file_ = -1;
 };
 
 class H5Reader {
   public:
-    // Throws Error where the file is missing, empty, cut short, foreign, of another format, or of a version
-    // newer than `version` or older than `oldest`.
+    // Throws Error where the file is missing, empty, being written, cut short, foreign, of another format, or
+    // of a version newer than `version` or older than `oldest`.
     H5Reader(const std::string& path, const std::string& format, int version, int oldest = 1);
     ~H5Reader();
     H5Reader(const H5Reader&) = delete;
     H5Reader& operator=(const H5Reader&) = delete;
 
     bool has(const std::string& name) const;
+    // Throws Error where the file holds fewer bytes than that many values have.
     std::vector<size_t> shape(const std::string& name) const;
     // The whole dataset. `shape`, where given, must match (0 = any). Floating data is checked to be finite.
     template <class T>
@@ -72,6 +81,7 @@ class H5Reader {
   private:
     std::string path_;
     int64_t file_ = -1;
+    mutable std::set<std::string> stored_;  // datasets whose values the file is known to hold
 };
 
 }  // namespace wetcurl

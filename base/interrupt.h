@@ -1,4 +1,4 @@
-// Ctrl-C and SIGTERM: work that has something to keep stops where it can, the rest ends at once. Ours.
+// Ctrl-C and SIGTERM: work that has something to keep stops where it can, the rest ends at once.
 #pragma once
 
 #include <csignal>
@@ -13,7 +13,8 @@ class Interrupted : public std::runtime_error {
 };
 
 // While alive, the first signal asks instead of killing: the frame or step at hand is finished and what is
-// there is kept. The second ends the program.
+// there is kept. A second one within a moment (1 s) is the same one again, also just after the guard's end;
+// a later one ends the program.
 class InterruptGuard {
   public:
     InterruptGuard();

@@ -23,6 +23,23 @@ std::vector<std::string> split_lines(const std::string& s) {
     return out;
 }
 constexpr size_t water_columns = 4;  // of RunFrame::water
+
+// Throws Error, naming dataset and place, for the first value outside [low, high]. `columns`: values a frame,
+// 0: the dataset has none.
+template <class T>
+void check_within(const std::vector<T>& values, const H5Reader& f, const std::string& dataset, double low,
+                  double high, size_t columns) {
+    for (size_t k = 0; k < values.size(); ++k) {
+        if (values[k] >= low && values[k] <= high) continue;
+        std::ostringstream text;
+        text << f.path() << ": dataset '" << dataset << "', ";
+        columns ? text << "frame " << k / columns : text << "value " << k;
+        text << ": found " << values[k] << ", allowed ";
+        std::isfinite(high) ? text << low << " to " << high : text << low << " or more";
+        throw Error(text.str() + " (the file is damaged, or another program wrote it)");
+    }
+}
+
 size_t cells(const Strands& s) { return size_t(s.count) * size_t(s.particles); }
 const float* floats(const Strands& s) { return &s.points.data()->x; }
 
@@ -36,13 +53,17 @@ std::string kind_of(const RunHeader& header) {
     return header.inputs.size() < 2 || no_network ? "interpolated" : "learned";
 }
 
+std::string scene_name(const RunHeader& header) {
+    return header.path.empty() ? "the run's scene" : header.path + ": its scene";
+}
+
 struct RunWriter::Body {
     H5Writer file;
     size_t strands, particles, energies, stages;
 };
 
-RunWriter::RunWriter(const std::string& path, const RunHeader& h, bool overwrite)
-    : body_(new Body{{path, run_format, run_version, overwrite},
+RunWriter::RunWriter(OutputFile place, const RunHeader& h)
+    : body_(new Body{{std::move(place), run_format, run_version},
                      size_t(h.groom.rest.count),
                      size_t(h.groom.rest.particles),
                      h.energy_kinds.size(),
@@ -105,6 +126,7 @@ RunReader::RunReader(const std::string& path)
     : body_(new Body{{path, run_format, run_version}, {}, 0, {}, {}}) {
     const H5Reader& f = body_->file;
     RunHeader& h = body_->header;
+    h.path = path;
     h.scene = f.text("scene");
     h.scene_folder = f.text("scene_folder");
     h.method = f.text("method");
@@ -126,8 +148,8 @@ RunReader::RunReader(const std::string& path)
     if (points.size() != 3 || points[0] == 0 || points[1] < 2 || points[2] != 3 || points[0] > 100'000'000 ||
         points[1] > 100'000)
         throw Error(path + ": dataset 'groom/points' must be (strands ≥ 1, particles ≥ 2, 3)");
-    h.groom.rest = Strands(int(points[0]), int(points[1]));
     const auto rest = f.read<float>("groom/points");
+    h.groom.rest = Strands(int(points[0]), int(points[1]));
     std::copy(rest.begin(), rest.end(), &h.groom.rest.points.data()->x);
     const auto normal = f.read<float>("groom/normal", {points[0], 3});
     h.groom.normal.resize(points[0]);
@@ -140,7 +162,10 @@ RunReader::RunReader(const std::string& path)
         if (s < -1 || s >= int(points[0]) || (s >= 0 && seen[size_t(s)]++))
             throw Error(path + ": dataset 'groom/grid' names strand " + std::to_string(s) +
                         " twice or out of range");
-    if (f.has("saturation")) h.saturation = f.read<float>("saturation", {points[0], points[1]});
+    if (f.has("saturation")) {
+        h.saturation = f.read<float>("saturation", {points[0], points[1]});
+        check_within(h.saturation, f, "saturation", 0, 1, 0);
+    }
     if (f.has("positions")) {
         const auto shape = f.shape("positions");
         if (shape.size() != 4 || shape[1] != points[0] || shape[2] != points[1] || shape[3] != 3)
@@ -150,6 +175,7 @@ RunReader::RunReader(const std::string& path)
         const size_t n = shape[0];
         body_->head = f.read<double>("head", {n, 7});
         body_->seconds = f.read<double>("seconds", {n, 1});
+        check_within(body_->seconds, f, "seconds", 0, INFINITY, 1);
         if (f.has("displayed") && f.shape("displayed") != shape)
             throw Error(path + ": dataset 'displayed' must have the shape of 'positions'");
         if (f.has("contact") && f.shape("contact") != std::vector<size_t>{n, points[0], points[1]})
@@ -159,7 +185,9 @@ RunReader::RunReader(const std::string& path)
             throw Error(path + ": dataset 'living_saturation' must be (frames, strands, particles)");
         if (f.has("water")) f.read<double>("water", {n, water_columns});
         if (!h.energy_kinds.empty()) f.read<float>("energy", {n, h.energy_kinds.size()});
-        if (!h.stages.empty()) f.read<float>("stage_seconds", {n, h.stages.size()});
+        if (!h.stages.empty())
+            check_within(f.read<float>("stage_seconds", {n, h.stages.size()}), f, "stage_seconds", 0,
+                         INFINITY, h.stages.size());
     }
 }
 RunReader::~RunReader() = default;

@@ -20,7 +20,7 @@ inline constexpr int run_version = 1;
 struct RunHeader {
     std::string scene;         // the resolved scene, TOML
     std::string scene_folder;  // where its relative paths start
-    std::string method;        // "simulated dry", "simulated wet", "strand_mlp", "quad interpolation"…
+    std::string method;  // "simulated dry", "simulated wet, Lin 2015 on our chain", "quad interpolation"…
     std::string device = "cpu";
     double fps = 24;
     unsigned long long seed = 0;
@@ -32,7 +32,11 @@ struct RunHeader {
     std::vector<std::string> inputs;          // "file hash" of what it was made from
     std::string terms_present, terms_absent;  // comma-separated
     std::string build;                        // of the program that wrote it; read only
+    std::string path;                         // file that it was read from; read only
 };
+
+// What messages call the scene of a run: "RUN.h5: its scene".
+std::string scene_name(const RunHeader& header);
 
 // What made a run's strands: "simulated" by physics alone, "interpolated" from a dry run, linear regression
 // among that, or "learned": by a network, be it one in the place of a single force.
@@ -58,7 +62,10 @@ struct RunFrame {
 
 class RunWriter {
   public:
-    RunWriter(const std::string& path, const RunHeader& header, bool overwrite);
+    RunWriter(const std::string& path, const RunHeader& header, bool overwrite)
+        : RunWriter(OutputFile(path, overwrite), header) {}
+    // Into a place that was secured before.
+    RunWriter(OutputFile place, const RunHeader& header);
     ~RunWriter();
     void append(const RunFrame& frame);
     void commit();

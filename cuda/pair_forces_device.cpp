@@ -1,6 +1,8 @@
 // What a scene's forces on all strands at once need on a device, and their launches in order.
 #include "cuda/pair_forces_device.h"
 
+#include <utility>
+
 #include "solver/couplings/forces_on_strands.h"
 #include "solver/passes/cohesion_forces.h"
 
@@ -15,8 +17,8 @@ ForcesDevice<T>::ForcesDevice(const Scene& scene, const ChainState<T>& state)
       mass_(particle_masses(scene)),
       saturation_(scene.saturation),
       energy_(energy_parts(x_.size())) {
-    with_particle_forces(scene, [&]<class Method>(const Method& method) {
-        pulls_ = pulls_of(method);
+    for_each_particle_force(scene, [&]<class Method>(const Method& method) {
+        pulls_.push_back(pulls_of(method));
         name_ = std::is_same_v<Method, Cohesion> ? cohesion_in_the_solve : Method::table;
     });
     check_cuda(cudaStreamSynchronize(nullptr), "particles");  // streams of launches do not wait for this one
@@ -24,8 +26,7 @@ ForcesDevice<T>::ForcesDevice(const Scene& scene, const ChainState<T>& state)
 
 template <class T>
 akinci2013::KernelTable ForcesDevice<T>::take(const akinci2013::KernelSum& sum) {
-    kernel_sum_ = DeviceBuffer<double>(sum.sum());
-    return {sum.cell(), kernel_sum_.data()};
+    return {sum.cell(), kernel_sums_.emplace_back(sum.sum()).data()};
 }
 template <class T>
 PairMemory ForcesDevice<T>::pairs_within(double radius) {
@@ -97,47 +98,56 @@ void ForcesDevice<T>::upload_poses(int slot, int slots, cudaStream_t stream) con
                "motion of solids");
 }
 
-// Pulls of particles where the scheme expects them, where they are without one, and of solids of the slot.
+// Particles where the scheme expects them, where they are without one, and solids of the slot.
 template <class T>
-AnyPulls ForcesDevice<T>::seen(const StrandMemory<T>& memory, const Bdf2<T>* scheme, int slot,
-                               cudaStream_t stream) const {
-    AnyPulls pulls = pulls_;
+template <class Launch>
+void ForcesDevice<T>::for_each_seen(const StrandMemory<T>& memory, const Bdf2<T>* scheme, int slot,
+                                    cudaStream_t stream, Launch launch) const {
     launch_sight(memory, scheme, x_.data(), near_.data(), stream);
     if (search_) search_->launch(near_.data(), stream);
-    std::visit(
-        [&](auto& of) {
-            if constexpr (requires { of.pose; })
-                of.pose = pose_.data() + size_t(slot) * solids_.size();
-            else
-                launch_points(of.m, x_.data(), mass_.data(), saturation_.data(), stream);
-        },
-        pulls);
-    return pulls;
+    Write write = Write::new_values;
+    for (AnyPulls pulls : pulls_) {
+        std::visit(
+            [&](auto& of) {
+                if constexpr (requires { of.pose; })
+                    of.pose = pose_.data() + size_t(slot) * solids_.size();
+                else
+                    launch_points(of.m, x_.data(), mass_.data(), saturation_.data(), stream);
+            },
+            pulls);
+        launch(pulls, std::exchange(write, Write::added));
+    }
 }
 
 template <class T>
 void ForcesDevice<T>::launch(const StrandMemory<T>& memory, const Bdf2<T>& scheme, int slot, Vec3<T>* force,
                              T* stiffness, unsigned long long* pairs, cudaStream_t stream) const {
-    launch_pulls(seen(memory, has_stiffness() ? &scheme : nullptr, slot, stream), force, stiffness, pairs,
-                 stream);
+    for_each_seen(memory, has_stiffness() ? &scheme : nullptr, slot, stream,
+                  [&](const AnyPulls& pulls, Write write) {
+                      launch_pulls(pulls, write, force, stiffness, pairs, stream);
+                  });
 }
 
 template <class T>
 void ForcesDevice<T>::launch_energies_at(const StrandMemory<T>& memory, double time,
                                          cudaStream_t stream) const {
     put_motion(slots_, time), upload_poses(slots_, 1, stream);
-    launch_energies(seen(memory, nullptr, slots_, stream), energy_.device.data(), stream);
+    for_each_seen(memory, nullptr, slots_, stream, [&](const AnyPulls& pulls, Write write) {
+        launch_energies(pulls, write, energy_.device.data(), stream);
+    });
 }
 
 template <class T>
 void ForcesDevice<T>::list(BufferList& buffers) const {
     size_t pairs = near_.bytes() + point_.bytes() + density_.bytes() + normal_.bytes(),
            solids = surfaces_.bytes() + pose_.bytes();
+    size_t sums = 0;
+    for (const auto& sum : kernel_sums_) sums += sum.bytes();
     if (search_) pairs += search_->bytes();
     for (const auto& search : surface_search_) solids += search.bytes();
     for (const auto& volume : surface_volume_) solids += volume.bytes();
-    buffers.push_back({std::string(name_) + ": particles", x_.bytes() + mass_.bytes() + saturation_.bytes() +
-                                                               kernel_sum_.bytes() + energy_.device.bytes()});
+    buffers.push_back({std::string(name_) + ": particles",
+                       x_.bytes() + mass_.bytes() + saturation_.bytes() + sums + energy_.device.bytes()});
     buffers.push_back({std::string(name_) + ": lists", pairs + solids});
 }
 

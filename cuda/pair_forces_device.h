@@ -21,7 +21,7 @@ class ForcesDevice {
     // For a scene that names some, which must outlive it.
     ForcesDevice(const Scene& scene, const ChainState<T>& state);
     // Explicit forces are those of the positions now, others of those that the scheme expects.
-    bool has_stiffness() const { return std::holds_alternative<StrandPulls<CohesionPairs>>(pulls_); }
+    bool has_stiffness() const { return std::holds_alternative<StrandPulls<CohesionPairs>>(pulls_.front()); }
 
     // Where solids are when a frame's substep begins, at `time` [s]; and all of it to the device, from
     // page-locked memory, which a graph reads anew each time it is replayed.
@@ -63,7 +63,10 @@ class ForcesDevice {
     AnyPulls pulls_of(const Lin2015& method);
     AnyPulls pulls_of(const Kim2016& method);
     AnyPulls pulls_of(const BoundaryParticles2013& method);
-    AnyPulls seen(const StrandMemory<T>& memory, const Bdf2<T>* scheme, int slot, cudaStream_t stream) const;
+    // Calls launch(pulls, write) with those of each method, of particles as they are seen.
+    template <class Launch>
+    void for_each_seen(const StrandMemory<T>& memory, const Bdf2<T>* scheme, int slot, cudaStream_t stream,
+                       Launch launch) const;
     void launch_energies_at(const StrandMemory<T>& memory, double time, cudaStream_t stream) const;
     void upload_poses(int slot, int slots, cudaStream_t stream) const;
     static double total(const std::vector<double>& parts) {
@@ -76,8 +79,8 @@ class ForcesDevice {
     DeviceBuffer<Vec3d> x_;  // (strand, particle) where forces are taken
     DeviceBuffer<double> mass_;
     DeviceBuffer<float> saturation_;
-    DeviceBuffer<double> kernel_sum_;
-    // Between strands.
+    std::vector<DeviceBuffer<double>> kernel_sums_;
+    // Between strands, by one method of those.
     DeviceBuffer<Vec3f> near_;  // x from the first particle
     std::optional<CellSearchDevice> search_;
     DeviceBuffer<PairPoint> point_;
@@ -92,7 +95,7 @@ class ForcesDevice {
     DeviceBuffer<Pose> pose_;
     OnBoth<double> energy_;  // parts of it [J]
     WayOut way_;
-    AnyPulls pulls_;
+    std::vector<AnyPulls> pulls_;  // (method)
 };
 
 extern template class ForcesDevice<float>;

@@ -43,20 +43,21 @@ __global__ void __launch_bounds__(threads) prepare(const Pulls pulls, int pass) 
 }
 template <class Pulls, class T>
 __global__ void __launch_bounds__(threads)
-    pull(const Pulls pulls, Vec3<T>* force, T* stiffness, unsigned long long* pairs) {
+    pull(const Pulls pulls, Write write, Vec3<T>* force, T* stiffness, unsigned long long* pairs) {
     const uint32_t k = particle();
     uint32_t found = 0;
     if (k < pulls.count()) {
         const Pull sum = pulls.pull(k);
         const uint32_t id = pulls.id(k);
-        force[id] = cast<T>(sum.force);
-        if (stiffness) stiffness[id] = T(sum.stiffness);
+        const bool adds = write == Write::added;
+        force[id] = adds ? force[id] + cast<T>(sum.force) : cast<T>(sum.force);
+        if (stiffness) stiffness[id] = adds ? stiffness[id] + T(sum.stiffness) : T(sum.stiffness);
         found = sum.pairs;
     }
     tally(found, pairs);
 }
 template <class Pulls>
-__global__ void __launch_bounds__(threads) sum_energies(const Pulls pulls, double* of_block) {
+__global__ void __launch_bounds__(threads) sum_energies(const Pulls pulls, Write write, double* of_block) {
     __shared__ double sum[threads];
     const uint32_t k = particle();
     sum[threadIdx.x] = k < pulls.count() ? pulls.energy(k) : 0;
@@ -64,7 +65,8 @@ __global__ void __launch_bounds__(threads) sum_energies(const Pulls pulls, doubl
         __syncthreads();
         if (threadIdx.x < half) sum[threadIdx.x] += sum[threadIdx.x + half];
     }
-    if (threadIdx.x == 0) of_block[blockIdx.x] = sum[0];
+    if (threadIdx.x == 0)
+        of_block[blockIdx.x] = write == Write::added ? of_block[blockIdx.x] + sum[0] : sum[0];
 }
 
 }  // namespace
@@ -85,30 +87,32 @@ void launch_points(const PairMemory& memory, const Vec3d* x, const double* mass,
 }
 
 template <class T>
-void launch_pulls(const AnyPulls& pulls, Vec3<T>* force, T* stiffness, unsigned long long* pairs,
+void launch_pulls(const AnyPulls& pulls, Write write, Vec3<T>* force, T* stiffness, unsigned long long* pairs,
                   cudaStream_t stream) {
     std::visit(
         [&](const auto& of) {
             const unsigned blocks = blocks_for(of.count());
             for (int pass = 0; pass < of.preparations; ++pass)
                 prepare<<<blocks, threads, 0, stream>>>(of, pass);
-            pull<<<blocks, threads, 0, stream>>>(of, force, stiffness, pairs);
+            pull<<<blocks, threads, 0, stream>>>(of, write, force, stiffness, pairs);
         },
         pulls);
     check_cuda(cudaGetLastError(), "launch of forces on strands");
 }
 
 size_t energy_parts(size_t particles) { return blocks_for(particles); }
-void launch_energies(const AnyPulls& pulls, double* parts, cudaStream_t stream) {
+void launch_energies(const AnyPulls& pulls, Write write, double* parts, cudaStream_t stream) {
     std::visit(
-        [&](const auto& of) { sum_energies<<<blocks_for(of.count()), threads, 0, stream>>>(of, parts); },
+        [&](const auto& of) {
+            sum_energies<<<blocks_for(of.count()), threads, 0, stream>>>(of, write, parts);
+        },
         pulls);
     check_cuda(cudaGetLastError(), "launch of the energy of forces on strands");
 }
 
 template void launch_sight(const StrandMemory<float>&, const Bdf2<float>*, Vec3d*, Vec3f*, cudaStream_t);
 template void launch_sight(const StrandMemory<double>&, const Bdf2<double>*, Vec3d*, Vec3f*, cudaStream_t);
-template void launch_pulls(const AnyPulls&, Vec3f*, float*, unsigned long long*, cudaStream_t);
-template void launch_pulls(const AnyPulls&, Vec3d*, double*, unsigned long long*, cudaStream_t);
+template void launch_pulls(const AnyPulls&, Write, Vec3f*, float*, unsigned long long*, cudaStream_t);
+template void launch_pulls(const AnyPulls&, Write, Vec3d*, double*, unsigned long long*, cudaStream_t);
 
 }  // namespace wetcurl

@@ -27,6 +27,10 @@ RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
     same("frames", dry->frames(), wet->frames());
     same("frames a second", d.fps, w.fps);
     if (dry->frames() == 0) throw Error(dry_path + ": there is no frame in it");
+    if (!simulated_wet(w))
+        throw Error(wet_path + ": found a run '" + w.method +
+                    "', allowed as the second of a pair is one that was simulated wet (simulate without "
+                    "--dry, of a scene with [wetness])");
     if (w.saturation.empty())
         throw Error(wet_path + ": knows no saturation, allowed is a run of a scene with [wetness]");
     try {

@@ -26,7 +26,7 @@ Vec3d HeadWindow::acceleration(const Vec3d& x) const {
 
 Vec3d gravity_of(const RunHeader& header) {
     constexpr double most = 1e4;
-    const auto g = Config::parse(header.scene, "the run's scene", header.scene_folder)
+    const auto g = Config::parse(header.scene, scene_name(header), header.scene_folder)
                        .root()
                        .table("integrator")
                        .numbers("gravity", {0, -9.81, 0}, -most, most);

@@ -364,6 +364,8 @@ void require_comparable(const RunReader& reference, const RunReader& other, int 
         fail("strands and particles", size(b.groom.rest), size(a.groom.rest));
     if (a.groom.hash() != b.groom.hash()) fail("groom", b.groom.hash(), a.groom.hash());
     if (a.fps != b.fps) fail("frames a second", std::to_string(b.fps), std::to_string(a.fps));
+    for (const RunReader* run : {&reference, &other})
+        if (run->frames() == 0) throw Error(run->path() + ": there is no frame in it");
     if (first_frame < 0 || first_frame >= std::min(reference.frames(), other.frames()))
         throw Error(other.path() + ": first frame: found " + std::to_string(first_frame) + ", allowed 0 to " +
                     std::to_string(std::min(reference.frames(), other.frames()) - 1) +

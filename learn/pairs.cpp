@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
+#include <utility>
 
 #include "learn/dct.h"
 
@@ -27,8 +28,8 @@ static std::string group_name(int run) {
     return text;
 }
 
-PairsWriter::PairsWriter(const std::string& path, Codec codec, int particles, bool overwrite)
-    : file_(path, pairs_format, pairs_version, overwrite), codec_(codec) {
+PairsWriter::PairsWriter(OutputFile place, Codec codec, int particles)
+    : file_(std::move(place), pairs_format, pairs_version), codec_(codec) {
     file_.attribute("codec", name_of(codec));
     file_.attribute("particles", double(particles));
 }

@@ -57,7 +57,10 @@ struct RootPairs {
 class PairsWriter {
   public:
     // Throws Error where the file cannot be made, or is there and `overwrite` is false.
-    PairsWriter(const std::string& path, Codec codec, int particles, bool overwrite);
+    PairsWriter(const std::string& path, Codec codec, int particles, bool overwrite)
+        : PairsWriter(OutputFile(path, overwrite), codec, particles) {}
+    // Into a place that was secured before.
+    PairsWriter(OutputFile place, Codec codec, int particles);
 
     // Each begins the next group; its frames follow by `append` (dynamic, target and, where there is one,
     // displayed; or input and target).

@@ -8,6 +8,9 @@
 
 namespace wetcurl {
 
+inline constexpr const char* model_format = "wetcurl model";
+inline constexpr int model_version = 1;
+
 // Of the channel multiplier: below, every layer has its fewest channels; above, no machine here holds it.
 inline constexpr double smallest_width = 1e-3, largest_width = 16;
 

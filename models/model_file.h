@@ -12,11 +12,10 @@
 
 namespace wetcurl {
 
-inline constexpr const char* model_format = "wetcurl model";
-inline constexpr int model_version = 1;
-
 // Throws Error where it cannot be written, or is there and `overwrite` is false.
 void save_model(const std::string& path, const ModelCard& card, const Model& model, bool overwrite);
+// Into a place that was secured before.
+void save_model(OutputFile place, const ModelCard& card, const Model& model);
 // Throws Error where the file is missing, cut short, foreign, newer, holds a value that is not finite, or
 // weights that do not fit the network it names.
 ModelCard read_card(const std::string& path);

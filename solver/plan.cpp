@@ -22,10 +22,10 @@ Presence presence_of(const Scene& scene) {
     note(!scene.solids.empty(), "contact");
     note(scene.strand_contact.has_value(), StrandContact::name);
     note(!scene.adhesion_model.empty(), "adhesion network");
-    if (scene.baseline)
-        p.present.push_back("baseline " + name_of(*scene.baseline));
-    else
-        p.absent.push_back("baseline");
+    for_each_present(scene.baselines, [&](const auto& method) {
+        p.present.push_back(std::string("baseline ") + method.name);
+    });
+    if (!scene.names_baseline()) p.absent.push_back("baseline");
     return p;
 }
 

@@ -23,8 +23,7 @@ double stiffness_number(const Scene& scene);
 double predictor_share(const Scene& scene);
 template <class T>
 SubstepRules<T> substep_rules(const Scene& scene) {
-    const auto* iben = scene.baseline ? std::get_if<Iben2013>(&*scene.baseline) : nullptr;
-    return {scene.chain, iben ? std::optional(*iben) : std::nullopt, scene.integrator.is_implicit(),
+    return {scene.chain, scene.baseline<Iben2013>(), scene.integrator.is_implicit(),
             T(spring_sum(scene.chain))};
 }
 // `precision`, or "double" where a float factorisation of this scene is not to be trusted.

@@ -6,6 +6,7 @@
 
 #include "base/log.h"
 #include "base/shift_units.h"
+#include "solver/baselines/of_scene.h"
 #include "solver/grooms/groom.h"
 #include "solver/rest_state.h"
 
@@ -43,60 +44,6 @@ void read_chain(Scene& scene, Table root) {
     if (limit && !(limit->most > 0)) limit.reset();
     if (limit) limit->stiffen(1 / (scene.fps * scene.integrator.substeps), spring_sum(scene.chain));
     if (scene.term<Adhesion>()) scene.adhesion_model = root.table("adhesion").path("model");
-}
-
-// The named method with its own rows; it must be known before the tables that it is a preset of.
-void read_baseline(Scene& scene, Table root) {
-    if (!root.has("baseline")) return;
-    const Table t = root.table("baseline");
-    if (!t.has("method")) t.fail("method", "needed: a compared method's name");
-    const std::string name = t.choice("method", "", baseline_names());
-    for_each_baseline([&](auto method) {
-        if (name != method.name) return;
-        read_parameters(method, method.parameters, t);
-        scene.baseline = method;
-    });
-}
-
-bool is_iben(const Scene& scene) {
-    return scene.baseline && std::holds_alternative<Iben2013>(*scene.baseline);
-}
-
-// What a method is, or stands in the place of, must not be named otherwise.
-void check_baseline(Scene& scene, Table root) {
-    if (!scene.baseline) return;
-    const std::string name = name_of(*scene.baseline);
-    auto takes_place_of = [&](const char* table) {
-        if (root.has(table))
-            root.fail(table, "[baseline] method = \"" + name + "\" runs without [" + table +
-                                 "]; leave one of them out");
-    };
-    if (is_iben(scene)) {
-        takes_place_of("stiffness");  // Eq 13 is what the paper adds to it
-        if (scene.integrator.is_implicit())
-            root.table("integrator").fail("kind", "[baseline] method = \"iben\" steps explicitly");
-        for (const char* table : {"bend", "core"})
-            if (root.has(table) && !is_printed(root.table(table), "printed"))
-                root.table(table).fail("form", "[baseline] method = \"iben\" has the printed form");
-        if (auto& bend = scene.term<Bend>()) bend->printed = true;
-        if (auto& core = scene.term<Core>()) core->printed = true;
-        scene.term<Twist>().reset();
-        return;
-    }
-    if (scene.flow)
-        root.table(Wetness::table)
-            .fail("flow", "[baseline] method = \"" + name + "\" reads the saturation once; leave " +
-                              std::string("[wetness.flow] out"));
-    if (!scene.wetness)
-        root.fail("baseline", "method = \"" + name + "\" acts on wet hair and needs a [wetness] table");
-    if (std::holds_alternative<BoundaryParticles2013>(*scene.baseline)) {
-        takes_place_of("adhesion");
-        if (scene.solids.empty()) root.fail("baseline", "boundary particles need a [[solid]] to lie on");
-        if (scene.has_deforming_solid())
-            root.fail("baseline", "boundary particles lie on rigid solids; leave [[solid.mesh]] out");
-    } else {
-        takes_place_of("cohesion");
-    }
 }
 
 WaterSource read_water_source(Table t) {
@@ -153,7 +100,7 @@ void read_wet(Scene& scene, Table root) {
     if (scene.cohesion) scene.cohesion->passes = int(root.table("cohesion").integer("passes", 10, 1, 1000));
     if (scene.cohesion && scene.cohesion->strength > 0) {
         const Table t = root.table("cohesion");
-        if (scene.baseline)
+        if (scene.names_baseline())
             t.fail("strength", "draws strands in place of a [baseline], which this scene names");
         if (!scene.integrator.is_implicit()) t.fail("strength", "needs [integrator] kind = \"implicit\"");
         if (scene.flow) t.fail("strength", "goes by the water at the start; [wetness.flow] moves it");
@@ -174,6 +121,15 @@ double units_of(Table t) {
     return units == "m" ? 1 : units == "cm" ? 0.01 : 0.001;
 }
 
+Shape level_set_of(Table t, double spacing) {
+    const Mesh mesh = mesh_of(t, units_of(t));
+    try {
+        return LevelSet::cached(mesh, spacing);
+    } catch (const Error& e) {
+        throw Error(t.where("file") + ": " + t.path("file") + ": " + e.what());
+    }
+}
+
 Solid read_solid(Table t, size_t index) {
     Solid solid;
     solid.name = t.text("name", "solid " + std::to_string(index));
@@ -191,7 +147,7 @@ Solid read_solid(Table t, size_t index) {
                        "is the mesh of a solid that keeps its shape; [[solid.mesh]] are one's that deforms");
             solid.deformation = std::make_shared<const Deformation>(t, units_of(t));
         } else if (t.has("file")) {
-            solid.shape = LevelSet::cached(mesh_of(t, units_of(t)), solid.spacing);
+            solid.shape = level_set_of(t, solid.spacing);
         } else {
             t.fail("shape",
                    "'mesh' needs file = \"….obj\" or \"….ply\", or [[solid.mesh]] tables to deform between");
@@ -262,10 +218,10 @@ Scene read_scene(Config config, const SceneOptions& options) {
     scene.text = config.text();
     scene.folder = config.folder();
 
-    read_baseline(scene, root);
+    read_baselines(scene, root);
     Table t = root.table("integrator");
     Integrator& in = scene.integrator;
-    in.kind = t.choice("kind", is_iben(scene) ? "explicit" : "implicit",
+    in.kind = t.choice("kind", scene.baseline<Iben2013>() ? "explicit" : "implicit",
                        {"implicit", "backward_euler", "explicit"});
     in.substeps = int(t.integer("substeps", 10, 1, 1'000'000));
     in.looks = int(t.integer("looks", 4, 1, 1000));
@@ -287,7 +243,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_solids(scene, root);
     read_air(scene, root);
     read_learned(scene, root);
-    check_baseline(scene, root);
+    check_baselines(scene, root);
     if (scene.rest == "sag_free" && !scene.term<Bend>())
         g.fail("rest", "'sag_free' needs [bend] to carry the weight");
     config.require_all_used();
@@ -301,6 +257,9 @@ Scene read_scene(Config config, const SceneOptions& options) {
     else if (options.strands)
         thinned(full, *options.strands, &scene.stride);
     scene.groom = coarsened(full, scene.stride, &kept);
+    if (const int taken = scene.groom.rest.count; options.strands && taken != *options.strands)
+        log_info("--strands " + std::to_string(*options.strands) + ": " + nesting_text(full) + "; " +
+                 std::to_string(taken) + " are taken");
     if (scene.groom.rest.count == 0) throw Error(scene.title + ": no strand is left in the groom");
     if (scene.wetness) {
         // Patterns are laid on the full groom, so that a thinned run is as wet as its twin.
@@ -324,13 +283,20 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::s
     return read_scene(Config::parse(text, name, folder), options);
 }
 
+Scene parse_scene(const Config& config, const SceneOptions& options) {
+    return read_scene(config.copy(), options);
+}
+
 void make_dry(Scene& scene) {
     scene.wetness.reset();
     scene.flow.reset();
     scene.curl.reset();
     scene.cohesion.reset();
     scene.adhesion_model.clear();
-    if (!is_iben(scene)) scene.baseline.reset();
+    auto leave_out = []<class Method>(Slot<Method>& slot) {
+        if constexpr (!std::is_same_v<Method, Iben2013>) slot.reset();
+    };
+    std::apply([&](auto&... slot) { (leave_out(slot), ...); }, scene.baselines);
     scene.term<Adhesion>().reset();
     scene.term<CurlPush>().reset();
 }
@@ -340,5 +306,10 @@ void leave_out_display(Scene& scene) {
 }
 
 bool acts_wet(const Scene& scene) { return scene.wetness.has_value(); }
+
+std::string method_of(const Scene& scene) {
+    const std::string compared = title_of(scene.baselines);
+    return (acts_wet(scene) ? "simulated wet" : "simulated dry") + (compared.empty() ? "" : ", " + compared);
+}
 
 }  // namespace wetcurl

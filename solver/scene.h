@@ -69,8 +69,8 @@ struct Scene {
     Slot<Cohesion> cohesion;
     Slot<StrandContact> strand_contact;
     Slot<Air> air;
-    std::string adhesion_model;        // file of a network in Eq 11's place; "": Eq 11
-    std::optional<Baseline> baseline;  // a compared method in place of ours
+    std::string adhesion_model;  // file of a network in Eq 11's place; "": Eq 11
+    Baselines baselines;         // compared methods in place of ours, part by part
     std::optional<Learned> learned;
     Motion motion;
     std::vector<Solid> solids;
@@ -88,6 +88,15 @@ struct Scene {
     template <class Term>
     const Slot<Term>& term() const {
         return std::get<Slot<Term>>(chain);
+    }
+    template <class Method>
+    const Slot<Method>& baseline() const {
+        return std::get<Slot<Method>>(baselines);
+    }
+    bool names_baseline() const {
+        bool any = false;
+        for_each_present(baselines, [&](const auto&) { any = true; });
+        return any;
     }
     bool has_deforming_solid() const {
         for (const auto& s : solids)
@@ -114,6 +123,7 @@ struct SceneOptions {
 Scene load_scene(const std::string& path, const SceneOptions& options = {});
 Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder,
                   const SceneOptions& options = {});
+Scene parse_scene(const Config& config, const SceneOptions& options = {});
 
 // The scene as a dry one: no wet weight, curl, cohesion, adhesion, nor a compared method of them; its
 // saturation is kept as a record.
@@ -124,5 +134,8 @@ void leave_out_display(Scene& scene);
 
 // Whether anything of the scene acts on wet hair.
 bool acts_wet(const Scene& scene);
+
+// Of a run of it: "simulated dry", "simulated wet", and the compared methods that it names.
+std::string method_of(const Scene& scene);
 
 }  // namespace wetcurl

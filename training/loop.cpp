@@ -9,10 +9,12 @@
 #include <chrono>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 #include "base/geometry/strands.h"
 #include "base/interrupt.h"
+#include "base/output_file.h"
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "training/checkpoint.h"
@@ -58,6 +60,7 @@ class Trainer {
         : request_(request), ranks_(request.ranks), device_(torch::kCPU) {}
 
     void run() {
+        secure_output();
         if (already_done()) return;
         open_inputs();
         make_network();
@@ -102,6 +105,12 @@ class Trainer {
             throw Error(checkpoint_path() +
                         ": an interrupted training is there; --resume goes on, --overwrite begins anew");
         return false;
+    }
+
+    // From here on no other training writes the model, its log or its checkpoint. Processes that share this
+    // one write through the first of them.
+    void secure_output() {
+        if (ranks_.first()) place_.emplace(request_.output, request_.overwrite || request_.resume);
     }
 
     void open_inputs() {
@@ -325,6 +334,27 @@ class Trainer {
                 mean(6, 8), mean(7, 8)};
     }
 
+    // Mean distance [m] of the first batches that this epoch drew, by the weights after it; none where the
+    // codec has no distances.
+    std::optional<double> training_distance() {
+        constexpr long most = 8;
+        if (codec_ == Codec::adhesion) return {};
+        const torch::NoGradGuard no_grad;
+        double sums[2] = {};  // distance, count
+        for (long step = 0; step < std::min(most, data_->steps()); ++step) {
+            const Batch host = data_->batch(step);
+            if (host.empty()) continue;
+            const Batch batch = host.to(device_);
+            const double weight = loss_->count(batch);
+            sums[0] += weight * loss_->distance(output_of(batch), batch).item<double>();
+            sums[1] += weight;
+        }
+        const Tensor all = torch::tensor(at::ArrayRef<double>(sums), torch::kDouble).to(device_);
+        group_->sum(all);
+        const Tensor found = all.cpu();
+        return found[0].item<double>() / std::max(found[1].item<double>(), 1.0);
+    }
+
     // The end of an epoch: its line in the log, a validation where one is due, the best kept.
     void finish_epoch() {
         const double mean_loss = state_.loss_sum / double(data_->steps());
@@ -335,6 +365,8 @@ class Trainer {
                                                             {"seconds", watch_.seconds()}};
         const bool due =
             (state_.epoch + 1) % long(recipe_.validate_every) == 0 || state_.epoch + 1 == epochs_;
+        if (due)
+            if (const auto distance = training_distance()) line.emplace_back("training_mm", 1e3 * *distance);
         if (due && data_->validation_batches() > 0) {
             const Validation found = validate();
             line.insert(line.end(), {{"validation_loss", found.loss}, {"base_loss", found.base_loss}});
@@ -404,8 +436,8 @@ class Trainer {
         group_->wait();  // so that the model is there when any process ends
     }
 
-    void save() const {
-        save_model(request_.output, card_, *model_, request_.overwrite || request_.resume);
+    void save() {
+        save_model(std::move(*place_), card_, *model_);
         fs::remove(checkpoint_path());
         std::ostringstream text;
         text.precision(4);
@@ -430,7 +462,9 @@ class Trainer {
     std::unique_ptr<Optimiser> optimiser_;
     std::unique_ptr<Loss> loss_;
     std::unique_ptr<Group> group_;
-    std::unique_ptr<MetricsLog> log_;  // of the first process
+    // Of the first process.
+    std::optional<OutputFile> place_;  // of the model
+    std::unique_ptr<MetricsLog> log_;
     bool stop_agreed_ = false;
     TrainingState state_;
     std::string best_note_;

@@ -1,27 +1,13 @@
 // What a training reports.
-// Ours.
 #include "training/metrics_log.h"
 
-#include <filesystem>
+#include <algorithm>
 #include <nlohmann/json.hpp>
-
-#include "base/error.h"
 
 namespace wetcurl {
 
-namespace fs = std::filesystem;
-
-MetricsLog::MetricsLog(const std::string& path, long position) {
-    std::error_code error;
-    if (position > 0 && long(fs::file_size(path, error)) > position)
-        fs::resize_file(path, size_t(position), error);
-    file_ = std::fopen(path.c_str(), position > 0 ? "a" : "w");
-    if (!file_ || error) throw Error(path + ": cannot be written");
-    std::fseek(file_, 0, SEEK_END);
-}
-
-MetricsLog::~MetricsLog() {
-    if (file_) std::fclose(file_);
+MetricsLog::MetricsLog(const std::string& path, long position) : file_(target_of(path), path) {
+    file_.cut(std::min(size_t(position), file_.size()));
 }
 
 void MetricsLog::line(const std::vector<std::pair<std::string, double>>& values) {
@@ -31,10 +17,7 @@ void MetricsLog::line(const std::vector<std::pair<std::string, double>>& values)
             out[name] = long(value);
         else
             out[name] = value;
-    std::fputs((out.dump() + "\n").c_str(), file_);
-    std::fflush(file_);
+    file_.append(out.dump() + "\n");
 }
-
-long MetricsLog::position() const { return std::ftell(file_); }
 
 }  // namespace wetcurl

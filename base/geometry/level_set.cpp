@@ -1,8 +1,6 @@
 // Signed distance grids of meshes: building and the cache on disk. Ours.
 #include "base/geometry/level_set.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -119,20 +117,20 @@ bool LevelSet::load(const std::string& path) {
 }
 
 void LevelSet::store(const std::string& path) const {
-    // A name of this process's own, so that two of them never write the same file.
-    const std::string own = path + "." + std::to_string(getpid());
-    std::error_code ignored;
     try {
-        std::filesystem::create_directories(std::filesystem::path(path).parent_path());
-        H5Writer file(own, format, version, true);
-        file.write("phi", phi_.data(), {size_t(nz_), size_t(ny_), size_t(nx_)});
-        file.attribute("hash", hash_of(phi_));
-        file.attribute("build seconds", build_seconds_);
-        file.commit();
-        std::filesystem::rename(own, path);
-    } catch (const std::exception& e) {
+        H5Writer file(path, format, version, true);
+        try {
+            file.write("phi", phi_.data(), {size_t(nz_), size_t(ny_), size_t(nx_)});
+            file.attribute("hash", hash_of(phi_));
+            file.attribute("build seconds", build_seconds_);
+            file.commit();
+        } catch (const Error&) {
+            file.discard();
+            throw;
+        }
+    } catch (const Error& e) {
+        // Also where another process just stores the same.
         log_debug("level set not kept in the cache: " + std::string(e.what()));
-        for (const char* ending : {"", ".partial"}) std::filesystem::remove(own + ending, ignored);
     }
 }
 

@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "base/geometry/mesh.h"
+#include "base/lfs_pointer.h"
 
 namespace wetcurl {
 
@@ -30,6 +31,7 @@ std::string whole_file(const std::string& path) {
     if (!in || !std::filesystem::is_regular_file(path, ignored)) fail(path, "cannot be read as a file");
     std::string text{std::istreambuf_iterator<char>(in), {}};
     if (text.empty()) fail(path, "the file is empty, expected a mesh");
+    refuse_lfs_pointer(text, path);
     return text;
 }
 

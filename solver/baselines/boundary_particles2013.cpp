@@ -29,7 +29,8 @@ std::vector<Vec3f> sampled_surface(const Shape& shape, double spacing) {
     }
     // Twenty darts for each square of the spacing leave no hole where another would fit.
     const double darts = 20 * sum / (spacing * spacing);
-    if (!(darts < 2e8)) throw Error("[baseline] spacing: more than ten million boundary particles; raise it");
+    if (!(darts < 2e8))
+        throw Error("[baseline] boundary_spacing: more than ten million boundary particles; raise it");
     const double cell = 0.7 * spacing;
     const auto key = [](long i, long j, long k) {
         return (uint64_t(i) & 0x1fffff) << 42 | (uint64_t(j) & 0x1fffff) << 21 | (uint64_t(k) & 0x1fffff);

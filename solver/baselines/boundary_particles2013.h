@@ -16,15 +16,16 @@ struct Scene;
 class ParticleForces;
 
 struct BoundaryParticles2013 {
-    static constexpr const char *name = "boundary_particles", *table = "baseline";
+    static constexpr const char *name = "boundary_particles", *part = "boundary",
+                                *title = "boundary particles of Akinci 2013", *table = "baseline";
     static constexpr double water_density = 1000;  // rho_0 [kg/m^3]
     double beta, h, spacing;
     static constexpr Parameter<BoundaryParticles2013> parameters[] = {
-        {"strength", &BoundaryParticles2013::beta, "N m^3/kg^2", 10, 0, 1e12,
+        {"boundary_strength", &BoundaryParticles2013::beta, "N m^3/kg^2", 10, 0, 1e12,
          "boundary_particles: Akinci 2013, Eq 6, beta: force for each kg of hair and of boundary"},
-        {"range", &BoundaryParticles2013::h, "m", 0.01, 1e-4, 1,
+        {"boundary_range", &BoundaryParticles2013::h, "m", 0.01, 1e-4, 1,
          "boundary_particles: Akinci 2013, Eq 7, h: support of A"},
-        {"spacing", &BoundaryParticles2013::spacing, "m", 0.004, 1e-4, 1,
+        {"boundary_spacing", &BoundaryParticles2013::spacing, "m", 0.004, 1e-4, 1,
          "boundary_particles: between neighbours on the surface"},
     };
 

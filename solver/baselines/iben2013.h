@@ -1,6 +1,7 @@
 // Curly hair as published: printed stretch, bend and core, explicit steps, no dynamic stiffness.
 // Iben 2013 as the paper prints it, Eq 1-5, with Selle 2008's limits: on the strain of an edge ([integrator]
-// limiter) and, here, on the velocity along it. A preset: it has no force of its own.
+// limiter) and, here, on the velocity along it. A preset: it has no force of its own. Forces of other methods
+// on wet hair join the chain's before the velocities are stepped; both limits come after.
 #pragma once
 
 #include "base/parameters.h"
@@ -11,7 +12,7 @@ namespace wetcurl {
 struct Scene;
 
 struct Iben2013 {
-    static constexpr const char *name = "iben", *table = "baseline";
+    static constexpr const char *name = "iben", *part = "chain", *title = "Iben 2013", *table = "baseline";
     double dv_max;
     static constexpr Parameter<Iben2013> parameters[] = {
         {"velocity_limit", &Iben2013::dv_max, "m/s", 1, 1e-6, 1e9,

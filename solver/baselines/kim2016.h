@@ -17,7 +17,7 @@ struct Scene;
 class ParticleForces;
 
 struct Kim2016 {
-    static constexpr const char *name = "kim", *table = "baseline";
+    static constexpr const char *name = "kim", *part = "cohesion", *title = "Kim 2016", *table = "baseline";
     double gamma, gamma_area, h;
     static constexpr Parameter<Kim2016> parameters[] = {
         {"strength", &Kim2016::gamma, "N m^3/kg^2", 100, 0, 1e12,

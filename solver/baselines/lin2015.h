@@ -16,7 +16,7 @@ struct Scene;
 class ParticleForces;
 
 struct Lin2015 {
-    static constexpr const char *name = "lin", *table = "baseline";
+    static constexpr const char *name = "lin", *part = "cohesion", *title = "Lin 2015", *table = "baseline";
     double beta, h;
     static constexpr Parameter<Lin2015> parameters[] = {
         {"strength", &Lin2015::beta, "N m^3/kg^2", 3e3, 0, 1e12,

@@ -1,19 +1,63 @@
-// Which forces a scene names.
+// Which forces a scene names, and their sum.
 #include "solver/couplings/forces_on_strands.h"
 
 #include "solver/passes/cohesion_forces.h"
 
 namespace wetcurl {
 
+namespace {
+
+// The explicit forces of several methods, which act at once.
+class SummedForces final : public ParticleForces {
+  public:
+    explicit SummedForces(std::vector<std::unique_ptr<ParticleForces>> parts) : parts_(std::move(parts)) {}
+
+    void evaluate(const std::vector<Vec3d>& x, double time, std::vector<Vec3d>& force) override {
+        force.assign(x.size(), {0, 0, 0});
+        for (const auto& part : parts_) {
+            part->evaluate(x, time, of_part_);
+            for (size_t i = 0; i < x.size(); ++i) force[i] += of_part_[i];
+        }
+    }
+    double potential(const std::vector<Vec3d>& x, double time) override {
+        double sum = 0;
+        for (const auto& part : parts_) sum += part->potential(x, time);
+        return sum;
+    }
+    double given(const std::vector<Vec3d>& x, double from, double to) override {
+        double sum = 0;
+        for (const auto& part : parts_) sum += part->given(x, from, to);
+        return sum;
+    }
+    double neighbours_mean() const override {
+        double sum = 0;
+        for (const auto& part : parts_) sum += part->neighbours_mean();
+        return sum;
+    }
+    size_t bytes() const override {
+        size_t sum = of_part_.capacity() * sizeof(Vec3d);
+        for (const auto& part : parts_) sum += part->bytes();
+        return sum;
+    }
+
+  private:
+    const std::vector<std::unique_ptr<ParticleForces>> parts_;
+    std::vector<Vec3d> of_part_;  // (strand, particle) [N]
+};
+
+}  // namespace
+
 std::unique_ptr<ParticleForces> make_particle_forces(const Scene& scene) {
-    std::unique_ptr<ParticleForces> forces;
-    with_particle_forces(scene, [&]<class Term>(const Term& term) {
+    std::vector<std::unique_ptr<ParticleForces>> parts;
+    for_each_particle_force(scene, [&]<class Term>(const Term& term) {
         if constexpr (std::is_same_v<Term, Cohesion>)
-            forces = make_cohesion_forces(scene);
+            parts.push_back(make_cohesion_forces(scene));
         else
-            forces = term.forces(scene);
+            parts.push_back(term.forces(scene));
     });
-    return forces;
+    if (parts.empty()) return nullptr;
+    if (parts.size() == 1) return std::move(parts.front());
+    return std::make_unique<SummedForces>(std::move(parts));
 }
 
 }  // namespace wetcurl

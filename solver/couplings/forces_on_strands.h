@@ -1,4 +1,4 @@
-// Forces on all strands at once, taken anew once a substep: a compared method's, or cohesion's. Ours.
+// Forces on all strands at once, taken anew once a substep: those of compared methods, or cohesion's.
 #pragma once
 
 #include <cmath>
@@ -11,23 +11,20 @@
 
 namespace wetcurl {
 
-// Calls use(term) with the cohesion or the compared method whose forces a scene names, if it names one.
+// Calls use(term) with the cohesion or else with each compared method whose forces a scene names.
 template <class Use>
-void with_particle_forces(const Scene& scene, Use use) {
+void for_each_particle_force(const Scene& scene, Use use) {
     if (scene.cohesion && scene.cohesion->strength > 0) return use(*scene.cohesion);
-    if (scene.baseline)
-        std::visit(
-            [&](const auto& method) {
-                if constexpr (requires { method.forces(scene); }) use(method);
-            },
-            *scene.baseline);
+    for_each_present(scene.baselines, [&](const auto& method) {
+        if constexpr (requires { method.forces(scene); }) use(method);
+    });
 }
 inline bool has_particle_forces(const Scene& scene) {
     bool any = false;
-    with_particle_forces(scene, [&](const auto&) { any = true; });
+    for_each_particle_force(scene, [&](const auto&) { any = true; });
     return any;
 }
-// Of the scene; null where it names none. The scene must outlive it.
+// The sum of them; null where the scene names none. The scene must outlive it.
 std::unique_ptr<ParticleForces> make_particle_forces(const Scene& scene);
 
 template <class S>

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "base/lfs_pointer.h"
 
 namespace wetcurl {
 
@@ -18,6 +19,7 @@ static std::string bytes_of(const std::string& path) {
     if (size_t(in.gcount()) != bytes.size())
         throw Error(path + ": found a file that cannot be read to its end");
     if (bytes.empty()) throw Error(path + ": found an empty file");
+    refuse_lfs_pointer(bytes, path);
     return bytes;
 }
 

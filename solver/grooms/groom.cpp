@@ -136,11 +136,25 @@ Groom thinned(const Groom& full, int at_most, int* stride) {
         Groom out = coarsened(full, each);
         if (out.rest.count > at_most) continue;
         if (out.rest.count == 0)
-            throw Error("a groom of at most " + std::to_string(at_most) +
-                        " strands: found no root on that grid");
+            throw Error("--strands " + std::to_string(at_most) + ": " + nesting_text(full) +
+                        "; no grid of it has so few");
         if (stride) *stride = each;
         return out;
     }
+}
+
+std::string nesting_text(const Groom& full) {
+    const RootGrid& grid = full.grid;
+    std::vector<int> counts;
+    for (int each = 1; each == 1 || each / 2 < std::max(grid.width, grid.height); each *= 2) {
+        int count = 0;
+        for (int row = 0; row < grid.height; row += each)
+            for (int column = 0; column < grid.width; column += each) count += grid.at(column, row) >= 0;
+        if (count > 0 && (counts.empty() || count < counts.back())) counts.push_back(count);
+    }
+    std::string text;
+    for (const int count : counts) text = std::to_string(count) + (text.empty() ? "" : ", " + text);
+    return "this groom nests as " + text + " strands";
 }
 
 }  // namespace wetcurl

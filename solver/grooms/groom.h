@@ -22,6 +22,9 @@ Groom load_groom(const Table& table, unsigned long long seed, const std::string&
 // `stride`, where given, receives which. Throws Misuse where at_most < 1, Error where no root is left.
 Groom thinned(const Groom& full, int at_most, int* stride = nullptr);
 
+// "this groom nests as 64, 256, 1024 strands": the grids of every 1st, 2nd, 4th... root each way.
+std::string nesting_text(const Groom& full);
+
 // Every strand as `particles` points, even in arc length.
 StrandPoints resampled_strands(const StrandPoints& strands, int particles);
 

@@ -1,4 +1,4 @@
-// Strands and meshes from other programs. Ours.
+// Strands and meshes from other programs.
 #include "solver/grooms/import.h"
 
 #include <algorithm>
@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/output_file.h"
 
 namespace wetcurl {
 namespace {
@@ -104,38 +104,29 @@ std::vector<Vec3d> distinct(const std::vector<Vec3d>& strand) {
     return out;
 }
 
-// A file under another name until it is whole.
-class PartialFile {
+// Bytes to a file, many at a time.
+class Bytes {
   public:
-    explicit PartialFile(std::string path)
-        : path_(std::move(path)), out_(path_ + ".partial", std::ios::binary) {
-        if (!out_) throw Error(path_ + ": found a place that cannot be written to");
-    }
-    ~PartialFile() {
-        std::error_code ignored;
-        if (!done_) std::filesystem::remove(path_ + ".partial", ignored);
-    }
+    explicit Bytes(OutputFile& file) : file_(file) {}
     template <class T>
     void put(const T& value) {
-        out_.write(reinterpret_cast<const char*>(&value), sizeof value);
+        waiting_.append(reinterpret_cast<const char*>(&value), sizeof value);
+        if (waiting_.size() > size_t(1) << 20) flush();
     }
     void put_points(const std::vector<Vec3d>& strand) {
         for (const auto& x : strand) put(cast<float>(x));
     }
-    void finish() {
-        out_.close();
-        if (!out_) throw Error(path_ + ": writing failed (disk full?)");
-        std::filesystem::rename(path_ + ".partial", path_);
-        done_ = true;
+    void flush() {
+        file_.write(waiting_);
+        waiting_.clear();
     }
 
   private:
-    std::string path_;
-    std::ofstream out_;
-    bool done_ = false;
+    OutputFile& file_;
+    std::string waiting_;
 };
 
-void write_data(PartialFile& out, const StrandPoints& strands) {
+void write_data(Bytes& out, const StrandPoints& strands) {
     out.put(int32_t(strands.size()));
     for (const auto& strand : strands) {
         out.put(int32_t(strand.size()));
@@ -143,7 +134,7 @@ void write_data(PartialFile& out, const StrandPoints& strands) {
     }
 }
 
-void write_hair(PartialFile& out, const StrandPoints& strands) {
+void write_hair(Bytes& out, const StrandPoints& strands) {
     constexpr float thickness = 8e-5f;  // of a hair [m]
     constexpr uint32_t segments_and_points = 3;
     uint32_t points = 0;
@@ -164,7 +155,7 @@ void write_hair(PartialFile& out, const StrandPoints& strands) {
 
 struct Writer {
     const char* ending;
-    void (*write)(PartialFile&, const StrandPoints&);
+    void (*write)(Bytes&, const StrandPoints&);
 };
 constexpr Writer writers[] = {{".hair", write_hair}, {".data", write_data}};
 
@@ -239,15 +230,19 @@ static const Writer& writer_for(const std::string& path) {
 
 void require_writable(const std::string& path, bool overwrite) {
     writer_for(path);
-    if (!overwrite && std::filesystem::exists(path))
-        throw Error(path + ": is there already; --overwrite replaces it");
+    require_place(path, overwrite);
+    const auto folder = std::filesystem::path(target_of(path)).parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder))
+        throw Error(path + ": its folder is not there");
 }
 
 void write_strands(const std::string& path, const StrandPoints& strands, bool overwrite) {
     require_writable(path, overwrite);
-    PartialFile out(path);
+    OutputFile file(path, overwrite);
+    Bytes out(file);
     writer_for(path).write(out, strands);
-    out.finish();
+    out.flush();
+    file.commit();
 }
 
 }  // namespace wetcurl

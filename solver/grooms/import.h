@@ -41,7 +41,7 @@ Mesh import_mesh(const std::string& path, const FileUnits& meant);
 // Throws Misuse where the ending of `path` is none that write_strands knows, Error where the file exists and
 // `overwrite` is not given: to be found out before the work is done.
 void require_writable(const std::string& path, bool overwrite);
-// Writes metres, Y up, by the ending of `path`: through NAME.partial, renamed when whole.
+// Writes metres, Y up, by the ending of `path`, as an OutputFile.
 // Throws as above; Error where writing fails or a strand has more points than the format holds.
 void write_strands(const std::string& path, const StrandPoints& strands, bool overwrite);
 

@@ -28,6 +28,14 @@ StabilityMethod compared(const std::string& name, std::vector<Figures> sweep) {
     m.sweep = std::move(sweep);
     return m;
 }
+// The same on Iben's chain, as the paper runs them. What that chain does by itself, "iben" shows.
+StabilityMethod on_iben(const std::string& cohesion, std::vector<Figures> sweep) {
+    StabilityMethod m = compared(cohesion, std::move(sweep));
+    m.name += " on iben", m.integrator = "explicit double";
+    m.cohesion = "[baseline]\nchain = \"iben\"\ncohesion = \"" + cohesion + "\"\n";
+    m.order = 1, m.takes_drag = false;
+    return m;
+}
 
 }  // namespace
 
@@ -50,6 +58,8 @@ const std::vector<StabilityMethod>& stability_methods() {
         compared("lin", decades_of({{"strength", 10}}, 9)),
         compared("kim", decades_of({{"strength", 1}, {"area", 1e-3}}, 9)),
         compared("boundary_particles", decades_of({{"strength", 1}}, 9)),
+        on_iben("lin", decades_of({{"strength", 100}}, 5)),
+        on_iben("kim", decades_of({{"strength", 10}, {"area", 1e-2}}, 5)),
     };
     return methods;
 }

@@ -36,9 +36,9 @@ struct StabilityMethod {
     bool compared() const { return !sweep.empty(); }
 };
 
-// Ours in single and double precision, the paper's printed scheme, the compared methods:
-// the last with our chain, so that it is their forces that fail. Of a compared one the settings lack what
-// `swept` finds.
+// Ours in single and double precision, the paper's printed scheme, the compared methods: those of wet hair on
+// our chain, so that it is their forces that fail, and on Iben's, as the paper runs them. Of a compared one
+// the settings lack what `swept` finds.
 const std::vector<StabilityMethod>& stability_methods();
 
 // One case of the battery. NaN: not measured by this case.

@@ -7,7 +7,7 @@ namespace wetcurl::stability {
 
 namespace {
 
-const char* const everything = R"([groom]
+const std::string everything = R"([groom]
 grid = [6, 6]
 particles = 50
 [integrator]
@@ -18,8 +18,6 @@ substeps = 10
 [wetness]
 jitter = 0.3
 [curl]
-[stiffness]
-global = 6
 [motion]
 [[motion.keyframe]]
 time = 0.1
@@ -45,6 +43,8 @@ translation = [0.3, -0.1, -0.05]
 time = 1.0
 translation = [0.15, -0.1, -0.05]
 )";
+
+const char* const drag = "[stiffness]\nglobal = 6\n";
 
 struct SceneText {
     std::string text, name, folder;
@@ -95,7 +95,8 @@ StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer,
 }  // namespace
 
 Cases everything_at_once(const Battery& b, double stiffer) {
-    SceneText of{everything + b.method.cohesion + b.method.adhesion, "battery", "."};
+    SceneText of{everything + (b.method.takes_drag ? drag : "") + b.method.cohesion + b.method.adhesion,
+                 "battery", "."};
     if (!b.options.scene.empty()) {
         const Config config = Config::load(b.options.scene);
         of = {config.text(), b.options.scene, config.folder()};

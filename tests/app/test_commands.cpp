@@ -2,7 +2,9 @@
 // Ours.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <csignal>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -93,6 +95,33 @@ TEST_F(Commands, json_gets_its_folder_before_the_work_begins) {
     expect_error([&] { check_files(o, "", {}); }, {"file/out.json", "folder cannot be made"});
 }
 
+TEST_F(Commands, what_cannot_be_written_is_refused_before_the_work_begins) {
+    SimulateOptions o = simulation("run.h5", 16);
+    o.json = scratch.path(std::string(300, 'a'));
+    expect_error([&] { simulate_command(o); }, {"aaa", "too long"});
+    o.json.clear();
+    o.output = scratch.file("file", "") + "/folder/run.h5";
+    expect_error([&] { simulate_command(o); }, {"run.h5: cannot be written", "file is no folder"});
+    EXPECT_FALSE(fs::exists(scratch.path("run.h5")));
+    EXPECT_NO_THROW(check_files({}, scratch.path("new/folder/run.h5"), {}));
+    EXPECT_FALSE(fs::exists(scratch.path("new")));
+}
+
+TEST_F(Commands, json_is_utf8_whatever_the_names_of_files_are) {
+    const std::string path = scratch.path("named.json"), name = "hair\xff\xfe.h5";
+    ResultFile(path, false).write_json(Json{{"file", name}});
+    EXPECT_EQ(Json::parse(bytes_of(path))["file"], "hair\xef\xbf\xbd\xef\xbf\xbd.h5");
+    simulate_command(simulation("run.h5", 16));
+    fs::copy_file(scratch.path("run.h5"), scratch.path(name));
+    CompareOptions c;
+    c.reference = scratch.path("run.h5"), c.others = {scratch.path(name)};
+    c.json = scratch.path("compared.json");
+    ::testing::internal::CaptureStdout();
+    EXPECT_EQ(compare_command(c), 0);
+    ::testing::internal::GetCapturedStdout();
+    EXPECT_EQ(Json::parse(bytes_of(c.json))["others"].size(), 1u);
+}
+
 TEST_F(Commands, options_that_nothing_reads_are_refused) {
     simulate_command(simulation("low.h5", 16));
     CompareOptions compare;
@@ -113,17 +142,87 @@ TEST_F(Commands, options_that_nothing_reads_are_refused) {
     EXPECT_FALSE(fs::exists(infer.output));
 }
 
+// The message of an Error that `run` throws.
+template <class Run>
+std::string error_of(Run run) {
+    try {
+        run();
+    } catch (const Error& e) {
+        return e.what();
+    }
+    ADD_FAILURE() << "no Error";
+    return "";
+}
+
+// The commands that an error message lists, a line each: without the name of the program.
+std::vector<std::string> commands_in(const std::string& message) {
+    std::vector<std::string> out;
+    std::istringstream lines(message);
+    const std::string start = "  wetcurl ";
+    for (std::string line; std::getline(lines, line);)
+        if (line.starts_with(start)) out.push_back(line.substr(start.size()));
+    return out;
+}
+
 TEST_F(Commands, infer_of_a_learned_scene_says_which_model_is_missing_before_it_simulates) {
     InferOptions o;
     o.input = scratch.file("plain.toml", small_scene);
     o.output = scratch.path("learned.h5");
     expect_error<Misuse>([&] { infer_command(o); }, {"--model", "--interpolate", "[learned]"});
     o.input = scratch.file("learned.toml", std::string(small_scene) + "[learned]\nmodel = \"absent.h5\"\n");
-    expect_error([&] { infer_command(o); },
-                 {"absent.h5", "[learned]", "wetcurl train sr", "scenes/scene11a.toml"});
+    o.set = {"frames=2", "title=two words"};
+    const std::string said = error_of([&] { infer_command(o); });
+    EXPECT_NE(said.find("learned.toml: [learned] model names it"), std::string::npos) << said;
+    const std::string set = " --set frames=2 --set 'title=two words'", folder = scratch.path() + "/";
+    EXPECT_EQ(commands_in(said),
+              (std::vector<std::string>{
+                  "simulate " + folder + "learned.toml --dry --strands 16" + set + " -o " + folder +
+                      "absent_dry.h5",
+                  "simulate " + folder + "learned.toml" + set + " -o " + folder + "absent_wet.h5",
+                  "encode " + folder + "absent_dry.h5 " + folder + "absent_wet.h5 --codec strand -o " +
+                      folder + "absent_pairs.h5",
+                  "train sr " + folder + "absent_pairs.h5 -o " + folder + "absent.h5"}));
     EXPECT_FALSE(fs::exists(o.output + ".dry.h5"));
     o.interpolate = "quad";  // needs none
     EXPECT_EQ(infer_command(o), 0);
+
+    // Of a run, which is the low-resolution one already.
+    InferOptions run;
+    run.input = o.output + ".dry.h5", run.output = scratch.path("again.h5");
+    const auto commands = commands_in(error_of([&] { infer_command(run); }));
+    ASSERT_EQ(commands.size(), 3u);
+    EXPECT_EQ(commands[0], "simulate " + run.input + " -o " + folder + "absent_wet.h5");
+    EXPECT_NE(commands[1].find("encode " + run.input + " "), std::string::npos) << commands[1];
+}
+
+TEST_F(Commands, a_missing_adhesion_model_is_named_with_the_commands_of_its_own_scene) {
+    const std::string scene =
+        std::string(small_scene) + "[wetness]\n[adhesion]\n[[solid]]\nshape = \"sphere\"\nradius = 0.09\n";
+    const std::string folder = scratch.path() + "/";
+    scratch.file("adhesion_recipe.toml", "epochs = 1\n");
+    auto wanted = [&](const std::string& name) {
+        return std::vector<std::string>{
+            "encode " + folder + name + " --codec adhesion -o " + folder + "absent_pairs.h5",
+            "train adhesion " + folder + "absent_pairs.h5 --recipe " + folder + "adhesion_recipe.toml -o " +
+                folder + "absent.h5"};
+    };
+    InferOptions infer;
+    infer.input = scratch.file("stick.toml", scene + "[learned]\nmodel = \"absent.h5\"\n");
+    infer.output = scratch.path("learned.h5");
+    EXPECT_EQ(commands_in(error_of([&] { infer_command(infer); })), wanted("stick.toml"));
+    // A way of reconstruction is for a model of images.
+    infer.reconstruct = "core";
+    EXPECT_NE(error_of([&] { infer_command(infer); }).find("--codec root"), std::string::npos);
+
+    SimulateOptions simulate;
+    simulate.scene = scratch.file("model.toml", scene);
+    simulate.set = {"adhesion.model=absent.h5"};
+    simulate.output = scratch.path("wet.h5"), simulate.threads = 1;
+    const std::string said = error_of([&] { simulate_command(simulate); });
+    EXPECT_NE(said.find("model.toml: [adhesion] model names it"), std::string::npos) << said;
+    EXPECT_EQ(commands_in(said), wanted("model.toml"));
+    simulate.dry = true;  // needs none
+    EXPECT_EQ(simulate_command(simulate), 0);
 }
 
 TEST_F(Commands, encode_and_simulate_keep_their_inputs) {
@@ -413,6 +512,203 @@ TEST_F(Commands, runs_of_different_length_are_compared_over_the_common_frames_an
     const std::string said = ::testing::internal::GetCapturedStderr();
     EXPECT_NE(said.find("short.h5 has 2 frames"), std::string::npos) << said;
     EXPECT_NE(said.find("long.h5 has 3: frames 0 to 1"), std::string::npos) << said;
+}
+
+TEST_F(Commands, a_count_of_strands_that_no_grid_has_is_said_with_those_that_there_are) {
+    auto said = [&](int strands) {
+        SimulateOptions o = simulation("run.h5", strands);
+        o.overwrite = true;
+        ::testing::internal::CaptureStderr();
+        simulate_command(o);
+        return ::testing::internal::GetCapturedStderr();
+    };
+    const std::string counts = "this groom nests as 1, 4, 16, 64 strands; ";
+    EXPECT_NE(said(30).find("--strands 30: " + counts + "16 are taken"), std::string::npos);
+    EXPECT_NE(said(100).find("--strands 100: " + counts + "64 are taken"), std::string::npos);
+    EXPECT_EQ(said(16).find("--strands"), std::string::npos);
+}
+
+TEST_F(Commands, infer_of_the_first_frames_gives_those_of_the_whole) {
+    SimulateOptions low = simulation("low.h5", 16);
+    low.scene = scratch.file("wet.toml", wet_scene);
+    low.dry = true;
+    simulate_command(low);
+    InferOptions o = inference("rest", 4);
+    infer_command(o);
+    InferOptions first = o;
+    first.frames = 2, first.output = scratch.path("first.h5"), first.json = scratch.path("first.json");
+    EXPECT_EQ(infer_command(first), 0);
+    const RunReader whole(o.output), part(first.output);
+    ASSERT_EQ(whole.frames(), 4);
+    ASSERT_EQ(part.frames(), 2);
+    EXPECT_EQ(Json::parse(bytes_of(first.json))["frames"], 2);
+    for (int f = 0; f < 2; ++f)
+        for (size_t k = 0; k < whole.frame(f).positions.points.size(); ++k)
+            ASSERT_EQ(norm(whole.frame(f).positions.points[k] - part.frame(f).positions.points[k]), 0);
+    first.frames = 5, first.overwrite = true;
+    expect_error<Misuse>([&] { infer_command(first); }, {"--frames", "found 5", "1 to 4", "low.h5"});
+    // Of a scene, the dry run has as many.
+    first.input = low.scene, first.frames = 3;
+    EXPECT_EQ(infer_command(first), 0);
+    EXPECT_EQ(RunReader(first.output + ".dry.h5").frames(), 3);
+    EXPECT_EQ(RunReader(first.output).frames(), 3);
+}
+
+Json inspected(const std::string& run, const std::string& json) {
+    InspectOptions o;
+    o.what = "run", o.file = run, o.json = json, o.overwrite = true;
+    inspect_command(o);
+    return Json::parse(bytes_of(json));
+}
+
+// A run of 16 strands at rest whose frames took these times.
+std::string timed_run(const std::string& like, const std::string& path, const std::vector<double>& seconds,
+                      const std::string& method = "simulated dry") {
+    const RunReader from(like);
+    RunHeader header = from.header();
+    header.method = method;
+    RunWriter out(path, header, true);
+    RunFrame frame = from.frame(0);
+    for (const double s : seconds) {
+        frame.seconds = s;
+        std::fill(frame.stage_seconds.begin(), frame.stage_seconds.end(), float(s));
+        out.append(frame);
+    }
+    out.commit();
+    return path;
+}
+
+TEST_F(Commands, inspect_counts_no_time_for_the_frame_that_nothing_was_computed_for) {
+    simulate_command(simulation("run.h5", 16));
+    const std::string json = scratch.path("run.json");
+    const Json found =
+        inspected(timed_run(scratch.path("run.h5"), scratch.path("timed.h5"), {0, 0.25, 0.5, 0.75}), json);
+    const Json seconds = found["seconds_per_frame"];
+    EXPECT_EQ(seconds["min"], 0.25);
+    EXPECT_EQ(seconds["max"], 0.75);
+    EXPECT_EQ(seconds["mean"], 0.5);
+    EXPECT_EQ(seconds["median"], 0.5);
+    EXPECT_NEAR(seconds["std"].get<double>(), std::sqrt(0.125 / 3), 1e-12);
+    ASSERT_FALSE(found["mean_stage_seconds"].empty());
+    for (const auto& [stage, mean] : found["mean_stage_seconds"].items()) {
+        EXPECT_EQ(mean, 0.5) << stage;
+        EXPECT_EQ(found["last_stage_seconds"][stage], 0.75) << stage;
+    }
+    // One frame alone has no time, and simulate says no other.
+    const Json one = inspected(timed_run(scratch.path("run.h5"), scratch.path("one.h5"), {0}), json);
+    EXPECT_TRUE(one["seconds_per_frame"]["min"].is_null());
+    SimulateOptions single = simulation("single.h5", 16);
+    single.frames = 1, single.json = json, single.overwrite = true;
+    simulate_command(single);
+    EXPECT_TRUE(Json::parse(bytes_of(json))["seconds_per_frame"]["median"].is_null());
+}
+
+TEST_F(Commands, compare_names_files_and_times_and_how_many_times_faster_a_run_is) {
+    simulate_command(simulation("run.h5", 16));
+    const std::string like = scratch.path("run.h5");
+    CompareOptions c;
+    c.reference = timed_run(like, scratch.path("slow.h5"), {0, 3, 5});
+    c.others = {timed_run(like, scratch.path("half.h5"), {0, 2, 2}),
+                timed_run(like, scratch.path("untimed.h5"), {0, 0, 0})};
+    ::testing::internal::CaptureStdout();
+    compare_command(c);
+    const std::string table = ::testing::internal::GetCapturedStdout();
+    std::istringstream lines(table);
+    std::vector<std::vector<std::string>> rows;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        rows.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
+    }
+    ASSERT_GE(rows.size(), 6u) << table;
+    auto row = [&](size_t k) { return std::vector<std::string>(rows[k].begin(), rows[k].begin() + 6); };
+    using Row = std::vector<std::string>;
+    EXPECT_EQ(row(2), (Row{c.reference, "simulated", "dry", "3", "4000.0", "-"})) << table;
+    EXPECT_EQ(row(3), (Row{c.others[0], "simulated", "dry", "3", "2000.0", "2.00"})) << table;
+    EXPECT_EQ(row(4), (Row{c.others[1], "simulated", "dry", "3", "-", "-"})) << table;
+    EXPECT_NE(table.find("--help"), std::string::npos);
+    for (const char* word : {"speed-up", "F1", "crowd", "depth"}) {
+        EXPECT_NE(table.find(word), std::string::npos) << word;
+        EXPECT_NE(compare_columns().find(word), std::string::npos) << word;
+    }
+
+    c.json = scratch.path("compared.json");
+    ::testing::internal::CaptureStdout();
+    compare_command(c);
+    ::testing::internal::GetCapturedStdout();
+    const Json json = Json::parse(bytes_of(c.json));
+    EXPECT_EQ(json["reference"], c.reference);
+    EXPECT_EQ(json["reference_method"], "simulated dry");
+    EXPECT_EQ(json["reference_seconds_per_frame"], 4);
+    EXPECT_EQ(json["others"][0]["file"], c.others[0]);
+    EXPECT_EQ(json["others"][0]["speed_up"], 2);
+    EXPECT_TRUE(json["others"][1]["speed_up"].is_null());
+}
+
+TEST_F(Commands, damaged_times_and_saturations_of_a_run_are_refused_by_name) {
+    simulate_command(simulation("run.h5", 16));
+    const std::string like = scratch.path("run.h5");
+    CompareOptions c;
+    c.reference = like;
+    c.others = {timed_run(like, scratch.path("sec.h5"), {0, 0.1, -5})};
+    expect_error([&] { compare_command(c); },
+                 {"sec.h5", "dataset 'seconds'", "frame 2", "found -5", "allowed 0 or more"});
+    RunHeader header = RunReader(like).header();
+    header.saturation.assign(header.groom.rest.points.size(), 0.5f);
+    header.saturation[7] = 5;
+    RunWriter(scratch.path("sat5.h5"), header, true).commit();
+    expect_error([&] { RunReader(scratch.path("sat5.h5")); },
+                 {"sat5.h5", "dataset 'saturation'", "value 7", "found 5", "allowed 0 to 1"});
+}
+
+TEST_F(Commands, encode_takes_no_run_as_wet_that_was_not_simulated_wet) {
+    auto run = [&](const std::string& output, int strands, bool dry) {
+        SimulateOptions o = simulation(output, strands);
+        o.scene = scratch.file("wet.toml", wet_scene);
+        o.dry = dry;
+        simulate_command(o);
+        return o.output;
+    };
+    EncodeOptions e;
+    e.inputs = {run("low.h5", 16, true), run("dry.h5", 64, true)};
+    e.output = scratch.path("pairs.h5");
+    expect_error([&] { encode_command(e); }, {"dry.h5: found a run 'simulated dry'", "without --dry"});
+    InferOptions o = inference("quad", 4);
+    infer_command(o);
+    e.inputs[1] = o.output;
+    expect_error([&] { encode_command(e); }, {"quad4.h5: found a run 'quad interpolation'"});
+    e.inputs[1] = run("wet.h5", 64, false);
+    EXPECT_EQ(encode_command(e), 0);
+}
+
+TEST_F(Commands, errors_of_what_a_run_holds_name_its_file) {
+    simulate_command(simulation("run.h5", 16));
+    RunHeader header = RunReader(scratch.path("run.h5")).header();
+    const RunFrame frame = RunReader(scratch.path("run.h5")).frame(0);
+    auto with_scene = [&](const std::string& name, const std::string& text) {
+        header.scene = text;
+        RunWriter out(scratch.path(name), header, true);
+        out.append(frame);
+        out.commit();
+        return scratch.path(name);
+    };
+    const std::string damaged = with_scene("damaged.h5", "frames = 3\n[integrator\n");
+    InspectOptions inspect;
+    inspect.what = "run", inspect.file = damaged;
+    expect_error([&] { inspect_command(inspect); }, {"damaged.h5: its scene:2"});
+    expect_error([&] { substeps_of(RunReader(damaged).header()); }, {"damaged.h5: its scene:2"});
+    InferOptions o = inference("quad", 4);
+    o.input = scratch.path("run.h5");
+    o.wetness = scratch.file("other.toml", "[groom]\ngrid = [16, 8]\nparticles = 10\n[stretch]\n[bend]\n");
+    expect_error([&] { infer_command(o); }, {"run.h5, ", "other.toml: grooms do not nest"});
+}
+
+TEST_F(Commands, a_video_wider_than_its_encoders_take_is_refused) {
+    RenderOptions o;
+    o.runs = {"a.h5", "b.h5", "c.h5"};
+    o.output = scratch.path("wide.mp4"), o.width = 8192;
+    expect_error<Misuse>([&] { render_command(o); }, {"24576 pixels wide", "16383", "--width of 5461"});
+    o.output = scratch.path("wide.png");  // no encoder: the runs are asked for
+    expect_error([&] { render_command(o); }, {"a.h5"});
 }
 
 TEST_F(Commands, an_interrupted_simulation_keeps_what_it_has) {

@@ -523,6 +523,44 @@ TEST_F(Dataset, a_folder_is_not_written_to_unasked) {
     EXPECT_EQ(contents("mine"), before);
 }
 
+TEST_F(Dataset, a_second_process_in_the_same_folder_is_refused_and_changes_nothing) {
+    using Kind = LockedFile::Kind;
+    const std::string text = "runs = \"train\"\n" + small_recipe + scenes(2, 0, 0);
+    make(options(text, "whole"));
+    DatasetOptions o = options(text, "folder");
+    o.part = "1/2";
+    make(o);
+    const auto half = contents("folder");
+    auto refused = [&](const std::string& part, bool resume, bool overwrite, const std::string& named) {
+        o.part = part, o.resume = resume, o.overwrite = overwrite;
+        const auto before = contents("folder");
+        expect_error([&] { dataset_command(o); }, {named, "writes it", "wait until it ends"});
+        EXPECT_EQ(contents("folder"), before);
+    };
+    {
+        const OutputFolder all(o.output, Kind::alone);
+        refused("", true, false, o.output);
+        refused("", false, true, o.output);
+        refused("2/2", false, false, o.output);
+    }
+    {
+        const OutputFolder part(o.output, Kind::shared);
+        refused("", true, false, o.output);
+        refused("", false, true, o.output);
+        // Another process at the same scene, whichever of its files it writes.
+        for (const std::string file : {"/shards/train-0001_strand.h5", "/runs/train-0001_wet.h5"}) {
+            const OutputFile there(o.output + file, false);
+            refused("2/2", false, false, file);
+        }
+    }
+    EXPECT_EQ(contents("folder"), half);
+    EXPECT_EQ(make(o), std::pair(1, true));
+    for (const auto& [name, bytes] : contents("whole")) {
+        if (name.starts_with("runs/")) continue;  // they hold run times
+        EXPECT_EQ(contents("folder").at(name), bytes) << name;
+    }
+}
+
 TEST_F(Dataset, errors_of_a_recipe_say_what_and_where_before_anything_is_written) {
     auto refused = [&](const std::string& text, std::initializer_list<std::string> parts) {
         SCOPED_TRACE(text.substr(0, 60));
@@ -569,16 +607,50 @@ TEST_F(Dataset, errors_of_a_scene_name_it) {
         DatasetOptions o = options(text + scenes(1, 0, 0), "bad");
         o.overwrite = true;
         expect_error<Misuse>([&] { dataset_command(o); }, parts);
-        EXPECT_FALSE(contents("bad").contains("shards/train-0000_strand.h5"));
+        EXPECT_FALSE(fs::exists(scratch.path("bad")));
     };
     scratch.file("dry.toml", small_base.substr(0, small_base.find("[curl]")));
     refused("scene = \"dry.toml\"\n", {"train-0000", "[wetness]"});
     refused("scene = \"dry.toml\"\n[[pick.w]]\ntext = \"[wetness]\\n[wetness.flow]\"\n",
             {"train-0000", "[wetness.flow]", "stays"});
-    refused("scene = \"base.toml\"\n", {"train-0000", "[curl]", "[wetness]"});
+    refused("seed = 4\nscene = \"base.toml\"\n", {"recipe.toml:2: scene: train-0000 has no [wetness]"});
     // What is drawn for no one.
-    refused("scene = \"dry.toml\"\n[draw]\n\"groom.lenght\" = [0.1, 0.2]\n",
-            {"groom.lenght", "did you mean 'length'"});
+    const std::string wet = "scene = \"dry.toml\"\n[[pick.w]]\ntext = \"[wetness]\"\n";
+    refused(wet + "[draw]\n\"groom.lenght\" = [0.1, 0.2]\n",
+            {"recipe.toml:5: draw.groom.lenght", "did you mean 'length'"});
+}
+
+TEST_F(Dataset, a_wrong_value_of_a_scene_is_blamed_on_the_line_that_holds_it_before_anything_is_written) {
+    auto refused = [&](const std::string& text, std::initializer_list<std::string> parts) {
+        SCOPED_TRACE(text);
+        expect_error<Misuse>([&] { dataset_command(options(text, "bad")); }, parts);
+        EXPECT_FALSE(fs::exists(scratch.path("bad")));
+    };
+    const std::string wet = "scene = \"base.toml\"\n[[pick.w]]\ntext = \"[wetness]\"\n";  // three lines
+    // Of another split than the first.
+    refused(wet + "[test_draw]\n\"groom.lenght\" = [0.1, 0.2]\n" + scenes(2, 0, 1),
+            {"test-0000", "recipe.toml:5: test_draw.groom.lenght", "did you mean 'length'"});
+    refused(wet + "[draw]\n\"wetness.level\" = [2, 3]\n" + scenes(1, 0, 0),
+            {"train-0000", "recipe.toml:5: draw.wetness.level", "found 2.", "allowed 0 to 1"});
+    // The third line of the text, which begins where it is quoted.
+    refused(wet + "[[pick.m]]\ntext = \"\"\"\n\n[motion]\nagnle = 3\"\"\"\n" + scenes(1, 0, 0),
+            {"train-0000", "recipe.toml:5: pick.m[0].text:3: motion.agnle", "did you mean 'angle'"});
+    refused("low_substeps = 7\n" + wet + "[[pick.i]]\ntext = '''[integrator]\nkind = \"explicti\"'''\n" +
+                scenes(1, 0, 0),
+            {"recipe.toml:6: pick.i[0].text:2: integrator.kind", "'explicti'"});
+    std::string base = small_base;
+    base.replace(base.find("substeps = 2"), 12, "substeps = 0");
+    scratch.file("head.toml", base);
+    scratch.file("base.toml", "\n\ninclude = \"head.toml\"\n");
+    refused(wet + scenes(1, 0, 0), {"train-0000", "head.toml:10: integrator.substeps", "found 0"});
+}
+
+TEST_F(Dataset, a_box_of_colours_that_is_upside_down_is_refused_with_its_line) {
+    const std::string head = "scene = \"base.toml\"\n";
+    expect_error<Misuse>([&] { read(head + "box_lower = [0, 0.6, 0]\n" + scenes(1, 0, 0)); },
+                         {"recipe.toml:2: box_lower", "found 0.6 to 0.6 along y"});
+    expect_error<Misuse>([&] { read(head + "box_upper = [1, 1, -0.7]\n" + scenes(1, 0, 0)); },
+                         {"recipe.toml:2: box_upper", "found -0.6 to -0.7 along z"});
 }
 
 TEST_F(Dataset, stiff_scenes_run_in_the_precision_that_simulate_trusts) {
@@ -631,7 +703,7 @@ TEST_F(Dataset, a_first_frame_beyond_the_last_is_refused) {
         std::string text = std::string("codecs = \"") + codec + "\"\n" + small_recipe + scenes(1, 0, 0);
         text.replace(text.find("first = 1"), 9, "first = 7");
         expect_error<Misuse>([&] { dataset_command(options(text, codec)); }, {"first", "7 frames"});
-        EXPECT_TRUE(fs::is_empty(scratch.path(codec) + "/shards"));
+        EXPECT_FALSE(fs::exists(scratch.path(codec)));
     }
 }
 

@@ -38,6 +38,13 @@ TEST(fall, box_is_that_of_the_extreme_particles) {
     EXPECT_FALSE(fall.angle);
 }
 
+TEST(fall, drop_is_the_mean_of_tips_below_their_roots) {
+    Strands s(2, 2);
+    s.at(0, 0) = {0, 1, 0}, s.at(0, 1) = {3, 0.5f, 0};
+    s.at(1, 0) = {0, 1, 0}, s.at(1, 1) = {0, -0.5f, 4};
+    EXPECT_NEAR(fall_of(s, none, Pose{}, 0).drop, 1, 1e-6);
+}
+
 TEST(fall, angle_is_that_between_the_free_and_the_held_part) {
     for (const double angle : {60.0, 90.0, 135.0, 170.0}) {
         const Fall fall = fall_of(bent(angle), off_the_line, Pose{}, 0);
@@ -49,6 +56,17 @@ TEST(fall, angle_is_that_between_the_free_and_the_held_part) {
 
 TEST(fall, a_strand_that_touches_nothing_has_no_angle) {
     EXPECT_FALSE(fall_of(bent(180), off_the_line, Pose{}, 0).angle);
+}
+
+TEST(fall, bounce_is_the_second_difference_of_what_lies_on_the_solid) {
+    Bounce bounce;
+    EXPECT_FALSE(bounce.value());
+    // The first slides evenly, the second hops by 1 mm every other frame, the third is too far away.
+    for (int f = 0; f < 6; ++f) {
+        bounce.add({0.001f + 0.0005f * float(f), f % 2 ? 0.001f : 0.0f, f % 2 ? 0.1f : 0.2f});
+        EXPECT_EQ(bool(bounce.value()), f >= 2) << f;
+    }
+    EXPECT_NEAR(*bounce.value(), std::sqrt((0 + 4e-6) / 2), 1e-6);
 }
 
 TEST(fall, of_nothing_is_nothing) { EXPECT_EQ(fall_of(Strands(0, 0), none, Pose{}, 0).width, 0); }

@@ -251,9 +251,8 @@ TEST(picture, panels_stand_side_by_side) {
 
 TEST(picture, a_png_has_its_signature_and_size) {
     const auto path = std::filesystem::temp_directory_path() / "wetcurl_test_picture" / "image.png";
-    const std::vector<float> rgb(7 * 5 * 3, 0.5f);
     try {
-        write_image_png(path.string(), rgb.data(), 7, 5, 1);
+        write_png(path.string(), Image(7, 5), true);
     } catch (const Error& e) {
         if (std::string(e.what()).find("OpenCV") != std::string::npos)
             GTEST_SKIP() << "SKIP: built without OpenCV";

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -488,6 +489,45 @@ TEST_F(Report, of_a_table_says_every_row_its_seeds_and_other_scenes) {
     EXPECT_EQ(j["rows"][1]["seeds"]["position_mm"], (Json{{"min", 4.0}, {"max", 5.0}}));
     EXPECT_EQ(j["rows"][1]["wins"], true);
     EXPECT_EQ(j["front"], (Json{"quad", "sim", "<i>rest", "net"}));
+}
+
+TEST_F(Report, shows_trainings_beside_rows_or_alone) {
+    const std::string first = scratch.file("<b>net.h5.jsonl",
+                                           "{\"epoch\":1,\"loss\":4,\"validation_mm\":50,\"base_mm\":80}\n"
+                                           "{\"epoch\":2,\"loss\":1,\"validation_mm\":0.5,\"base_mm\":80}\n");
+    const std::string second =
+        scratch.file("other.h5.jsonl", "{\"epoch\":1,\"loss\":4}\n{\"epoch\":2,\"loss\":1}\n");
+    put("quad", "a", entry("interpolated", 9, 0.01));
+    ReportOptions o = options();
+    o.table = scratch.path("table"), o.trainings = {first, second};
+    EXPECT_EQ(report_command(o), 0);
+    const std::string html = page();
+    for (const char* part :
+         {"id=\"training\"", "<b>&lt;b&gt;net</b> 2 epochs, held out 0.5 mm at best, 80 mm without a network",
+          "mean error [mm]", "loss [1]", "curve learned", "held out 0.5", "epoch", "&lt;b&gt;net.h5.jsonl",
+          "<b>quad</b>"})
+        expect_in(html, part);
+    for (const char* part : {"<b>net", "http:", "https:"}) expect_not_in(html, part);
+    // Its own logarithmic axis: a hundredth lies two decades lower, and the points say so.
+    const size_t at = html.find("curve learned");
+    double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    ASSERT_EQ(
+        std::sscanf(html.c_str() + html.find("points=", at), "points=\"%lf,%lf %lf,%lf", &x0, &y0, &x1, &y1),
+        4);
+    EXPECT_GT(x1, x0 + 300);
+    EXPECT_GT(y1, y0 + 250);
+    const Json j = json();
+    ASSERT_EQ(j["trainings"].size(), 2u);
+    EXPECT_EQ(j["trainings"][0]["unit"], "mm");
+    EXPECT_EQ(j["trainings"][0]["series"][0]["value"], (Json{50.0, 0.5}));
+
+    o.table.clear(), o.overwrite = true;
+    EXPECT_EQ(report_command(o), 0);
+    expect_in(page(), "<h1>Trainings</h1>");
+    expect_in(page(), "2 trainings.");
+    expect_not_in(page(), "Hypervolume");
+    o.trainings = {scratch.file("bad.jsonl", "{}\n")};
+    expect_error([&] { report_command(o); }, {"bad.jsonl:1", "training"});
 }
 
 TEST_F(Report, of_a_malformed_battery_is_an_error) {

@@ -189,6 +189,50 @@ TEST(Config, an_unknown_key_is_an_error_with_its_line_and_the_nearest_name) {
                          {"scene.toml:3", "'bend.stiffnes'", "did you mean 'stiffness'"});
 }
 
+TEST(Config, a_value_of_an_included_file_is_blamed_on_that_file) {
+    Scratch scratch;
+    scratch.file("below.toml", "\n[groom]\n\nlength = 3\nwdith = 1\n[[solid]]\n[[solid]]\nradius = 5\n");
+    Config config =
+        Config::load(scratch.file("above.toml", "include = \"below.toml\"\n[groom]\npitch = 9\n"));
+    Table groom = config.root().table("groom");
+    expect_error<Misuse>([&] { groom.number("length", 1, 0, 2); }, {"below.toml:4: groom.length"});
+    expect_error<Misuse>([&] { groom.number("pitch", 1, 0, 2); }, {"above.toml:3: groom.pitch"});
+    expect_error<Misuse>([&] { config.root().tables("solid").at(1).number("radius", 1, 0, 2); },
+                         {"below.toml:8: solid[1].radius"});
+    expect_error<Misuse>([&] { config.require_all_used(); }, {"below.toml:5: ", "'groom.wdith'"});
+    // A table that --set gives whole has no line of the file.
+    config.set("groom={length = 7}");
+    expect_error<Misuse>([&] { config.root().table("groom").number("length", 1, 0, 2); },
+                         {"--set groom: groom.length: found 7"});
+}
+
+TEST(Config, backslashes_of_a_path_are_named_as_what_they_are) {
+    auto path = [](const std::string& text) { return scene(text).root().path("file"); };
+    const std::string printed = "found 'in\\base.data', which has control characters";  // no backspace in it
+    expect_error<Misuse>([&] { path("\nfile = \"in\\base.data\"\n"); },
+                         {"scene.toml:2: file", printed, "escape", "write /"});
+    expect_error<Misuse>([&] { path("file = \"in\\data\"\n"); }, {"scene.toml:1", "escape", "write /"});
+    expect_error<Misuse>([&] { path("file = 'in\\data'\n"); }, {"scene.toml:1", "write 'in/data'"});
+    expect_error<Misuse>([&] { scene("include = \"in\\base.toml\"\n"); },
+                         {"scene.toml:1: include", "in\\base"});
+    EXPECT_TRUE(path("file = \"in/data\"\n").ends_with("/in/data"));
+}
+
+TEST(Config, what_replaces_is_blamed_on_its_own_text_and_a_copy_is_its_own) {
+    Config config = scene("[groom]\nlength = 1\n[[solid]]\nradius = 1\n");
+    Config other = config.copy();
+    other.replace("\n[groom]\npitch = 9\n[[solid]]\nradius = 8\n", "recipe.toml:7: text");
+    other.set("fps=9", "recipe.toml:9: draw.fps");
+    expect_error<Misuse>([&] { other.root().table("groom").number("pitch", 1, 0, 2); },
+                         {"recipe.toml:7: text:3: groom.pitch"});
+    expect_error<Misuse>([&] { other.root().tables("solid").at(1).number("radius", 1, 0, 2); },
+                         {"recipe.toml:7: text:5: solid[1].radius"});
+    expect_error<Misuse>([&] { other.root().number("fps", 1, 0, 2); }, {"recipe.toml:9: draw.fps: found 9"});
+    EXPECT_EQ(config.root().table("groom").number("length", 0, 0, 2), 1);
+    EXPECT_EQ(config.root().tables("solid").size(), 1u);
+    EXPECT_FALSE(config.root().has("fps"));
+}
+
 TEST(Config, an_unknown_table_and_a_key_unknown_in_an_array_of_tables_are_errors) {
     Config tables = scene("[wetnes]\nlevel = 1\n");
     tables.root().table("wetness");

@@ -1,6 +1,9 @@
 // HDF5 files and run caches: round trips to the bit, and an Error for everything else. Ours.
 #include <cmath>
+#include <functional>
 
+#include "base/config.h"
+#include "base/geometry/mesh.h"
 #include "base/run_cache.h"
 #include "scratch.h"
 
@@ -235,6 +238,49 @@ bool same_points(const Strands& a, const Strands& b) {
     for (size_t i = 0; i < a.points.size(); ++i)
         if (norm(a.points[i] - b.points[i]) != 0) return false;
     return true;
+}
+
+// Where the file says how many rows a dataset has, and nowhere else: two numbers of 64 bits in a row.
+void claim_rows(const std::string& path, uint64_t rows, uint64_t columns, uint64_t claimed) {
+    std::string bytes = testing::bytes_of(path);
+    const uint64_t shape[] = {rows, columns};
+    const std::string wanted(reinterpret_cast<const char*>(shape), sizeof shape);
+    const auto at = bytes.find(wanted);
+    ASSERT_NE(at, std::string::npos);
+    ASSERT_EQ(bytes.find(wanted, at + 1), std::string::npos);
+    bytes.replace(at, sizeof claimed, reinterpret_cast<const char*>(&claimed), sizeof claimed);
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
+TEST(H5, a_size_that_the_file_cannot_hold_is_refused_before_memory_is_asked_for) {
+    const Scratch scratch;
+    const std::string path = scratch.path("a.h5");
+    {
+        H5Writer w(path, "test", 1, false);
+        w.write("x", std::vector<float>(17 * 13, 1).data(), {17, 13});
+        w.commit();
+    }
+    EXPECT_EQ(H5Reader(path, "test", 1).read<float>("x").size(), 17u * 13);
+    claim_rows(path, 17, 13, 100'000'000);
+    const H5Reader r(path, "test", 1);
+    std::vector<float> row(13);
+    for (const auto& read : std::initializer_list<std::function<void()>>{
+             [&] { r.shape("x"); }, [&] { r.read<float>("x"); }, [&] { r.read_row("x", 99, row.data()); }})
+        expect_error([&] { read(); }, {path, "'x' claims (100000000, 13)", "5200000000 bytes", "holds 884"});
+}
+
+TEST(Files, a_git_lfs_pointer_is_named_as_one) {
+    const Scratch scratch;
+    const std::string pointer =
+        "version https://git-lfs.github.com/spec/v1\noid sha256:0123\nsize 12345678\n";
+    for (const char* name : {"run.h5", "head.obj", "head.ply", "scene.toml"}) scratch.file(name, pointer);
+    auto refused = [&](const std::string& name, auto read) {
+        expect_error([&] { read(scratch.path(name)); }, {name, "Git LFS pointer", "git lfs pull"});
+    };
+    refused("run.h5", [](const std::string& path) { RunReader run(path); });
+    refused("head.obj", [](const std::string& path) { read_mesh(path, 1); });
+    refused("head.ply", [](const std::string& path) { read_mesh(path, 1); });
+    refused("scene.toml", [](const std::string& path) { Config::load(path); });
 }
 
 TEST(RunCache, header_comes_back_whole) {

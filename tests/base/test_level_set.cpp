@@ -2,10 +2,12 @@
 // Ours.
 #include <cmath>
 #include <cstring>
+#include <thread>
 
 #include "base/geometry/level_set.h"
 #include "base/geometry/shapes.h"
 #include "base/log.h"
+#include "base/output_file.h"
 #include "scratch.h"
 #include "tests/base/threads.h"
 
@@ -293,6 +295,29 @@ TEST(LevelSetCache, rebuilds_damaged_files) {
         EXPECT_TRUE(LevelSet::cached(mesh, 0.01, scratch.path())->from_cache());
     }
     set_log_level(LogLevel::info);
+}
+
+TEST(LevelSetCache, is_left_to_the_process_that_writes_it) {
+    const Scratch scratch;
+    const Mesh mesh = triangulated(Sphere{0.1}, 24);
+    const auto cached = [&] { return LevelSet::cached(mesh, 0.01, scratch.path()); };
+    const auto made = cached();
+    const std::string file = only_file_in(scratch.path());
+    std::filesystem::remove(file);
+    {
+        OutputFile other(file, true);
+        other.write("half");
+        const auto own = cached();
+        EXPECT_FALSE(own->from_cache());
+        EXPECT_TRUE(same_bits(*made, *own));
+        EXPECT_EQ(bytes_of(other.partial()), "half");
+        EXPECT_EQ(only_file_in(scratch.path()), other.partial());
+    }
+    std::vector<std::thread> processes;
+    for (int k = 0; k < 4; ++k) processes.emplace_back([&] { EXPECT_TRUE(same_bits(*made, *cached())); });
+    for (auto& process : processes) process.join();
+    EXPECT_TRUE(cached()->from_cache());
+    EXPECT_EQ(only_file_in(scratch.path()), file);
 }
 
 TEST(LevelSetCache, does_without_a_folder_that_cannot_be_written) {

@@ -235,6 +235,15 @@ std::vector<Case> coupled(const Scratch& scratch) {
          wet_dry + "[baseline]\nmethod = 'boundary_particles'\n[[solid]]\nradius = 0.1\n",
          {grid}},
         {"iben", dry_scene + "[baseline]\nmethod = 'iben'\n", soft},
+        {"lin on iben", wet_dry + "[baseline]\nchain = 'iben'\ncohesion = 'lin'\nradius = 0.05\n", soft},
+        {"kim and boundary particles on iben",
+         wet_dry + "[baseline]\nchain = 'iben'\ncohesion = 'kim'\nradius = 0.05\nboundary = 'particles'\n" +
+             "[[solid]]\nradius = 0.1\n",
+         soft},
+        {"lin and boundary particles",
+         wet_dry + "[baseline]\ncohesion = 'lin'\nradius = 0.05\nboundary = 'particles'\n" +
+             "[[solid]]\nradius = 0.1\n",
+         {grid}},
         {"explicit", soft_explicit + "[[solid]]\nradius = 0.097\nattached = \"head\"\n", explicit_ones},
         {"backward Euler", wet_scene, {grid, "integrator.kind='backward_euler'"}},
     };

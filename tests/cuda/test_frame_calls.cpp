@@ -69,11 +69,14 @@ TEST_F(FrameCalls, a_frame_is_one_graph_and_one_wait) {
         {"a ball that breathes",
          wet_scene + breathing_sphere(scratch, {0.02, 0.04}, 2, "[0, -0.1, 0.12]", 0.01, 16)}};
 #ifndef WETCURL_PARITY  // there what strands do to each other is the host's
-    scenes.insert({{"strand contact", wet_scene + "[strand_contact]\n"},
-                   {"cohesion in the solve", coherent},
-                   {"lin", compared("lin")},
-                   {"kim", compared("kim")},
-                   {"boundary particles", compared("boundary_particles")}});
+    scenes.insert(
+        {{"strand contact", wet_scene + "[strand_contact]\n"},
+         {"cohesion in the solve", coherent},
+         {"lin", compared("lin")},
+         {"kim", compared("kim")},
+         {"boundary particles", compared("boundary_particles")},
+         {"lin and boundary particles",
+          dry_scene + head + "[wetness]\n[baseline]\ncohesion = \"lin\"\nboundary = \"particles\"\n"}});
 #endif
     for (const auto& [name, text] : scenes) {
         const Scene scene = scene_of(text, {"groom.grid=[12, 12]"});

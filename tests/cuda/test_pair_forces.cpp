@@ -18,6 +18,12 @@ struct Result {
     std::vector<double> stiffness;
     double energy = 0;
     size_t pairs = 0;
+    void operator+=(const Result& other) {
+        force.resize(other.force.size(), {0, 0, 0}), stiffness.resize(other.stiffness.size(), 0);
+        for (size_t i = 0; i < force.size(); ++i)
+            force[i] += other.force[i], stiffness[i] += other.stiffness[i];
+        energy += other.energy, pairs += other.pairs;
+    }
 };
 
 // Backwards: no particle's answer is another's but by the passes before.
@@ -73,23 +79,23 @@ akinci2013::KernelTable view_of(const akinci2013::KernelSum& sum) { return {sum.
 
 Result by_bodies(const Scene& scene, const std::vector<Vec3d>& x, double time) {
     Result out;
-    with_particle_forces(scene, [&]<class Method>(const Method& method) {
+    for_each_particle_force(scene, [&]<class Method>(const Method& method) {
         if constexpr (std::is_same_v<Method, BoundaryParticles2013>) {
             const HostSurfaces surfaces(scene, method, time);
             const akinci2013::KernelSum sum(akinci2013::adhesion_kernel, method.h);
             const std::vector<double> mass = particle_masses(scene);
-            out = run(BoundaryPulls{method, view_of(sum), uint32_t(x.size()), surfaces.views.data(),
-                                    surfaces.poses.data(), int(surfaces.views.size()), x.data(), mass.data(),
-                                    scene.saturation.data()});
+            out += run(BoundaryPulls{method, view_of(sum), uint32_t(x.size()), surfaces.views.data(),
+                                     surfaces.poses.data(), int(surfaces.views.size()), x.data(), mass.data(),
+                                     scene.saturation.data()});
         } else if constexpr (std::is_same_v<Method, Cohesion>) {
-            out = run(StrandPulls<CohesionPairs>{{method}, HostPairs(scene, x, method.h_c).memory});
+            out += run(StrandPulls<CohesionPairs>{{method}, HostPairs(scene, x, method.h_c).memory});
         } else {
             constexpr bool is_lin = std::is_same_v<Method, Lin2015>;
             const akinci2013::KernelSum sum(
                 is_lin ? akinci2013::adhesion_kernel : akinci2013::cohesion_kernel, method.h);
             const HostPairs pairs(scene, x, method.h);
             using Pairs = std::conditional_t<is_lin, LinPairs, KimPairs>;
-            out = run(StrandPulls<Pairs>{{method, view_of(sum)}, pairs.memory});
+            out += run(StrandPulls<Pairs>{{method, view_of(sum)}, pairs.memory});
         }
     });
     return out;
@@ -120,7 +126,9 @@ Scene tuft(const std::string& method) {
 }
 const std::string methods[] = {"[cohesion]\nstrength = 500\n", "[baseline]\nmethod = \"lin\"\n",
                                "[baseline]\nmethod = \"kim\"\n",
-                               "[baseline]\nmethod = \"boundary_particles\"\nspacing = 0.002\n"};
+                               "[baseline]\nmethod = \"boundary_particles\"\nspacing = 0.002\n",
+                               "[baseline]\nchain = \"iben\"\ncohesion = \"kim\"\nboundary = "
+                               "\"particles\"\nboundary_spacing = 0.002\n"};
 
 double largest(const std::vector<Vec3d>& force) {
     double most = 0;

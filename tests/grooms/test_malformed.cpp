@@ -37,6 +37,11 @@ TEST_P(Malformed, the_whole_file_is_taken) {
     EXPECT_TRUE(same(import_strands(path(), {"m", "y"}).strands, sample_strands()));
 }
 
+TEST_P(Malformed, a_git_lfs_pointer_is_refused_with_the_way_out) {
+    EXPECT_TRUE(refused("version https://git-lfs.github.com/spec/v1\noid sha256:0123\nsize 12345678\n",
+                        "`git lfs pull`"));
+}
+
 TEST_P(Malformed, missing_empty_or_no_file_is_refused) {
     expect_error([&] { import_strands(path(), {"m", "y"}); }, {path(), "no such file"});
     EXPECT_TRUE(refused("", "empty"));

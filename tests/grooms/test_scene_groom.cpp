@@ -161,6 +161,10 @@ TEST(Thinned, takes_the_finest_stride_within_the_limit) {
         EXPECT_EQ(thin.hash(), coarsened(full, stride).hash());
     }
     expect_error<Misuse>([&] { thinned(full, 0); }, {"--strands", "1 or more"});
+    EXPECT_EQ(nesting_text(full), "this groom nests as 1, 2, 8, 32, 128, 512 strands");
+    Groom holed = full;
+    holed.grid.strand[0] = -1;
+    EXPECT_EQ(nesting_text(holed), "this groom nests as 1, 7, 31, 127, 511 strands");
 }
 
 TEST(RootDepth, counts_roots_under_the_scalp_and_how_deep) {

@@ -649,6 +649,16 @@ TEST_F(BadModelFile, NormalisationThatDoesNotFit) {
     save_model(path, card, *model, true);
     expect_refused({"input_std", std::to_string(strand_inputs - 1), std::to_string(strand_inputs)});
 }
+TEST_F(BadModelFile, NormalisationThatIsMissing) {
+    for (const char* name : {"input_mean", "input_std", "output_scale"}) {
+        card = card_of(*find_architecture("strand_mlp"), 0.1);
+        model = stirred(card);
+        card.arrays.erase(name);
+        save_model(path, card, *model, true);
+        expect_refused({std::string("array '") + name + "' is missing"});
+        expect_error([&] { read_card(path); }, {path, name});
+    }
+}
 TEST_F(BadModelFile, IsNotOverwrittenUnasked) {
     const std::string before = testing::bytes_of(path);
     expect_error([&] { save_model(path, card, *model, false); }, {path, "--overwrite"});

@@ -72,16 +72,20 @@ TEST(Allocations, a_frame_asks_for_none) {
         return dry_scene + "[[solid]]\nradius = 0.1\n[wetness]\n[baseline]\nmethod = \"" + method + "\"\n";
     };
     const std::string air = dry_scene + "[air]\ngrid = [8, 8, 8]\n";
-    for (const auto& [name, text] : {std::pair{"dry", dry_scene},
-                                     {"wet", wet_scene},
-                                     {"air", air + "[[air.source]]\n"},
-                                     {"two-way air", air + "two_way = true\nwind = [0, 0, 1]\n"},
-                                     {"many solids", among_solids},
-                                     {"strand contact", wet_scene + "[strand_contact]\n"},
-                                     {"cohesion in the solve", coherent},
-                                     {"lin", compared("lin")},
-                                     {"kim", compared("kim")},
-                                     {"boundary particles", compared("boundary_particles")}})
+    for (const auto& [name, text] :
+         {std::pair{"dry", dry_scene},
+          {"wet", wet_scene},
+          {"air", air + "[[air.source]]\n"},
+          {"two-way air", air + "two_way = true\nwind = [0, 0, 1]\n"},
+          {"many solids", among_solids},
+          {"strand contact", wet_scene + "[strand_contact]\n"},
+          {"cohesion in the solve", coherent},
+          {"lin", compared("lin")},
+          {"kim", compared("kim")},
+          {"boundary particles", compared("boundary_particles")},
+          {"lin and boundary particles", dry_scene +
+                                             "[[solid]]\nradius = 0.1\n[wetness]\n[baseline]\ncohesion = "
+                                             "\"lin\"\nboundary = \"particles\"\n"}})
         EXPECT_EQ(asked_in_frames(text, 48, 12), 0) << name;
     EXPECT_EQ(asked_in_frames(wet_scene, 48, 12, nullptr, {}, "double"), 0);
     for (const std::string set : {"cohesion.spacing=0.02", "cohesion.relaxation=2.5",

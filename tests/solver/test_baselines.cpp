@@ -142,7 +142,7 @@ TEST(StrandForces, are_their_potential_s_gradient_but_for_the_area_s) {
     EXPECT_LT(off_gradient(tuft("lin")), 0.02);
     Scene kim = tuft("kim");
     EXPECT_GT(off_gradient(kim), 0.05);
-    std::get<Kim2016>(*kim.baseline).gamma_area = 0;
+    std::get<Slot<Kim2016>>(kim.baselines)->gamma_area = 0;
     EXPECT_LT(off_gradient(kim), 0.02);
 }
 
@@ -181,7 +181,7 @@ TEST(StrandForces, are_those_of_all_pairs_on_different_strands) {
     const Scene scene = tuft("lin");
     const auto x = positions_of(scene), force = forces_on(scene);
     const auto mass = particle_masses(scene);
-    const auto& lin = std::get<Lin2015>(*scene.baseline);
+    const Lin2015 lin = *scene.baseline<Lin2015>();
     for (size_t i = 0; i < x.size(); ++i) {
         Vec3d sum{0, 0, 0};
         for (size_t j = 0; j < x.size(); ++j)
@@ -367,6 +367,155 @@ TEST(Iben, limits_velocities_from_root_to_tip) {
     EXPECT_EQ(v[1].x, 0.1);
 }
 
+// --- together
+
+const string soft_explicit =
+    "[stretch]\nstiffness = 0.05\n[bend]\nstiffness = 5e-4\n[core]\nstiffness = 5e-4\n";
+
+// Two strands whose one free particle each is drawn by Lin's force alone, in steps of 1 ms.
+Scene pair_on_iben(const std::vector<string>& set = {}) {
+    Scene scene = scene_of(
+        "fps = 1000\n[groom]\ngrid = [2, 1]\nparticles = 3\n[integrator]\nsubsteps = 1\ngravity = [0, 0, 0]\n"
+        "[stretch]\n[wetness]\n[baseline]\nchain = \"iben\"\ncohesion = \"lin\"\n",
+        set);
+    for (int s = 0; s < 2; ++s)
+        for (int i = 0; i < 3; ++i)
+            scene.groom.rest.at(s, i) = {float(s * 0.75 * h), 0.2f - 0.005f * float(i), 0};
+    return scene;
+}
+SimulationState after_a_step(const Scene& scene) {
+    const auto simulation = make_simulation(scene, "double");
+    simulation->advance();
+    return simulation->state();
+}
+
+TEST(LinOnIben, steps_the_velocity_by_the_force_and_then_the_position_by_the_velocity) {
+    const Scene scene = pair_on_iben();
+    const auto x = positions_of(scene);
+    const auto mass = particle_masses(scene);
+    Vec3d force{0, 0, 0};
+    for (size_t j = 3; j < 6; ++j)
+        force += scene.baseline<Lin2015>()->pair_force(x[2] - x[j], mass[2], mass[j], 1);
+    const double dt = 1e-3;
+    const Vec3d v = (dt / mass[2]) * force;
+    ASSERT_GT(norm(v), 1e-4);
+    const SimulationState state = after_a_step(scene);
+    // Forces have masses in single precision.
+    EXPECT_LT(norm(state.v[2] - v), 1e-6 * norm(v));
+    EXPECT_LT(norm(state.x[2] - (x[2] + dt * state.v[2])), 1e-15);
+    EXPECT_LT(norm(state.v[2] + state.v[5] - Vec3d{0, 2 * v.y, 0}), 1e-6 * norm(v));  // the mirror's
+}
+
+TEST(LinOnIben, is_held_by_both_limits_after_the_step) {
+    const Vec3d x = positions_of(pair_on_iben())[2], free = after_a_step(pair_on_iben()).v[2];
+    const double half = 0.5 * norm(free);
+    const SimulationState slow =
+        after_a_step(pair_on_iben({"baseline.velocity_limit=" + std::to_string(half)}));
+    EXPECT_NEAR(norm(slow.v[2]) / half, 1, 1e-2);  // so many digits have settings
+    EXPECT_LT(norm(slow.x[2] - x - 1e-3 * slow.v[2]), 1e-12);
+    // So strong that the edge would be hundreds of times its length.
+    const SimulationState strong =
+        after_a_step(pair_on_iben({"baseline.velocity_limit=1e9", "baseline.strength=1e10"}));
+    EXPECT_NEAR(norm(strong.x[2] - strong.x[1]) / 0.005, 1.1, 1e-5);
+    EXPECT_LT(norm(strong.v[2] - 1e3 * (strong.x[2] - x)), 1e-6 * norm(strong.v[2]));
+}
+
+TEST(Baselines, on_iben_without_wetness_are_iben_to_the_bit) {
+    const string groom = "fps = 24\n[groom]\ngrid = [4, 4]\nparticles = 12\n";
+    const std::vector<string> steps{"integrator.substeps=100"};
+    const RunFrame iben =
+        after(scene_of(groom + soft_explicit + "[baseline]\nmethod = \"iben\"\n", steps), 4);
+    for (const string cohesion : {"lin", "kim"}) {
+        auto on_iben = [&](const string& level) {
+            return after(scene_of(groom + soft_explicit + "[wetness]\nabsorbed = 0\nlevel = " + level +
+                                      "\n[baseline]\nchain = \"iben\"\ncohesion = \"" + cohesion +
+                                      "\"\nradius = 0.05\n",
+                                  steps),
+                         4)
+                .positions;
+        };
+        EXPECT_TRUE(same_bits(on_iben("0"), iben.positions)) << cohesion;
+        EXPECT_FALSE(same_bits(on_iben("1"), iben.positions)) << cohesion;
+    }
+}
+
+// Each of the seven ways to name at least one of three parts.
+TEST(Baselines, compose_in_every_way) {
+    for (int named = 1; named < 8; ++named) {
+        const bool chain = named & 1, cohesion = named & 2, boundary = named & 4;
+        const string text = "fps = 24\n[groom]\ngrid = [5, 4]\nparticles = 12\n" + soft_explicit +
+                            "[wetness]\njitter = 0.8\n" + ball + "[baseline]\n" +
+                            (chain ? "chain = \"iben\"\nvelocity_limit = 2\n" : "") +
+                            (cohesion ? "cohesion = \"lin\"\nstrength = 1e4\n" : "") +
+                            (boundary ? "boundary = \"particles\"\nboundary_strength = 30\n" : "");
+        SCOPED_TRACE(text);
+        Scene scene = scene_of(text, {"integrator.substeps=100"});
+        EXPECT_EQ(scene.baseline<Iben2013>().has_value(), chain);
+        EXPECT_EQ(scene.integrator.is_implicit(), !chain);
+        EXPECT_EQ(scene.term<Bend>()->printed, chain);
+        EXPECT_EQ(cohesion ? scene.baseline<Lin2015>()->beta : 1e4, 1e4);
+        EXPECT_EQ(boundary ? scene.baseline<BoundaryParticles2013>()->beta : 30, 30);
+        const string forces = string(cohesion ? "Lin 2015" : "") + (cohesion && boundary ? " and " : "") +
+                              (boundary ? "boundary particles of Akinci 2013" : "");
+        EXPECT_EQ(method_of(scene),
+                  "simulated wet, " + (forces.empty()
+                                           ? "Iben 2013's chain"
+                                           : forces + " on " + (chain ? "Iben 2013's" : "our") + " chain"));
+        const auto present = presence_of(scene).present;
+        auto has = [&](const char* name) {
+            return std::find(present.begin(), present.end(), string("baseline ") + name) != present.end();
+        };
+        EXPECT_EQ(has("iben"), chain);
+        EXPECT_EQ(has("lin"), cohesion);
+        EXPECT_EQ(has("boundary_particles"), boundary);
+        EXPECT_EQ(make_particle_forces(scene) != nullptr, cohesion || boundary);
+
+        const auto simulation = make_simulation(scene, "double");
+        for (int f = 0; f < 3; ++f) simulation->advance();
+        EXPECT_FALSE(simulation->divergence());
+        EXPECT_EQ(simulation->energy_kinds.back() == "baseline", cohesion || boundary);
+
+        make_dry(scene);
+        EXPECT_EQ(scene.names_baseline(), chain);
+        EXPECT_EQ(method_of(scene), chain ? "simulated dry, Iben 2013's chain" : "simulated dry");
+    }
+}
+
+TEST(Baselines, that_act_at_once_sum_their_forces_and_potentials) {
+    auto scene = [](const string& baseline) {
+        Scene s = scene_of(hair + "[wetness]\njitter = 0.8\n" + ball + "[baseline]\n" + baseline,
+                           {"groom.grid=[5, 4]"});
+        scatter(s, 7, 0.015);
+        for (auto& p : s.groom.rest.points) p.y += 0.045f;
+        return s;
+    };
+    const string lin = "cohesion = \"lin\"\n",
+                 boundary = "boundary = \"particles\"\nboundary_spacing = 0.002\n";
+    const Scene both = scene(lin + boundary), first = scene(lin), second = scene(boundary);
+    const auto sum = forces_on(both), a = forces_on(first), b = forces_on(second);
+    ASSERT_GT(largest(a), 1e-9);
+    ASSERT_GT(largest(b), 1e-9);
+    for (size_t i = 0; i < sum.size(); ++i) EXPECT_EQ(norm(sum[i] - (a[i] + b[i])), 0) << i;
+    auto potential = [](const Scene& of) { return make_particle_forces(of)->potential(positions_of(of), 0); };
+    EXPECT_LT(potential(first), 0);
+    EXPECT_LT(potential(second), 0);
+    EXPECT_EQ(potential(both), potential(first) + potential(second));
+}
+
+TEST(Baselines, on_iben_s_chain_push_pairs_alike) {
+    for (const char* method : {"lin", "kim"}) {
+        Scene scene = scene_of(
+            hair + "[wetness]\njitter = 0.8\n[baseline]\nchain = \"iben\"\ncohesion = \"" + method + "\"\n",
+            {"groom.grid=[5, 4]"});
+        scatter(scene, 7, 0.015);
+        Vec3d sum{0, 0, 0};
+        double total = 0;
+        for (const auto& f : forces_on(scene)) sum += f, total += norm(f);
+        EXPECT_GT(total, 1e-6) << method;
+        EXPECT_LT(norm(sum), 1e-12 * total) << method;
+    }
+}
+
 // --- as parts of a scene
 
 TEST(Baselines, are_absent_from_scenes_that_name_none) {
@@ -391,7 +540,7 @@ TEST(Baselines, leave_a_dry_twin_but_for_iben) {
         Scene scene = name == "iben" ? scene_of(hair + "[baseline]\nmethod = \"iben\"\n")
                                      : two_strands(name, 0.01, "[wetness]\n" + ball);
         make_dry(scene);
-        EXPECT_EQ(scene.baseline.has_value(), name == "iben") << name;
+        EXPECT_EQ(scene.names_baseline(), name == "iben") << name;
     }
 }
 
@@ -442,7 +591,52 @@ TEST(Baselines, refuse_bad_tables_with_file_and_line) {
                          {"scene.toml:12", "did you mean 'lin'"});
     expect_error<Misuse>([&] { scene_of(head); }, {"scene.toml:11", "method"});
     // Another method's row is an unknown key.
-    expect_error<Misuse>([&] { scene_of(head + "method = \"lin\"\narea = 1\n"); }, {"scene.toml:13", "area"});
+    expect_error<Misuse>([&] { scene_of(head + "method = \"lin\"\narea = 1\n"); },
+                         {"scene.toml:13", "area", "unknown key", "'kim'", "strength, radius"});
+}
+
+TEST(Baselines, refuse_parts_that_do_not_fit) {
+    const string head = hair + "[wetness]\n[[solid]]\n[baseline]\n";  // the table is line 11
+    auto expect = [&](const string& rows, std::initializer_list<string> said) {
+        expect_error<Misuse>([&] { scene_of(head + rows); }, said);
+    };
+    expect("", {"scene.toml:11", "chain = \"iben\"", "cohesion = \"lin\" | \"kim\"",
+                "boundary = \"particles\"", "`method`"});
+    expect("velocity_limit = 1\n", {"scene.toml:11", "no compared method"});
+    expect("method = \"iben\"\ncohesion = \"lin\"\n", {"scene.toml:12", "beside `cohesion`", "shorthand"});
+    expect("chain = \"iban\"\n", {"scene.toml:12", "did you mean 'iben'"});
+    expect("cohesion = \"iben\"\n", {"scene.toml:12", "allowed: lin, kim"});
+    expect("boundary = \"boundary_particles\"\n", {"scene.toml:12", "allowed: particles"});
+    expect("chain = \"iben\"\nradius = 1\n",
+           {"scene.toml:13", "unknown key", "'lin'", "allowed: velocity_limit"});
+    expect("cohesion = \"lin\"\nboundary = \"particles\"\nspacing = 0.01\n",
+           {"scene.toml:14", "unknown key", "calls it boundary_spacing"});
+    expect("boundary = \"particles\"\nstrength = 1\n", {"scene.toml:13", "unknown key"});
+    expect("cohesion = \"lin\"\nboundary_range = 0.01\n",
+           {"scene.toml:13", "unknown key", "'boundary_particles'"});
+    expect("chain = \"iben\"\ncohesion = \"kim\"\nstrenth = 1\n", {"scene.toml:14", "strenth", "strength"});
+    expect_error<Misuse>([&] { scene_of(hair + "[baseline]\nchain = \"iben\"\ncohesion = \"lin\"\n"); },
+                         {"scene.toml:9", "cohesion = \"lin\"", "needs a [wetness]"});
+    expect_error<Misuse>(
+        [&] {
+            scene_of(hair + "[wetness]\n[stiffness]\n[baseline]\nchain = \"iben\"\ncohesion = \"lin\"\n");
+        },
+        {"scene.toml:10", "chain = \"iben\"", "runs without [stiffness]"});
+}
+
+TEST(Baselines, take_the_boundary_s_rows_without_its_name_under_method_alone) {
+    const string head = hair + "[wetness]\n[[solid]]\n[baseline]\nmethod = \"boundary_particles\"\n";
+    auto of = [](const Scene& scene) { return *scene.baseline<BoundaryParticles2013>(); };
+    const auto own = of(scene_of(head + "strength = 20\nrange = 0.02\nspacing = 0.005\n")),
+               full = of(scene_of(
+                   head + "boundary_strength = 20\nboundary_range = 0.02\nboundary_spacing = 0.005\n"));
+    for (const auto& b : {own, full}) {
+        EXPECT_EQ(b.beta, 20);
+        EXPECT_EQ(b.h, 0.02);
+        EXPECT_EQ(b.spacing, 0.005);
+    }
+    expect_error<Misuse>([&] { scene_of(head + "strength = 20\nboundary_strength = 20\n"); },
+                         {"baseline.strength", "unknown key", "boundary_strength"});
 }
 
 TEST(Baselines, stand_in_the_place_of_ours_and_say_so) {

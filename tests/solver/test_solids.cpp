@@ -36,6 +36,13 @@ TEST(Deformation, is_linear_between_keys_that_rise_alike_and_smooth_at_all_of_th
     EXPECT_NEAR(deformation.box().high.y, 0.08, 1e-7);
 }
 
+TEST(Solids, a_mesh_without_extent_is_refused_by_the_name_of_its_file) {
+    const Scratch scratch;
+    const std::string file = scratch.file("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
+    expect_error([&] { scene_of(chain + "[[solid]]\nshape = \"mesh\"\nfile = \"" + file + "\"\n"); },
+                 {"scene.toml:7: solid[0].file", "point.obj", "has no extent"});
+}
+
 TEST(Deformation, says_what_is_wrong_with_its_keyframes) {
     const Scratch scratch;
     const std::string a = scratch.file("a.obj", obj_of(triangulated(Sphere{0.1}, 16))),

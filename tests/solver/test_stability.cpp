@@ -123,6 +123,17 @@ TEST(Battery, the_printed_scheme_fails_where_the_paper_shakes) {
     for (const char* id : {"S1", "S3", "S4"}) EXPECT_TRUE(sees(printed(), id)) << id;
 }
 
+// Each group of cases of the methods on Iben's chain runs, and that they fail is of their steps, not of their
+// scenes.
+TEST(Battery, runs_wet_forces_on_iben_s_chain) {
+    for (const char* name : {"lin on iben", "kim on iben"})
+        for (const char* id : {"S1", "S2", "S5", "S7", "S9"}) {
+            const Cases all = cases_of(method_named(name), id);
+            EXPECT_TRUE(std::any_of(all.begin(), all.end(), [](const StabilityCase& c) { return !c.passed; }))
+                << name << " " << id;
+        }
+}
+
 // --- broken ones
 
 TEST(Battery, sees_a_state_that_is_not_finite) {

@@ -172,5 +172,15 @@ TEST(MetricsLog, GoesOnWhereACheckpointWasAndDropsTheRest) {
     EXPECT_EQ(testing::bytes_of(path), "{\"epoch\":1,\"loss\":0.5}\n{\"epoch\":2,\"loss\":0.125}\n");
 }
 
+TEST(MetricsLog, IsNotCutByAnotherTraining) {
+    Scratch scratch;
+    const std::string path = scratch.path("m.jsonl");
+    MetricsLog log(path, 0);
+    log.line({{"epoch", 1}});
+    testing::expect_error([&] { MetricsLog(path, 0); }, {path, "writes it"});
+    log.line({{"epoch", 2}});
+    EXPECT_EQ(testing::bytes_of(path), "{\"epoch\":1}\n{\"epoch\":2}\n");
+}
+
 }  // namespace
 }  // namespace wetcurl

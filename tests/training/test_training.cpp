@@ -690,6 +690,29 @@ TEST(Training, StoppedAndResumedGivesTheBitsOfOneGo) {
     }
 }
 
+TEST(Training, ASecondOneOfTheSameModelIsRefusedAndTheFirstEndsAsIfAlone) {
+    const std::vector<std::string> set = {"epochs=3", "width=0.1", "checkpoint_seconds=0"};
+    Job alone(Codec::strand, set), first(Codec::strand, set);
+    train(alone.request);
+    long refused = 0;
+    TrainRequest second = first.request;
+    first.request.progress = [&](long done, long, const std::string&) {
+        if (done != 8) return;
+        for (const bool resume : {false, true}) {
+            second.overwrite = !resume, second.resume = resume;
+            expect_error([&] { train(second); }, {second.output, "writes it", "wait until it ends"});
+            ++refused;
+        }
+    };
+    train(first.request);
+    EXPECT_EQ(refused, 2);
+    EXPECT_EQ(alone.lines(), first.lines());
+    auto a = load_model(alone.request.output), b = load_model(first.request.output);
+    for (const auto& p : a.second->named_parameters())
+        EXPECT_TRUE(torch::equal(p.value(), b.second->named_parameters()[p.key()])) << p.key();
+    for (const char* left : {".partial", ".checkpoint", ".checkpoint.partial"}) EXPECT_FALSE(first.has(left));
+}
+
 TEST(Training, KeepsTheBestOnHeldOutFrames) {
     // So large a rate that the loss goes up and down.
     Job job(Codec::strand, {"epochs=12", "width=0.1", "learning_rate=1", "schedule=constant"});
