@@ -1,7 +1,7 @@
 # The compared methods (Fig 2 to 5, 9 to 12, 23 and Table 6): what their items share.
 #
 # trial RUN SCENE OPTION...        as `simulate`, for a run that may diverge: RUN.h5 then ends where it did
-# against NAME REFERENCE RUN...    as `compared`; jitter RUN, spread RUN and curl_kept RUN are then of it: [mm] on a still
+# beside NAME REFERENCE RUN...     as `compared`; jitter RUN, spread RUN and curl_kept RUN are then of it: [mm] on a still
 #                                  head; the distance of tips, and the radius of curls, over those of REFERENCE
 # trembling_of NAME DRY RUN...     rows: the jitter of each run on a still head over that of dry hair
 # clumping_of NAME DRY RUN...      a table: spread of tips, curl, and whether the run is whole
@@ -19,10 +19,11 @@ trial() {
     local run=$1 scene=$2
     shift 2
     [[ $scene != scenes/* ]] || scene=$root/$scene
+    [[ -z ${FRAMES:-} || " $* " == *" --frames "* ]] || set -- "$@" --frames "$FRAMES"
     make "$run.h5" "$scene" -- trial_run "$run" "$scene" --device "$device" "$@"
 }
 
-against() {
+beside() {
     comparison=$1
     compared "$@"
 }
@@ -38,7 +39,7 @@ last_of() { for run in "$@"; do jq .frames "$run.json"; done | sort -n | head -n
 trembling_of() {
     local name=$1 dry=$2 run still
     shift 2
-    first_frame=6 against "$name" "$dry" "$@"
+    first_frame=$(frame 6) beside "$name" "$dry" "$@"
     still=$(number "$name.json" '.others[0].jitter_reference_mm')
     for run in "$@"; do
         local low=3 high=1e12 paper="above 1: noisy"
@@ -50,7 +51,7 @@ trembling_of() {
 clumping_of() {
     local name=$1 dry=$2 run rows=()
     shift 2
-    first_frame=12 against "$name" "$dry" "$@"
+    first_frame=$(frame 12) beside "$name" "$dry" "$@"
     for run in "$@"; do
         rows+=("$(jq -nc --arg method "$(method_of "$run")" --argjson spread "$(spread "$run")" --argjson curl "$(curl_kept "$run")" \
             --arg whole "$(whole_run "$run")" '{$method, "spread of tips, wet / dry": $spread, "radius of curls, wet / dry": $curl, "whole run": $whole}')")
@@ -66,11 +67,11 @@ whole() {
 # Short hair at low resolution: dry, and Iben's chain alone, which tells how much of the noise is the wet force's.
 short_low_hair() {
     simulate short_dry scenes/compare_short.toml --dry
-    trial short_iben scenes/compare_iben.toml --set motion.angle=0 --set groom.length=0.12 --set groom.particles=26 --set groom.lift=0.012 --set frames=24
+    trial short_iben scenes/compare_iben.toml --set motion.angle=0 --set groom.length=0.12 --set groom.particles=26 --set groom.lift=0.012 --frames "$(frames 24)"
 }
 # Long hair on a still head: dry, Iben's chain alone, and by METHOD.
 long_still() {
-    local still=(--set motion.angle=0 --set frames=24)
+    local still=(--set motion.angle=0 --frames "$(frames 24)")
     simulate long_dry_still scenes/compare_head.toml --dry "${still[@]}"
     trial long_iben_still scenes/compare_iben.toml "${still[@]}"
     if [[ $1 == ours ]]; then

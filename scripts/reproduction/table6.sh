@@ -50,7 +50,7 @@ best_of() {
     shift
     for strength in "$@"; do
         run "$method=$strength" curly long
-        first_frame=12 against "table6/sweep_$method=$strength" "$(run_of "dry_$(dry_of "$method")" curly long)" "$(run_of "$method=$strength" curly long)"
+        first_frame=$(frame 12) beside "table6/sweep_$method=$strength" "$(run_of "dry_$(dry_of "$method")" curly long)" "$(run_of "$method=$strength" curly long)"
         local run=$method=${strength}_curly_long moved noise
         noise=$(jitter "$run") moved=$(spread "$run")
         [[ $noise != null ]] || noise=1e9
@@ -93,7 +93,7 @@ for long in long short; do
         for kind in straight wavy curly coiled; do
             run "$method" $kind $long
             name=$(run_of "$method" $kind $long)
-            first_frame=12 against "table6/of_${method}_${kind}_$long" "$(run_of "dry_$(dry_of "$method")" $kind $long)" "$name"
+            first_frame=$(frame 12) beside "table6/of_${method}_${kind}_$long" "$(run_of "dry_$(dry_of "$method")" $kind $long)" "$name"
             rows+=("$(jq -nc --arg method "$(words_of "$method")" --arg hair $kind --argjson jitter "$(jitter "${name#*/}")" \
                 --argjson gained "$(gained "$name" "$weight")" --argjson spread "$(spread "${name#*/}")" --argjson curl "$(curl_kept "${name#*/}")" \
                 --arg whole "$(whole_run "$name")" '{$method, $hair, "jitter at rest [mm]": $jitter, "energy gained at rest [m g L]": $gained,

@@ -1,4 +1,5 @@
 # Fig 3: short curls at low resolution on a still head, by Lin on Iben's chain
+# also: fig3
 source "$root/scripts/reproduction/compared.bash"
 short_low_hair
 trial fig3_lin scenes/compare_short_lin.toml

@@ -1,4 +1,5 @@
 # Fig 4: long curls at low resolution, on Iben's chain: by Lin and by Kim on a still head, by Kim on one that turns
+# also: fig4
 source "$root/scripts/reproduction/compared.bash"
 long_still lin
 long_still kim

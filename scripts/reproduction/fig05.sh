@@ -1,4 +1,5 @@
 # Fig 5: short curls at low resolution on a still head, by Kim on Iben's chain
+# also: fig5
 source "$root/scripts/reproduction/compared.bash"
 short_low_hair
 trial fig5_kim scenes/compare_short_kim.toml

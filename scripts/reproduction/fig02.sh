@@ -1,4 +1,5 @@
 # Fig 2: short curls at high resolution on a still head: as they are, by Lin and by Kim on Iben's chain
+# also: fig2
 source "$root/scripts/reproduction/compared.bash"
 dense=(--set 'groom.grid=[24, 24]')
 simulate fig2_dry scenes/compare_short.toml --dry "${dense[@]}"
