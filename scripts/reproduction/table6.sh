@@ -45,8 +45,10 @@ for kind in straight wavy curly coiled; do for long in long short; do for on in 
 
 # ---- the best strength of each
 sweep=() methods=(printed)
+# best_of METHOD STRENGTH...: the best of them, in `best`.
 best_of() {
-    local method=$1 best= best_spread=9 calmest= least=1e12 strength rows=()
+    best=
+    local method=$1 best_spread=9 calmest= least=1e12 strength rows=()
     shift
     for strength in "$@"; do
         run "$method=$strength" curly long
@@ -56,8 +58,8 @@ best_of() {
         [[ $noise != null ]] || noise=1e9
         sweep+=("$(jq -nc --arg method "$method" --argjson strength "$strength" --argjson jitter "$noise" --argjson spread "$moved" \
             '{$method, $strength, "jitter at rest [mm]": $jitter, "spread of tips, wet / dry": $spread}')")
-        if [[ $(value "$noise < $least") == 1 ]]; then calmest=$strength least=$noise; fi
-        if [[ $(value "$noise <= $calm && $moved < $best_spread") == 1 ]]; then best=$strength best_spread=$moved; fi
+        if [[ $(value "($noise < $least)") == 1 ]]; then calmest=$strength least=$noise; fi
+        if [[ $(value "($noise <= $calm && $moved < $best_spread)") == 1 ]]; then best=$strength best_spread=$moved; fi
     done
     best=${best:-$calmest}
 }
