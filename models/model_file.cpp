@@ -29,6 +29,23 @@ int count_in(const H5Reader& file, const std::string& name, int minimum, int max
     return int(v);
 }
 
+// A network of a file without what its inputs and outputs are scaled by would run, and predict nonsense.
+void require_arrays(const H5Reader& file, const ModelCard& card) {
+    if (card.codec != "strand") return;
+    const size_t inputs = size_t(card.input_channels), outputs = size_t(card.output_channels);
+    const std::pair<const char*, size_t> needed[] = {
+        {"input_mean", inputs}, {"input_std", inputs}, {"output_scale", outputs}};
+    for (const auto& [name, size] : needed) {
+        const auto found = card.arrays.find(name);
+        if (found == card.arrays.end())
+            throw Error(file.path() + ": array '" + name + "' is missing, needed are " +
+                        std::to_string(size) + " values (train the model again)");
+        if (found->second.size() != size)
+            throw Error(file.path() + ": array '" + name + "' holds " + std::to_string(found->second.size()) +
+                        " values, needed " + std::to_string(size));
+    }
+}
+
 ModelCard card_of(const H5Reader& file) {
     ModelCard card;
     card.codec = file.text("codec");
@@ -63,23 +80,6 @@ ModelCard card_of(const H5Reader& file) {
                     std::to_string(card.upscale) + ", which " + a.name + " does not have");
     require_arrays(file, card);
     return card;
-}
-
-// A network of a file without what its inputs and outputs are scaled by would run, and predict nonsense.
-void require_arrays(const H5Reader& file, const ModelCard& card) {
-    if (card.codec != "strand") return;
-    const size_t inputs = size_t(card.input_channels), outputs = size_t(card.output_channels);
-    const std::pair<const char*, size_t> needed[] = {
-        {"input_mean", inputs}, {"input_std", inputs}, {"output_scale", outputs}};
-    for (const auto& [name, size] : needed) {
-        const auto found = card.arrays.find(name);
-        if (found == card.arrays.end())
-            throw Error(file.path() + ": array '" + name + "' is missing, needed are " +
-                        std::to_string(size) + " values (train the model again)");
-        if (found->second.size() != size)
-            throw Error(file.path() + ": array '" + name + "' holds " + std::to_string(found->second.size()) +
-                        " values, needed " + std::to_string(size));
-    }
 }
 
 std::shared_ptr<Model> model_of(const std::string& path, const ModelCard& card) {

@@ -38,6 +38,8 @@ trained() {
     shift 2
     make "$model.h5" "$pairs" -- wetcurl train sr "$pairs" -o "$model.h5" --json "$model.json" --device "$device" --set validation=0.2 "$@"
     trainings+=("$model")
+    # Weights of the paper's width are too large to keep; their logs are not.
+    [[ $device == cpu || $model != *@* ]] || { mkdir -p "$results/trainings/$scene" && cp "$model.h5.jsonl" "$results/trainings/$scene/"; }
 }
 trainings=()
 
