@@ -11,7 +11,7 @@ done
 row "all scenes: longest frame / mean, the largest" "1.41 (scene 3b, Table 3)" \
     "$(jq -s '[.[].seconds_per_frame | .max / .mean] | max' scene{01a,01b,02,03a,03b,04a,04b,05,08a,08b,10}.json)" 1 3 \
     "that no frame stands out, as none does in the paper's chart"
-chart fig40 --time --width 560 scene01a.h5 scene01b.h5 scene02.h5
-chart fig40_roll --time --width 560 scene03a.h5 scene03b.h5 scene10.h5
-chart fig40_dense --time --width 560 scene04a.h5 scene04b.h5 scene05.h5
-chart fig40_ball --time --width 560 scene08a.h5 scene08b.h5
+chart fig40 --time scene01a.h5 scene01b.h5 scene02.h5
+chart fig40_roll --time scene03a.h5 scene03b.h5 scene10.h5
+chart fig40_dense --time scene04a.h5 scene04b.h5 scene05.h5
+chart fig40_ball --time scene08a.h5 scene08b.h5

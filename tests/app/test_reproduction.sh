@@ -13,7 +13,7 @@ fi
 
 # What is wrong with the items in PROJECT/scripts/reproduction, one line each.
 complaints() {
-    local items=$1/scripts/reproduction file item listed name also
+    local items=$1/scripts/reproduction file item listed name also names
     listed=$("$1/scripts/reproduce")
     for file in "$items"/*.sh; do
         item=$(basename -s .sh "$file")
@@ -24,8 +24,13 @@ complaints() {
         grep -qE "^$item +[-0-9.]+ +" <<<"$listed" || echo "$item: scripts/reproduce does not list it"
         also=$(sed -n 's/^# also: //p' "$file")
         for name in $also; do
-            [[ -f $1/scenes/$name.toml || $name =~ ^(fig|table|scene|sec)[0-9a-z]+$ ]] || echo "$item: its other name '$name' is no figure, table or scene"
+            [[ -f $1/scenes/$name.toml || $name =~ ^(fig|table|scene|sec|eq)[0-9a-z]+$ ]] || echo "$item: its other name '$name' is no figure, table, scene or equation"
         done
+    done
+    # Every scene of the paper, and every figure and table with a result, is some item's.
+    names=" $({ basename -s .sh "$items"/*.sh; sed -n 's/^# also: //p' "$items"/*.sh; } | tr '\n' ' ') "
+    for name in $(basename -a -s .toml "$1"/scenes/scene*.toml) fig{2,3,4,5,6,8,9,10,11,12} fig{21..41} table{1..6}; do
+        [[ $names == *" $name "* ]] || echo "$name: no item has this name"
     done
 }
 
@@ -36,6 +41,7 @@ expect 2 "unexpected '--fast'" "'$project/scripts/reproduce' --fast"
 
 # The same of a copy whose items are broken, one thing each.
 mkdir -p "$folder/scenes"
+touch "$folder/scenes/scene99.toml"
 cp -r "$project/scripts" "$folder/scripts"
 items=$folder/scripts/reproduction
 first=$(basename -s .sh "$(ls "$items"/*.sh | head -n 1)")
@@ -43,7 +49,7 @@ echo 'row a b 1 0 2 c' >"$items/untitled.sh"
 printf '# Fig 0: judges nothing\n# also: somewhere\n' >"$items/idle.sh"
 printf '# Fig 0: no bash\nrow a b 1 0 2 c\nif\n' >"$items/unread.sh"
 seen=$(complaints "$folder")
-for expected in "untitled: its first line" "idle: it judges nothing" "idle: its other name 'somewhere'" "unread: bash cannot read it"; do
+for expected in "untitled: its first line" "idle: it judges nothing" "idle: its other name 'somewhere'" "unread: bash cannot read it" "scene99: no item"; do
     if [[ $seen == *"$expected"* ]]; then echo "ok: seen: $expected"; else
         echo "FAILED: not seen: $expected"
         failures=$((failures + 1))

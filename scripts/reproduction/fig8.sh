@@ -1,5 +1,4 @@
 # Fig 8: curls tighten with saturation: none, weak, strong at the tips
-# also: fig8
 simulate compare_curl_dry scenes/compare_curl.toml --dry
 simulate compare_curl_weak scenes/compare_curl.toml --set wetness.level=0.4
 simulate compare_curl_strong scenes/compare_curl.toml
@@ -10,4 +9,4 @@ row "length along the curls' axes, weak saturation / dry" "below 1: exaggerated"
 row "length along the curls' axes, strong saturation / weak" "below 1: more exaggerated" \
     "$(value "$(extent strong) / $(extent weak)")" 0.7 0.97 "tips saturated by 1: $(short "$(extent strong)") mm"
 note "The paper shows pictures without numbers."
-picture fig08 compare_curl_dry.h5 compare_curl_weak.h5 compare_curl_strong.h5 --frame "$(frame 95)"
+picture fig8 compare_curl_dry.h5 compare_curl_weak.h5 compare_curl_strong.h5 --frame "$(frame 95)"

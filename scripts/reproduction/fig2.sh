@@ -1,5 +1,4 @@
 # Fig 2: short curls at high resolution on a still head: as they are, by Lin and by Kim on Iben's chain
-# also: fig2
 source "$root/scripts/reproduction/compared.bash"
 dense=(--set 'groom.grid=[24, 24]')
 simulate fig2_dry scenes/compare_short.toml --dry "${dense[@]}"
@@ -7,4 +6,4 @@ trial fig2_lin scenes/compare_short_lin.toml "${dense[@]}"
 trial fig2_kim scenes/compare_short_kim.toml "${dense[@]}"
 trembling_of fig2 fig2_dry fig2_lin fig2_kim
 whole fig2_kim "(c) the simulation ultimately diverges"
-picture fig02 fig2_dry.h5 fig2_lin.h5 fig2_kim.h5 --frame "$(last_of fig2_lin fig2_kim)"
+picture fig2 fig2_dry.h5 fig2_lin.h5 fig2_kim.h5 --frame "$(last_of fig2_lin fig2_kim)"
