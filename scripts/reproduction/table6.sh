@@ -66,7 +66,10 @@ best_of() {
 for method in lin kim lin@iben kim@iben; do
     default=3000
     [[ $method != kim* ]] || default=100
-    best_of $method $(value "$default / 30") $(value "$default / 10") $default $(value "$default * 3")
+    # Iben's chain is damped so much that the defaults move nothing on it.
+    strongest=3
+    [[ $method != *@iben ]] || strongest=100
+    best_of $method $(value "$default / 10") $default $(value "$default * $strongest")
     methods+=("$method=$default")
     [[ $best == "$default" ]] || methods+=("$method=$best")
 done
