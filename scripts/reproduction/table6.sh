@@ -45,26 +45,31 @@ for kind in straight wavy curly coiled; do for long in long short; do for on in 
 
 # ---- the best strength of each
 sweep=() methods=(printed)
+# best_of METHOD STRENGTH...: the best of them, in `best`.
 best_of() {
-    local method=$1 best= best_spread=9 calmest= least=1e12 strength rows=()
+    best=
+    local method=$1 best_spread=9 calmest= least=1e12 strength rows=()
     shift
     for strength in "$@"; do
         run "$method=$strength" curly long
-        first_frame=12 against "table6/sweep_$method=$strength" "$(run_of "dry_$(dry_of "$method")" curly long)" "$(run_of "$method=$strength" curly long)"
+        first_frame=$(frame 12) beside "table6/sweep_$method=$strength" "$(run_of "dry_$(dry_of "$method")" curly long)" "$(run_of "$method=$strength" curly long)"
         local run=$method=${strength}_curly_long moved noise
         noise=$(jitter "$run") moved=$(spread "$run")
         [[ $noise != null ]] || noise=1e9
         sweep+=("$(jq -nc --arg method "$method" --argjson strength "$strength" --argjson jitter "$noise" --argjson spread "$moved" \
             '{$method, $strength, "jitter at rest [mm]": $jitter, "spread of tips, wet / dry": $spread}')")
-        if [[ $(value "$noise < $least") == 1 ]]; then calmest=$strength least=$noise; fi
-        if [[ $(value "$noise <= $calm && $moved < $best_spread") == 1 ]]; then best=$strength best_spread=$moved; fi
+        if [[ $(value "($noise < $least)") == 1 ]]; then calmest=$strength least=$noise; fi
+        if [[ $(value "($noise <= $calm && $moved < $best_spread)") == 1 ]]; then best=$strength best_spread=$moved; fi
     done
     best=${best:-$calmest}
 }
 for method in lin kim lin@iben kim@iben; do
     default=3000
     [[ $method != kim* ]] || default=100
-    best_of $method $(value "$default / 30") $(value "$default / 10") $default $(value "$default * 3")
+    # Iben's chain is damped so much that the defaults move nothing on it.
+    strongest=3
+    [[ $method != *@iben ]] || strongest=100
+    best_of $method $(value "$default / 10") $default $(value "$default * $strongest")
     methods+=("$method=$default")
     [[ $best == "$default" ]] || methods+=("$method=$best")
 done
@@ -93,7 +98,7 @@ for long in long short; do
         for kind in straight wavy curly coiled; do
             run "$method" $kind $long
             name=$(run_of "$method" $kind $long)
-            first_frame=12 against "table6/of_${method}_${kind}_$long" "$(run_of "dry_$(dry_of "$method")" $kind $long)" "$name"
+            first_frame=$(frame 12) beside "table6/of_${method}_${kind}_$long" "$(run_of "dry_$(dry_of "$method")" $kind $long)" "$name"
             rows+=("$(jq -nc --arg method "$(words_of "$method")" --arg hair $kind --argjson jitter "$(jitter "${name#*/}")" \
                 --argjson gained "$(gained "$name" "$weight")" --argjson spread "$(spread "${name#*/}")" --argjson curl "$(curl_kept "${name#*/}")" \
                 --arg whole "$(whole_run "$name")" '{$method, $hair, "jitter at rest [mm]": $jitter, "energy gained at rest [m g L]": $gained,
