@@ -240,15 +240,16 @@ bool same_points(const Strands& a, const Strands& b) {
     return true;
 }
 
-// Where the file says how many rows a dataset has, and nowhere else: two numbers of 64 bits in a row.
+// Changes how many rows the only dataset of this shape claims, wherever the file says it: its size and its
+// largest size, two numbers of 64 bits in a row each.
 void claim_rows(const std::string& path, uint64_t rows, uint64_t columns, uint64_t claimed) {
     std::string bytes = testing::bytes_of(path);
     const uint64_t shape[] = {rows, columns};
     const std::string wanted(reinterpret_cast<const char*>(shape), sizeof shape);
-    const auto at = bytes.find(wanted);
-    ASSERT_NE(at, std::string::npos);
-    ASSERT_EQ(bytes.find(wanted, at + 1), std::string::npos);
-    bytes.replace(at, sizeof claimed, reinterpret_cast<const char*>(&claimed), sizeof claimed);
+    size_t places = 0;
+    for (auto at = bytes.find(wanted); at != std::string::npos; at = bytes.find(wanted, at + 1), ++places)
+        bytes.replace(at, sizeof claimed, reinterpret_cast<const char*>(&claimed), sizeof claimed);
+    ASSERT_TRUE(places == 1 || places == 2) << places;
     std::ofstream(path, std::ios::binary) << bytes;
 }
 

@@ -380,7 +380,7 @@ TEST(Encode, runs_that_are_no_pair_are_errors) {
     write_run(other, coarsened(curly_groom({}, 2), 2), 2, frames, {});
     expect_error([&] { RunPair(other, runs.wet); }, {other, "do not nest", "strand 0"});
     write_run(other, runs.high, 1, frames, {});
-    expect_error([&] { RunPair(runs.dry, other); }, {other, "knows no saturation"});
+    expect_error([&] { RunPair(runs.dry, other); }, {other, "simulated dry", "simulated wet"});
     write_run(
         other, runs.low, 2, frames, {},
         [](int, int, int) {
