@@ -236,15 +236,17 @@ TEST(GeometryOfPairs, of_codec_root_are_input_target_and_what_doubling_misses) {
     EXPECT_EQ(panels[1].mask[0], 0);  // the left half, whose absurd colours are not shown
     EXPECT_EQ(panels[1].mask[63], 1);
     const auto doubled = doubled_image(input.data(), 3, 32, 32);
-    float most = 0;
+    std::vector<float> strengths;
     for (size_t k = 0; k < target.size(); ++k) {
         ASSERT_EQ(panels[2].values[k], target[k] - doubled[k]);
-        if (panels[2].mask[k % 4096]) most = std::max(most, std::abs(panels[2].values[k]));
+        if (panels[2].mask[k % 4096]) strengths.push_back(std::abs(panels[2].values[k]));
     }
-    ASSERT_GT(most, 0.01f);
-    // The strongest is not cut, and not faint either; its caption says how strong.
-    EXPECT_LE(most * panels[2].gain, 0.5f);
-    EXPECT_GE(most * panels[2].gain, 0.5f / 2.6f);
+    std::sort(strengths.begin(), strengths.end());
+    const float usual = strengths[size_t(0.98 * double(strengths.size() - 1))];
+    ASSERT_GT(usual, 0.01f);
+    // All but the strongest 2 % are not cut, and not faint either; the caption says how strong.
+    EXPECT_LE(usual * panels[2].gain, 0.5f);
+    EXPECT_GE(usual * panels[2].gain, 0.5f / 2.6f);
     const double reach_mm = 0.5e3 * 1.3 / double(panels[2].gain);
     EXPECT_NE(panels[2].caption.back().find("full colour " + std::to_string(int(std::lround(reach_mm)))),
               std::string::npos)
