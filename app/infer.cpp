@@ -264,9 +264,6 @@ QuadSettings quad_settings(const InferOptions& o, const Scene& scene, const RunH
 std::unique_ptr<Method> oracle_of(const InferOptions& o, const Scene& scene, const RunHeader& low) {
     const QuadSettings q = quad_settings(o, scene, low, "");
     RunPair pair(o.input, o.oracle_colours + o.oracle_weights);
-    if (!simulated_wet(pair.wet->header()))
-        throw Error(pair.wet->path() + ": found a run " + pair.wet->header().method +
-                    ", allowed for an oracle is one simulated wet");
     if (!o.oracle_weights.empty()) return std::make_unique<OracleWeights>(std::move(pair), q, scene.groom);
     return std::make_unique<OracleColours>(
         pair, o.colour_units.empty() ? ShiftUnits::length : shift_units_named(o.colour_units), q,

@@ -32,10 +32,11 @@ std::string shorter(const std::string& path) {
     return !relative.empty() && relative.size() < path.size() ? relative : path;
 }
 
+// What was given on the command line and changes the scene, less what names the model.
 std::string scene_options(const CommonOptions& o) {
     std::string out;
     for (const auto& set : o.set)
-        if (!set.starts_with("adhesion.model")) out += " --set " + word(set);
+        if (!set.starts_with("adhesion.model") && !set.starts_with("learned.")) out += " --set " + word(set);
     if (o.seed) out += fmt::format(" --seed {}", *o.seed);
     return out;
 }

@@ -119,7 +119,7 @@ Json time_statistics(std::vector<double> t) {
 }
 
 std::string milliseconds_text(const Json& seconds) {
-    return seconds.is_null() ? "no time" : fmt::format("{:.1f} ms", 1000 * seconds.get<double>());
+    return seconds.is_null() ? "- ms" : fmt::format("{:.1f} ms", 1000 * seconds.get<double>());
 }
 
 }  // namespace wetcurl

@@ -51,7 +51,7 @@ void refuse_device(const CommonOptions& o, const std::string& who);
 // {mean, median, min, max, std} of run times [s]; of none, each is null. Frame 0 is no run time: nothing was
 // computed for it.
 Json time_statistics(std::vector<double> seconds);
-// One of those as text: "12.3 ms", or "no time" where it is null.
+// One of those as text: "12.3 ms", or "- ms" where it is null.
 std::string milliseconds_text(const Json& seconds);
 
 }  // namespace wetcurl

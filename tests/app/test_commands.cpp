@@ -96,24 +96,20 @@ TEST_F(Commands, json_gets_its_folder_before_the_work_begins) {
 }
 
 TEST_F(Commands, what_cannot_be_written_is_refused_before_the_work_begins) {
-    CommonOptions o;
+    SimulateOptions o = simulation("run.h5", 16);
     o.json = scratch.path(std::string(300, 'a'));
-    expect_error([&] { check_files(o, "", {}); }, {"aaa: cannot be written", "too long"});
-    o.json = scratch.path("out.json");
-    fs::create_directory(o.json + ".partial");
-    expect_error([&] { check_files(o, "", {}); }, {"out.json: cannot be written", "out.json.partial"});
-    o.json = scratch.path("fine.json");
-    check_files(o, "", {});
-    EXPECT_FALSE(fs::exists(o.json + ".partial"));  // nothing is left of the trial
-    const std::string below = scratch.file("file", "") + "/folder/run.h5";
-    expect_error([&] { check_files({}, below, {}); }, {"run.h5: cannot be written", "file is no folder"});
+    expect_error([&] { simulate_command(o); }, {"aaa", "too long"});
+    o.json.clear();
+    o.output = scratch.file("file", "") + "/folder/run.h5";
+    expect_error([&] { simulate_command(o); }, {"run.h5: cannot be written", "file is no folder"});
+    EXPECT_FALSE(fs::exists(scratch.path("run.h5")));
     EXPECT_NO_THROW(check_files({}, scratch.path("new/folder/run.h5"), {}));
     EXPECT_FALSE(fs::exists(scratch.path("new")));
 }
 
 TEST_F(Commands, json_is_utf8_whatever_the_names_of_files_are) {
     const std::string path = scratch.path("named.json"), name = "hair\xff\xfe.h5";
-    write_json(Json{{"file", name}}, path);
+    ResultFile(path, false).write_json(Json{{"file", name}});
     EXPECT_EQ(Json::parse(bytes_of(path))["file"], "hair\xef\xbf\xbd\xef\xbf\xbd.h5");
     simulate_command(simulation("run.h5", 16));
     fs::copy_file(scratch.path("run.h5"), scratch.path(name));
