@@ -80,8 +80,6 @@ class RunFilm final : public GeometryFilm {
             one.reader = std::make_unique<RunReader>(path);
             const RunReader& run = *one.reader;
             if (run.frames() == 0) throw Error(path + ": there is no frame in it to draw");
-            if (run.header().groom.rest.count == 0)
-                throw Error(path + ": found 0 strands, a geometry image needs 1 or more");
             try {
                 one.image = std::make_unique<RootImage>(run.header().groom.grid);
             } catch (const Error& e) {
