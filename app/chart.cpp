@@ -202,7 +202,7 @@ Image draw_chart(const Chart& chart, const Axes& axes, int width, int height,
     float left = 5.5f * letter;
     for (const Bar& bar : chart.bars)
         left = std::max(left, std::min(0.45f * float(width), float(text_width(bar.name, letter)) + margin));
-    const float top = 3.4f * letter, bottom = float(height) - 3.6f * letter;
+    const float top = 4.2f * letter, bottom = float(height) - 3.6f * letter;
     const std::function<Point(double, double)> at = [&](double px, double py) {
         return Point{left + float(x.share(px)) * (right - left),
                      bottom - float(y.share(py)) * (bottom - top)};
@@ -236,12 +236,15 @@ Image draw_chart(const Chart& chart, const Axes& axes, int width, int height,
                     draw_line(image, dash, curve.color, curve.width);
             else
                 draw_line(image, piece, curve.color, curve.width);
-    double title = 1.2 * letter;
-    while (title > 0.7 * letter && text_width(chart.title, title) > width) title *= 0.97;
-    draw_text(image, chart.title, int(0.5f * (left + right)), int(1.5f * letter), title, 0.5);
-    draw_text(image, chart.y_label, int(0.4f * letter), int(2.6f * letter), letter, 0);
-    draw_text(image, chart.x_label, int(0.5f * (left + right)), int(float(height) - 0.7f * letter), letter,
-              0.5);
+    // About the middle of the axis, smaller where it does not fit.
+    auto draw_across = [&](const std::string& text, int row, double size) {
+        const double smallest = 0.7 * size;
+        while (size > smallest && text_width(text, size) > width) size *= 0.97;
+        draw_text(image, text, int(0.5f * (left + right)), row, size, 0.5);
+    };
+    draw_across(chart.title, int(1.5f * letter), 1.2 * letter);
+    draw_across(chart.x_label, int(float(height) - 0.7f * letter), letter);
+    draw_text(image, chart.y_label, int(0.4f * letter), int(3.2f * letter), letter, 0);
     for (size_t k = 0; k < legend.size(); ++k) {
         const float row = top + (0.8f + 1.5f * float(k)) * letter, column = right + 2.9f * letter;
         const Key& key = legend[k];
@@ -265,7 +268,8 @@ std::vector<double> ticks_between(double low, double high, int count) {
     double step = 10 * ten;
     for (double one : {5.0, 2.0, 1.0})
         if (one * ten >= least) step = one * ten;
-    for (double k = std::ceil(low / step); k * step <= high * (1 + 1e-12); ++k) ticks.push_back(k * step);
+    for (double k = std::ceil(low / step); k * step <= high * (1 + 1e-12); ++k)
+        ticks.push_back(k * step + 0.0);  // never -0
     return ticks;
 }
 
@@ -305,6 +309,7 @@ Image draw_charts(const std::vector<Chart>& charts, int width, int height) {
             axes.y.logarithmic = chart.logarithmic;
             axes.add(chart);
             axes.y.widen();
+            if (!chart.bars.empty()) axes.x.widen();
         }
         std::vector<Key> legend;
         if (chart.own_legend)

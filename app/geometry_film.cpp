@@ -37,6 +37,17 @@ Range range_of(const GeometryPanel& p) {
     return r.low > r.high ? Range{} : r;
 }
 
+// What all but the strongest 2 % of the values that hold data stay below, so that a few do not pale the rest.
+float usual_strength(const GeometryPanel& p) {
+    std::vector<float> strengths;
+    for (size_t k = 0; k < p.values.size(); ++k)
+        if (p.mask[k % p.pixels()]) strengths.push_back(std::abs(p.values[k]));
+    if (strengths.empty()) return 0;
+    const auto at = strengths.begin() + long(0.98 * double(strengths.size() - 1));
+    std::nth_element(strengths.begin(), at, strengths.end());
+    return *at;
+}
+
 std::string range_text(const GeometryPanel& p, double factor, const std::string& unit) {
     const Range r = range_of(p);
     return fmt::format("values {:.3g} to {:.3g}{}", factor * r.low, factor * r.high,
@@ -69,8 +80,6 @@ class RunFilm final : public GeometryFilm {
             one.reader = std::make_unique<RunReader>(path);
             const RunReader& run = *one.reader;
             if (run.frames() == 0) throw Error(path + ": there is no frame in it to draw");
-            if (run.header().groom.rest.count == 0)
-                throw Error(path + ": found 0 strands, a geometry image needs 1 or more");
             try {
                 one.image = std::make_unique<RootImage>(run.header().groom.grid);
             } catch (const Error& e) {
@@ -186,8 +195,8 @@ class PairsFilm : public GeometryFilm {
     // it is a residual of. `mm` of a value of 1.
     void describe_residual(GeometryPanel& p, const GeometryPanel& of, double mm) const {
         p.caption.push_back(range_text(p, mm, "mm"));
-        p.caption.push_back(
-            fmt::format("grey is 0, full colour {:.3g} mm (x {:.3g})", reach_mm_, double(p.gain / of.gain)));
+        p.caption.push_back(fmt::format("grey is 0, full colour {:.3g} mm or more (x {:.3g})", reach_mm_,
+                                        double(p.gain / of.gain)));
     }
 
     std::unique_ptr<PairsReader> pairs_;
@@ -218,7 +227,7 @@ class RootPairsFilm final : public PairsFilm {
         float most = 0;
         for (int f : samples_of(first, last))
             for (const auto& p : all(f))
-                if (p.middle > 0) most = std::max(most, range_of(p).largest());
+                if (p.middle > 0) most = std::max(most, usual_strength(p));
         reach_mm_ = round_above(1e3 * box_.diagonal() * double(most));
     }
 
@@ -299,8 +308,10 @@ class StrandPairsFilm final : public PairsFilm {
         float tips = 0, residuals = 0;
         for (int f : samples_of(first, last))
             for (const auto& [panel, is_residual] : all(f)) {
-                float& most = is_residual ? residuals : tips;
-                most = std::max(most, range_of(panel).largest());
+                if (is_residual)
+                    residuals = std::max(residuals, usual_strength(panel));
+                else
+                    tips = std::max(tips, range_of(panel).largest());
             }
         tips_mm_ = round_above(1e3 * double(tips)), reach_mm_ = round_above(1e3 * double(residuals));
     }

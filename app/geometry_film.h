@@ -3,7 +3,8 @@
 //
 // Codec root: colours as they are (Eq 14; of wet runs after Eq 16). Codec strand: of its amplitudes the
 // offset of the tip from the root, in the strand's root frame: red x (where the strand lies in the scalp),
-// green y (the scalp's normal), blue z; grey is no offset.
+// green y (the scalp's normal), blue z; grey is no offset. Residuals are magnified so that all but the
+// strongest 2 % keep their colour; captions say by how much.
 #pragma once
 
 #include <memory>

@@ -195,7 +195,7 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
     double squares = 0, by_persistence = 0;
     size_t touching = 0;
     Scatter free{"not in contact", grey, {}, {}}, held{"in contact", blue, {}, {}},
-        over{"network, in contact", blue, {}, {}}, targets{"target, in contact", vermilion, {}, {}};
+        over{"network, in contact", blue, {}, {}};
     constexpr int bins = 40;
     double sum[bins] = {}, farthest = 0;
     long count[bins] = {};
@@ -209,7 +209,6 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
                      still = double(s.input[before]) - double(s.target);
         squares += miss * miss, by_persistence += still * still;
         over.x.push_back(s.input[distance]), over.y.push_back(answers[k]);
-        targets.x.push_back(s.input[distance]), targets.y.push_back(s.target);
         farthest = std::max(farthest, double(s.input[distance]));
     }
     farthest = std::max(1.0, farthest);
@@ -219,7 +218,7 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
     }
 
     Chart scatter;
-    scatter.title = fmt::format("{}: root mean square error {:.3g} in contact (force before: {:.3g})", of,
+    scatter.title = fmt::format("{}: error {:.2g} in contact (force before: {:.2g})", of,
                                 std::sqrt(squares / double(std::max<size_t>(touching, 1))),
                                 std::sqrt(by_persistence / double(std::max<size_t>(touching, 1))));
     scatter.x_label = "target " + force + " [1]", scatter.y_label = "predicted " + force + " [1]";
@@ -235,7 +234,7 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
         fmt::format("{}: {} samples in contact of {}", stem_of(pairs.path()), touching, samples.size());
     profile.x_label = "distance from the solid, phi / h [1]", profile.y_label = force + " [1]";
     profile.own_axes = profile.own_legend = true;
-    profile.scatters = {targets, over};
+    profile.scatters = {over};
     Curve eq11{"Eq 11", black, {}, 2, {}, true}, mean{"network, mean", amber, {}, 2.5f, {}};
     for (int k = 0; k <= 200; ++k) {
         const double q = farthest * k / 200;
@@ -250,7 +249,7 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
 
     Chart worth;
     worth.title = "what each input is worth to " + of;
-    worth.x_label = "change of " + force + " without it, root mean square in contact [1]";
+    worth.x_label = "root mean square change of F.n without it [sigma m a_max]";
     const char* what[4] = {"contact", "v.n / sqrt(a_max h)", "phi / h", "F.n before"};
     const char* whose[3] = {"i-1", "i", "i+1"};
     for (int k = 0; k < adhesion_inputs; ++k) {

@@ -178,8 +178,7 @@ TEST_F(GeometryOfRuns, are_the_roots_in_the_codec_s_colours_and_nothing_else) {
     EXPECT_NE(film->panels(2)[1].caption[1].find("wet.h5, frame 2 of 0 to 2"), std::string::npos);
 }
 
-TEST_F(GeometryOfRuns, without_strands_or_frames_or_beside_pairs_are_refused) {
-    expect_error([&] { geometry_film({write_run("none.h5", false, 3, 0)}, 0, 1); }, {"none.h5", "0 strands"});
+TEST_F(GeometryOfRuns, without_frames_or_a_box_or_beside_pairs_are_refused) {
     expect_error([&] { geometry_film({write_run("empty.h5", false, 0)}, 0, 1); }, {"empty.h5", "no frame"});
     expect_error([&] { geometry_film({write_run("one.h5", false, 1, 1)}, 0, 1); }, {"one.h5", "one point"});
     const std::string run = write_run("run.h5", false),
@@ -236,15 +235,17 @@ TEST(GeometryOfPairs, of_codec_root_are_input_target_and_what_doubling_misses) {
     EXPECT_EQ(panels[1].mask[0], 0);  // the left half, whose absurd colours are not shown
     EXPECT_EQ(panels[1].mask[63], 1);
     const auto doubled = doubled_image(input.data(), 3, 32, 32);
-    float most = 0;
+    std::vector<float> strengths;
     for (size_t k = 0; k < target.size(); ++k) {
         ASSERT_EQ(panels[2].values[k], target[k] - doubled[k]);
-        if (panels[2].mask[k % 4096]) most = std::max(most, std::abs(panels[2].values[k]));
+        if (panels[2].mask[k % 4096]) strengths.push_back(std::abs(panels[2].values[k]));
     }
-    ASSERT_GT(most, 0.01f);
-    // The strongest is not cut, and not faint either; its caption says how strong.
-    EXPECT_LE(most * panels[2].gain, 0.5f);
-    EXPECT_GE(most * panels[2].gain, 0.5f / 2.6f);
+    std::sort(strengths.begin(), strengths.end());
+    const float usual = strengths[size_t(0.98 * double(strengths.size() - 1))];
+    ASSERT_GT(usual, 0.01f);
+    // All but the strongest 2 % are not cut, and not faint either; the caption says how strong.
+    EXPECT_LE(usual * panels[2].gain, 0.5f);
+    EXPECT_GE(usual * panels[2].gain, 0.5f / 2.6f);
     const double reach_mm = 0.5e3 * 1.3 / double(panels[2].gain);
     EXPECT_NE(panels[2].caption.back().find("full colour " + std::to_string(int(std::lround(reach_mm)))),
               std::string::npos)
@@ -336,7 +337,8 @@ TEST_F(GeometryOfModels, of_codec_root_are_the_network_s_colours) {
     // Filters of three colours.
     const auto alone = geometry_film({model}, 0, 1)->panels(0);
     EXPECT_NE(alone[0].caption[0].find("filters"), std::string::npos);
-    EXPECT_EQ(alone[0].mask[3], 0);  // a seam
+    EXPECT_EQ(alone[0].mask[4], 1);  // 5 x 5, then a seam
+    EXPECT_EQ(alone[0].mask[5], 0);
 
     const std::string others = testing::make_strand_pairs(scratch.path("strands.h5"));
     expect_error(
