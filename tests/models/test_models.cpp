@@ -240,7 +240,8 @@ TEST(EveryNetwork, GivesTheSameInChannelsLast) {
 }
 
 // A bfloat16 has 8 bits: 0.4 % a rounding, which grows as a walk over the layers: to 0.6 % over those that
-// are released, to 1.2 % over the deepest.
+// are released, to 1.2 % over the deepest. Without AVX-512 LibTorch's convolutions sum in bfloat16 too, to
+// 2.3 % over the deepest; `infer` computes in single precision on such processors.
 TEST(EveryNetwork, AgreesWithItselfInBfloat16) {
     torch::NoGradGuard no_grad;
     for (const auto& a : architectures()) {
@@ -253,8 +254,9 @@ TEST(EveryNetwork, AgreesWithItselfInBfloat16) {
         ASSERT_EQ(found.sizes(), expected.sizes()) << a.name;
         ASSERT_GT(largest(expected), 1e-2) << a.name;
         const bool released = a.name == "strand_depthwise" || a.name == "strand_mlp";
+        const double deepest = __builtin_cpu_supports("avx512bw") ? 0.015 : 0.03;
         EXPECT_LT((found - expected).norm().item<double>(),
-                  (released ? 0.01 : 0.015) * expected.norm().item<double>())
+                  (released ? 0.01 : deepest) * expected.norm().item<double>())
             << a.name;
         EXPECT_GT(largest(found - expected), 0) << a.name << ": nothing ran in bfloat16";
     }
