@@ -88,6 +88,7 @@ int row_of(const Image& image, int column, const Vec3f& color) {
 TEST(Chart, of_its_own_logarithmic_axis_shows_small_values_as_clearly) {
     const Vec3f red{1, 0, 0}, green{0, 1, 0};
     Chart large{"a", "x", "y", 1, {{"one", red, {1e3, 1e3, 1e3}}, {"two", green, {10, 10, 10}}}, true, true};
+    large.curves.push_back({"between", {0, 0, 1}, {100, 100, 100}});
     Chart small{"b", "x", "y", 1, {{"one", red, {1, 1, 1}}, {"two", green, {0.01, 0, 0.01}}}, true, true};
     Image image;
     try {
@@ -101,6 +102,7 @@ TEST(Chart, of_its_own_logarithmic_axis_shows_small_values_as_clearly) {
     EXPECT_EQ(first, second);
     const int lower = row_of(image, 230, green);
     EXPECT_GT(lower, first + 200);
+    EXPECT_NEAR(row_of(image, 230, {0, 0, 1}), (first + lower) / 2, 1);  // a decade from both
     // 0 is not on the axis: a gap, and what is beside it are dots.
     EXPECT_EQ(row_of(image, 630, green), -1);
     int dot = 0;
