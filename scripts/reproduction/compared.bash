@@ -71,21 +71,29 @@ whole() {
     seen "whether the run reaches its end" "$2" "$(whole_run "$1")" $verdict "frames that are finite and within ten strand lengths"
 }
 
+# Iben's chain takes 400 steps a frame, in each of which wet forces seek their neighbours: figures on it show 144 strands,
+# after half a second of settling.
+few=(--set 'groom.grid=[12, 12]' --set integrator.settle=0.5)
+still=(--set motion.angle=0 --frames "$(frames 16)")
+
 # Short hair at low resolution: dry, and Iben's chain alone, which tells how much of the noise is the wet force's.
 short_low_hair() {
-    simulate short_dry scenes/compare_short.toml --dry
-    trial short_iben scenes/compare_iben.toml --set motion.angle=0 --set integrator.settle=1 --set groom.length=0.12 --set groom.particles=26 --set groom.lift=0.012 --frames "$(frames 24)"
+    simulate short_dry scenes/compare_short.toml --dry "${still[@]}" "${few[@]}" --set integrator.settle=2
+    trial short_iben scenes/compare_iben.toml "${still[@]}" --set groom.length=0.12 --set groom.particles=26 --set groom.lift=0.012 "${few[@]}"
 }
 # long_still ours|lin|kim: long hair on a still head, dry and by the method; beside Lin and Kim, by Iben's chain alone.
 long_still() {
-    local still=(--set motion.angle=0 --set integrator.settle=3 --frames "$(frames 24)")
-    simulate long_dry_still scenes/compare_head.toml --dry "${still[@]}"
     if [[ $1 == ours ]]; then
-        simulate long_ours_still scenes/compare_ours.toml "${still[@]}"
+        simulate long_dry_still scenes/compare_head.toml --dry --set motion.angle=0 --set integrator.settle=3 --frames "$(frames 24)"
+        simulate long_ours_still scenes/compare_ours.toml --set motion.angle=0 --set integrator.settle=3 --frames "$(frames 24)"
     else
-        # Its springs are damped ten times as much, and a second of its steps takes minutes.
-        still+=(--set integrator.settle=1)
-        trial long_iben_still scenes/compare_iben.toml "${still[@]}"
-        trial "long_$1_still" "scenes/compare_$1_iben.toml" "${still[@]}"
+        simulate few_dry_still scenes/compare_head.toml --dry "${still[@]}" "${few[@]}" --set integrator.settle=3
+        trial few_iben_still scenes/compare_iben.toml "${still[@]}" "${few[@]}"
+        trial "few_$1_still" "scenes/compare_$1_iben.toml" "${still[@]}" "${few[@]}"
     fi
+}
+# few_turned lin|kim: the same on a head that turns, and dry.
+few_turned() {
+    simulate few_dry_turned scenes/compare_head.toml --dry "${few[@]}" --frames "$(frames 28)"
+    trial "few_$1_turned" "scenes/compare_$1_iben.toml" "${few[@]}" --frames "$(frames 28)"
 }

@@ -1,6 +1,6 @@
 # Fig 2: short curls at high resolution on a still head: as they are, by Lin and by Kim on Iben's chain
 source "$root/scripts/reproduction/compared.bash"
-dense=(--set 'groom.grid=[24, 24]')
+dense=("${still[@]}" "${few[@]}" --set 'groom.grid=[18, 18]')
 simulate fig2_dry scenes/compare_short.toml --dry "${dense[@]}"
 trial fig2_lin scenes/compare_short_lin.toml "${dense[@]}"
 trial fig2_kim scenes/compare_short_kim.toml "${dense[@]}"

@@ -1,8 +1,8 @@
 # Fig 23: wet curls on a head that rolls from ear to ear, as scene 3's: by Lin and by Kim on Iben's chain, and by ours
 source "$root/scripts/reproduction/compared.bash"
-roll=(--set 'motion.axis=[0, 0, 1]' --set motion.angle=20 --set motion.period=2.0 --frames "$(frames 48)")
+roll=(--set 'motion.axis=[0, 0, 1]' --set motion.angle=20 --set motion.period=2.0 "${few[@]}" --frames "$(frames 28)")
 simulate roll_dry scenes/compare_head.toml --dry "${roll[@]}"
 simulate roll_ours scenes/compare_ours.toml "${roll[@]}"
-for method in lin kim; do trial roll_$method scenes/compare_roll_$method.toml; done
+for method in lin kim; do trial roll_$method scenes/compare_roll_$method.toml "${few[@]}" --frames "$(frames 28)"; done
 clumping_of fig23 roll_dry roll_lin roll_kim roll_ours
 picture fig23 roll_lin.h5 roll_kim.h5 roll_ours.h5 --frame "$(last_of roll_lin roll_kim)"

@@ -2,6 +2,6 @@
 source "$root/scripts/reproduction/compared.bash"
 long_still lin
 long_still kim
-trial long_kim_turned scenes/compare_kim_iben.toml
-trembling_of fig4 long_dry_still long_lin_still long_kim_still long_iben_still
-picture fig4 long_lin_still.h5 long_kim_still.h5 long_kim_turned.h5 --frame "$(last_of long_lin_still long_kim_still long_kim_turned)"
+few_turned kim
+trembling_of fig4 few_dry_still few_lin_still few_kim_still few_iben_still
+picture fig4 few_lin_still.h5 few_kim_still.h5 few_kim_turned.h5 --frame "$(last_of few_lin_still few_kim_still few_kim_turned)"

@@ -163,6 +163,8 @@ learned_scene() {
 
     picture "$scene" "$scene/unseen/dry_low.h5" "$scene/unseen/wet.h5" "$scene/unseen/strands.h5" "$scene/unseen/displayed.h5" "$scene/unseen/${papers[0]}@1_paper.h5" \
         --frame $((unseen_frames * 3 / 4))
+    # The images that its network reads and makes, on a frame that it did not learn from.
+    drawn "${scene}_image" render --image "$scene/pairs_root.h5" "$scene/models/${papers[0]}@1.h5" --frame $((frames - 2))
     # A film of the same, which is not kept in the repository.
     [[ $device != cpu || ${DRAW:-yes} != yes ]] ||
         make "$scene.webm" "$scene/unseen/wet.h5" "$scene/unseen/strands.h5" -- wetcurl render --width 420 --height 540 \

@@ -68,7 +68,7 @@ for method in lin kim lin@iben kim@iben; do
     [[ $method != kim* ]] || default=100
     # Iben's chain is damped so much that the defaults move nothing on it.
     strongest=3
-    [[ $method != *@iben ]] || strongest=100
+    [[ $method != *@iben ]] || strongest=10
     best_of $method $(value "$default / 10") $default $(value "$default * $strongest")
     methods+=("$method=$default")
     [[ $best == "$default" ]] || methods+=("$method=$best")
