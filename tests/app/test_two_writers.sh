@@ -105,7 +105,7 @@ each() {  # file, whether a pipe may stand there (stream | file), the command wi
 }
 
 each run.h5 file simulate scene.toml --strands 16 $quiet -o OUT
-aside=(aside.h5 images_000_{dynamic,target}.png)
+aside=(aside.h5)
 each run.json stream simulate scene.toml --strands 16 $quiet -o aside.h5 --json OUT
 each learned.h5 file infer low.h5 --interpolate rest $quiet -o OUT
 each made.h5 file encode low.h5 wet.h5 $quiet -o OUT
@@ -123,8 +123,7 @@ if ((pictures)); then
     each picture.png file render wet.h5 --width 32 --height 32 $quiet -o OUT
     each film.webm file render wet.h5 --width 32 --height 32 $quiet -o OUT
     each energy.png file plot wet.h5 $quiet -o OUT
-    each images_000_displayed.png file inspect pairs pairs.h5 $quiet -o images.png
-    rm -f images_*.png
+    each images.png file render --image pairs.h5 $quiet -o OUT
 fi
 if ((networks)); then
     train="train sr pairs.h5 $quiet --set width=0.1"
