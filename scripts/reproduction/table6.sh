@@ -1,6 +1,6 @@
 # Table 6: straight, wavy, curly and coiled wet hair, at rest and turned, by each method, as measured
 #
-# One run of scenes/compare_turn.toml for each method, kind of hair and length: a second at rest, a second turned.
+# One run of scenes/compare_turn.toml for each method, kind of hair and length: at rest, then turned.
 # Lin and Kim run at their default strengths and at the best of a sweep over them on long curls: the one that draws tips
 # together most among those that stay calm; the calmest where none does.
 source "$root/scripts/reproduction/compared.bash"
@@ -17,6 +17,8 @@ declare -A length=([long]="" [short]="groom.length=0.1 groom.particles=25 groom.
 calm=0.05  # [mm] of jitter at rest, about 1 % of a segment
 
 # options SETTING...: --set for each.
+threads=(--threads 1)  # 36 strands fill one core
+[[ $device == cpu ]] || threads=()
 options() { for word in $*; do printf -- '--set %s ' "$word"; done; }
 # of METHOD: its settings; METHOD is printed, ours, lin, kim, lin@iben or kim@iben, with =STRENGTH for Lin and Kim.
 of() {
@@ -35,24 +37,27 @@ run() {
     local method=$1 kind=$2 long=$3
     shift 3
     # shellcheck disable=SC2046 # words of options
-    trial "$(run_of "$method" "$kind" "$long")" scenes/compare_turn.toml $(options "$(of "$method")" ${hair[$kind]} ${length[$long]}) "$@"
+    trial "$(run_of "$method" "$kind" "$long")" scenes/compare_turn.toml $(options "$(of "$method")" ${hair[$kind]} ${length[$long]}) "${threads[@]}" "$@"
 }
 dry_of() { [[ $1 == *@iben* || $1 == printed ]] && echo iben || echo ours; }
-dry() { trial "$(run_of "dry_$1" "$2" "$3")" scenes/compare_turn.toml --dry $(options ${chain[$1]} ${hair[$2]} ${length[$3]}); }
+dry() { trial "$(run_of "dry_$1" "$2" "$3")" scenes/compare_turn.toml --dry $(options ${chain[$1]} ${hair[$2]} ${length[$3]}) "${threads[@]}"; }
 
 mkdir -p table6
-for kind in straight wavy curly coiled; do for long in long short; do for on in ours iben; do dry $on $kind $long; done; done; done
+all_dry() { for kind in straight wavy curly coiled; do for long in long short; do for on in ours iben; do "$@" dry $on $kind $long; done; done; done; }
+all_dry at_once
+wait
+all_dry
 
 # ---- the best strength of each
 sweep=() methods=(printed)
 # best_of METHOD STRENGTH...: the best of them, in `best`.
 best_of() {
     best=
-    local method=$1 best_spread=9 calmest= least=1e12 strength rows=()
+    local method=$1 best_spread=9 calmest= least=1e12 strength
     shift
     for strength in "$@"; do
         run "$method=$strength" curly long
-        first_frame=$(frame 12) beside "table6/sweep_$method=$strength" "$(run_of "dry_$(dry_of "$method")" curly long)" "$(run_of "$method=$strength" curly long)"
+        first_frame=$(frame 6) beside "table6/sweep_$method=$strength" "$(run_of "dry_$(dry_of "$method")" curly long)" "$(run_of "$method=$strength" curly long)"
         local run=$method=${strength}_curly_long moved noise
         noise=$(jitter "$run") moved=$(spread "$run")
         [[ $noise != null ]] || noise=1e9
@@ -63,13 +68,20 @@ best_of() {
     done
     best=${best:-$calmest}
 }
-for method in lin kim lin@iben kim@iben; do
-    default=3000
-    [[ $method != kim* ]] || default=100
+default_of() { [[ $1 == kim* ]] && echo 100 || echo 3000; }
+# strengths METHOD: from what particles of a fluid take to what draws strands into one.
+strengths() {
+    local default strongest=3
+    default=$(default_of "$1")
     # Iben's chain is damped so much that the defaults move nothing on it.
-    strongest=3
-    [[ $method != *@iben ]] || strongest=10
-    best_of $method $(value "$default / 10") $default $(value "$default * $strongest")
+    [[ $1 != *@iben ]] || strongest=10
+    echo 1 $(value "$default / 10") "$default" $(value "$default * $strongest")
+}
+for method in kim@iben lin@iben kim lin; do for strength in $(strengths $method); do at_once run "$method=$strength" curly long; done; done
+wait
+for method in lin kim lin@iben kim@iben; do
+    default=$(default_of $method)
+    best_of $method $(strengths $method)
     methods+=("$method=$default")
     [[ $best == "$default" ]] || methods+=("$method=$best")
 done
@@ -85,12 +97,14 @@ words_of() {
             echo "${name^}$([[ $1 != *@iben* ]] && echo " on our chain" || echo " on Iben's chain"), strength ${1#*=}" ;;
     esac
 }
-# The largest rise of the energy above what it was before, in the second at rest, over the weight times the length.
+# The largest rise of the energy above what it was before, while the head is at rest, over the weight times the length.
 gained() {
     make "$1.inspect.json" "$1.h5" -- wetcurl inspect run "$1.h5" --json "$1.inspect.json"
-    jq --argjson weight "$2" '[.energy_joule[1:25][].sum] as $e | reduce range(1; $e | length) as $f ({low: $e[0], rise: 0};
+    jq --argjson weight "$2" '[.energy_joule[1:15][].sum] as $e | reduce range(1; $e | length) as $f ({low: $e[0], rise: 0};
         .low = ([.low, $e[$f]] | min) | .rise = ([.rise, $e[$f] - .low] | max)) | .rise / $weight' "$1.inspect.json"
 }
+for long in long short; do for method in "${methods[@]}"; do for kind in straight wavy curly coiled; do at_once run "$method" $kind $long; done; done; done
+wait
 for long in long short; do
     rows=()
     weight=$(value "36 * 6.5e-6 * 1.3 * 9.81 * $([[ $long == long ]] && echo "0.2 * 0.2" || echo "0.1 * 0.1")")
@@ -98,7 +112,7 @@ for long in long short; do
         for kind in straight wavy curly coiled; do
             run "$method" $kind $long
             name=$(run_of "$method" $kind $long)
-            first_frame=$(frame 12) beside "table6/of_${method}_${kind}_$long" "$(run_of "dry_$(dry_of "$method")" $kind $long)" "$name"
+            first_frame=$(frame 6) beside "table6/of_${method}_${kind}_$long" "$(run_of "dry_$(dry_of "$method")" $kind $long)" "$name"
             rows+=("$(jq -nc --arg method "$(words_of "$method")" --arg hair $kind --argjson jitter "$(jitter "${name#*/}")" \
                 --argjson gained "$(gained "$name" "$weight")" --argjson spread "$(spread "${name#*/}")" --argjson curl "$(curl_kept "${name#*/}")" \
                 --arg whole "$(whole_run "$name")" '{$method, $hair, "jitter at rest [mm]": $jitter, "energy gained at rest [m g L]": $gained,
@@ -118,4 +132,4 @@ for long in long short; do
     done
     row "largest jitter at rest of ours over the four kinds [mm]" "stable for all" "$(jq -n --argjson all "$all" '[$all[] | select(.method == "ours")["jitter at rest [mm]"]] | max')" 0 $calm "calm is below $calm mm, 1 % of a segment"
 done
-note "Strengths: Akinci 2013, whose kernels both methods take, gives coefficients of order one for the masses of its fluid's particles; they say nothing of strands. Lin's and Kim's own are not printed in the paper that compares them. Each runs at our default, the strongest of an earlier sweep that nearly comes to rest, and at the best of the sweep above."
+note "Strengths: Lin's and Kim's own are not printed in the paper that compares them. Of Akinci 2013, whose kernels both take, a public library (salva) says that coefficients for particles of a fluid lie between 0 and 1; the table of strengths begins there. Each method runs at our default, the strongest of an earlier sweep that nearly comes to rest, and at the best of the sweep above."
