@@ -11,7 +11,7 @@ learned_settings() {
     if [[ $device == cpu ]]; then
         frames=${FRAMES:-${cpu_frames:-96}} unseen_frames=${UNSEEN_FRAMES:-48} seeds=(1) width=0.25 paper_epochs=${PAPER_EPOCHS:-40}
     else
-        frames=${FRAMES:-280} unseen_frames=${UNSEEN_FRAMES:-120} seeds=(${SEEDS:-1 2 3}) width=1 paper_epochs=${PAPER_EPOCHS:-1500}
+        frames=${FRAMES:-160} unseen_frames=${UNSEEN_FRAMES:-96} seeds=(${SEEDS:-1 2 3}) width=1 paper_epochs=${PAPER_EPOCHS:-1000}
     fi
     precision=float
     [[ $device == cpu ]] || precision=bfloat16

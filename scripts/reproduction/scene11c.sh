@@ -3,5 +3,5 @@
 # needs: cuda
 source "$root/scripts/reproduction/learned.bash"
 rows_without=(nearest quad core) rows_with=() measured_seeds=(1)
-FRAMES=${FRAMES:-160} UNSEEN_FRAMES=${UNSEEN_FRAMES:-40} PAPER_EPOCHS=${PAPER_EPOCHS:-400}
+UNSEEN_FRAMES=${UNSEEN_FRAMES:-40} PAPER_EPOCHS=${PAPER_EPOCHS:-300}
 learned_scene scene11c 16384
