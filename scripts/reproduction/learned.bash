@@ -3,7 +3,8 @@
 # learned_scene SCENE LOW_STRANDS: simulates the scene (LOW_STRANDS of its strands dry, all of them wet), trains networks on
 # the first four fifths of its frames, and measures them, and every way without a network, on
 #   held out: the last fifth of the frames, and
-#   unseen: other hair (another seed) on a head that nods, of which training saw nothing.
+#   unseen: other hair (another seed) on a head that nods, of which training saw nothing;
+# on the last `compared_frames` of both where the item sets it.
 # The paper's networks have the paper's width on a GPU, with three seeds, and a small width on the CPU.
 
 # On the CPU scenes are cut: the physics is the same, and training sees fewer frames.
@@ -124,8 +125,8 @@ learned_scene() {
     for row in "${rows[@]}"; do row_in "$scene" "$row"; row_in "$scene/unseen" "$row"; done
 
     held_out=$((frames - frames / 5))
-    first_frame=$held_out compared "$scene/held_out" "$scene/wet" "${rows[@]/#/$scene/}"
-    first_frame=1 compared "$scene/unseen/all" "$scene/unseen/wet" "${rows[@]/#/$scene/unseen/}"
+    first_frame=$((${compared_frames:-0} ? frames - compared_frames : held_out)) compared "$scene/held_out" "$scene/wet" "${rows[@]/#/$scene/}"
+    first_frame=$((${compared_frames:-0} ? unseen_frames - compared_frames : 1)) compared "$scene/unseen/all" "$scene/unseen/wet" "${rows[@]/#/$scene/unseen/}"
 
     # The table: a row's titles and its entries in both comparisons, by file.
     titles=$(for row in "${rows[@]}"; do jq -n --arg row "$row" --arg title "$(title_of "$row")" '{$row, $title}'; done | jq -s .)

@@ -1,4 +1,5 @@
 # Table 4: how the time of the search for neighbours and of level sets grows (also Sec. VI.B)
+# needs: cpu
 # One thread: others would measure the memory, too.
 make neighbour.json -- wetcurl bench --filter "neighbour search" --threads 1 --json neighbour.json
 make level_sets.json -- wetcurl bench --filter "level set" --threads 1 --json level_sets.json

@@ -7,7 +7,8 @@ source "$root/scripts/reproduction/compared.bash"
 
 # Iben's chain: soft, well damped springs and short steps, as scenes/compare_iben.toml has them.
 iben=(integrator.substeps=500 stretch.stiffness=0.5 stretch.damping=1e-4 bend.stiffness=0.005 bend.damping=2e-4 core.stiffness=0.002 core.damping=2e-5)
-declare -A chain=([ours]="" [iben]="baseline.chain=iben ${iben[*]}")
+# Ours has the drag of Fig 11's scene, whatever the method, and 3 s of settling, or else it still swings.
+declare -A chain=([ours]="integrator.settle=3 stiffness.wet=4 stiffness.dry=4" [iben]="baseline.chain=iben ${iben[*]}")
 declare -A hair=(
     [straight]="groom.curl_radius=0"
     [wavy]="groom.curl_radius=0.003 groom.pitch=0.05"
@@ -20,12 +21,13 @@ calm=0.05  # [mm] of jitter at rest, about 1 % of a segment
 threads=(--threads 1)  # 36 strands fill one core
 [[ $device == cpu ]] || threads=()
 options() { for word in $*; do printf -- '--set %s ' "$word"; done; }
+chain_of() { [[ $1 == *@iben* || $1 == printed ]] && echo iben || echo ours; }  # METHOD
 # of METHOD: its settings; METHOD is printed, ours, lin, kim, lin@iben or kim@iben, with =STRENGTH for Lin and Kim.
 of() {
-    local force=${1%%[@=]*} strength=${1#*=} settings=
-    [[ $1 != *@iben* && $1 != printed ]] || settings=${chain[iben]}
+    local force=${1%%[@=]*} strength=${1#*=} settings
+    settings=${chain[$(chain_of "$1")]}
     case $force in
-        ours) settings="cohesion.radius=0.02 cohesion.tightness=0.85 cohesion.passes=14 stiffness.wet=0.024" ;;
+        ours) settings+=" cohesion.radius=0.02 cohesion.tightness=0.85 cohesion.passes=14" ;;
         lin | kim) settings+=" baseline.cohesion=$force baseline.strength=$strength" ;;
     esac
     [[ $force != kim ]] || settings+=" baseline.area=$(value "$strength / 1000")"
@@ -39,7 +41,6 @@ run() {
     # shellcheck disable=SC2046 # words of options
     trial "$(run_of "$method" "$kind" "$long")" scenes/compare_turn.toml $(options "$(of "$method")" ${hair[$kind]} ${length[$long]}) "${threads[@]}" "$@"
 }
-dry_of() { [[ $1 == *@iben* || $1 == printed ]] && echo iben || echo ours; }
 dry() { trial "$(run_of "dry_$1" "$2" "$3")" scenes/compare_turn.toml --dry $(options ${chain[$1]} ${hair[$2]} ${length[$3]}) "${threads[@]}"; }
 
 mkdir -p table6
@@ -57,7 +58,7 @@ best_of() {
     shift
     for strength in "$@"; do
         run "$method=$strength" curly long
-        first_frame=$(frame 6) beside "table6/sweep_$method=$strength" "$(run_of "dry_$(dry_of "$method")" curly long)" "$(run_of "$method=$strength" curly long)"
+        first_frame=$(frame 6) beside "table6/sweep_$method=$strength" "$(run_of "dry_$(chain_of "$method")" curly long)" "$(run_of "$method=$strength" curly long)"
         local run=$method=${strength}_curly_long moved noise
         noise=$(jitter "$run") moved=$(spread "$run")
         [[ $noise != null ]] || noise=1e9
@@ -112,7 +113,7 @@ for long in long short; do
         for kind in straight wavy curly coiled; do
             run "$method" $kind $long
             name=$(run_of "$method" $kind $long)
-            first_frame=$(frame 6) beside "table6/of_${method}_${kind}_$long" "$(run_of "dry_$(dry_of "$method")" $kind $long)" "$name"
+            first_frame=$(frame 6) beside "table6/of_${method}_${kind}_$long" "$(run_of "dry_$(chain_of "$method")" $kind $long)" "$name"
             rows+=("$(jq -nc --arg method "$(words_of "$method")" --arg hair $kind --argjson jitter "$(jitter "${name#*/}")" \
                 --argjson gained "$(gained "$name" "$weight")" --argjson spread "$(spread "${name#*/}")" --argjson curl "$(curl_kept "${name#*/}")" \
                 --arg whole "$(whole_run "$name")" '{$method, $hair, "jitter at rest [mm]": $jitter, "energy gained at rest [m g L]": $gained,

@@ -22,6 +22,7 @@ complaints() {
         bash -n "$file" 2>/dev/null || echo "$item: bash cannot read it"
         grep -qE '^ *(row|seen|source) ' "$file" || echo "$item: it judges nothing: no row, no line seen"
         grep -qE "^$item +[-0-9.]+ +" <<<"$listed" || echo "$item: scripts/reproduce does not list it"
+        grep -E '^# needs:' "$file" | grep -qvE '^# needs: (cpu|cuda)$' && echo "$item: it needs cpu or cuda, nothing else"
         also=$(sed -n 's/^# also: //p' "$file")
         for name in $also; do
             [[ -f $1/scenes/$name.toml || $name =~ ^(fig|table|scene|sec|eq)[0-9a-z]+$ ]] || echo "$item: its other name '$name' is no figure, table, scene or equation"
@@ -47,9 +48,10 @@ items=$folder/scripts/reproduction
 first=$(basename -s .sh "$(ls "$items"/*.sh | head -n 1)")
 echo 'row a b 1 0 2 c' >"$items/untitled.sh"
 printf '# Fig 0: judges nothing\n# also: somewhere\n' >"$items/idle.sh"
+printf '# Fig 0: needs what there is not\n# needs: gpu\nrow a b 1 0 2 c\n' >"$items/needy.sh"
 printf '# Fig 0: no bash\nrow a b 1 0 2 c\nif\n' >"$items/unread.sh"
 seen=$(complaints "$folder")
-for expected in "untitled: its first line" "idle: it judges nothing" "idle: its other name 'somewhere'" "unread: bash cannot read it" "scene99: no item"; do
+for expected in "untitled: its first line" "idle: it judges nothing" "idle: its other name 'somewhere'" "unread: bash cannot read it" "needy: it needs cpu or cuda" "scene99: no item"; do
     if [[ $seen == *"$expected"* ]]; then echo "ok: seen: $expected"; else
         echo "FAILED: not seen: $expected"
         failures=$((failures + 1))
@@ -58,7 +60,7 @@ done
 
 # A page that is not what its data say is seen; what renders it, puts it right.
 mkdir -p "$folder/results/reproduction" "$folder/docs"
-rm "$items"/{untitled,idle,unread}.sh
+rm "$items"/{untitled,idle,unread,needy}.sh
 jq -n --arg item "$first" '{item: $item, title: "T", made: {revisions: "r", processor: "p", cores: 2, compiler: "c", device: "cpu", gpu: "none", date: "d", seconds: 1},
     rows: [{what: "w", paper: "1", ours: 1.5, agrees: "no", why: "a | b"}], tables: [], pictures: [], notes: []}' >"$folder/results/reproduction/$first.json"
 echo stale >"$folder/docs/reproduction.md"
