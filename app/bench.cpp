@@ -1,14 +1,12 @@
 // `wetcurl bench`: parts of the program and whole frames timed on this machine, as a table and as JSON. Ours.
 #include "app/bench.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <omp.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -227,7 +225,6 @@ int bench_command(const BenchOptions& o) {
     }
     Json json{{"machine",
                {{"processor", machine.processor},
-                {"date", fmt::format("{:%F %T}", fmt::gmtime(std::time(nullptr)))},
                 {"threads", machine.threads},
                 {"lanes", Pack<float>::lanes},
                 {"copy_bytes_per_second", machine.copy_bytes},

@@ -2,6 +2,7 @@
 #include "app/device.h"
 
 #include "base/error.h"
+#include "base/provenance.h"
 #ifdef WETCURL_HAVE_CUDA
 #include "cuda/rates.h"
 #include "cuda/simulation.h"
@@ -41,6 +42,7 @@ void require_device(const std::string& device) {
     if (number_of(device) < 0) return;
 #ifdef WETCURL_HAVE_CUDA
     require_cuda_device(number_of(device));
+    note_gpu(cuda_devices()[size_t(number_of(device))]);
 #else
     throw Error("--device " + device +
                 ": this program was built without CUDA; the preset cuda builds it (scripts/build cuda)");

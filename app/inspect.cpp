@@ -13,6 +13,7 @@
 #include "app/fall.h"
 #include "app/results.h"
 #include "app/run_solids.h"
+#include "base/provenance.h"
 #include "learn/core_detail.h"
 #include "learn/network_module.h"
 #include "learn/pairs.h"
@@ -79,6 +80,20 @@ std::vector<double> run_times_of(const RunReader& run) {
     return seconds;
 }
 
+// A hash of what is added so far, in this order: equal runs, and equal weights, have equal ones.
+class Hash {
+  public:
+    template <class T>
+    void add(const std::vector<T>& values) {
+        const std::string next = so_far_ + hash_bytes(values.data(), values.size() * sizeof(T));
+        so_far_ = hash_bytes(next.data(), next.size());
+    }
+    const std::string& text() const { return so_far_; }
+
+  private:
+    std::string so_far_;
+};
+
 double mean_of(const std::vector<float>& values) {
     return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
@@ -103,11 +118,13 @@ Json run_json(const InspectOptions& o) {
         const auto solid = solid_distance_of(h, true);
         double extent = 0;
         Bounce bounce;
+        Hash hash;                                              // of displayed particles, frame by frame
         std::vector<double> stage_seconds(h.stages.size(), 0);  // summed over frames but frame 0
         for (int f = 0; f < run.frames(); ++f) {
             const RunFrame frame = run.frame(f);
             for (size_t k = 0; k < h.stages.size() && f > 0; ++k)
                 stage_seconds[k] += double(frame.stage_seconds[k]);
+            hash.add(frame.seen().points);
             const double extent_now = 1000 * axial_extent(frame.seen());
             extent += extent_now / run.frames();
             const Fall fall = fall_of(frame.seen(), solid, frame.head, f / h.fps);
@@ -125,6 +142,7 @@ Json run_json(const InspectOptions& o) {
                                     {"curl_radius_mm", 1000 * mean_of(curl_radii(frame.seen()))},
                                     {"angle_degrees", fall.angle ? Json(*fall.angle) : Json(nullptr)}});
         }
+        json["hash"] = hash.text();
         json["axial_extent_mm"] = extent;
         if (const auto value = bounce.value()) json["bounce_mm"] = 1000 * *value;
         // (frame) [J] of each kind, and their sum: what VI.I plots.
@@ -168,8 +186,11 @@ Json model_json(const InspectOptions& o) {
     const ModelCard card = network_module().card(o.file);
     const H5Reader file(o.file, model_format, model_version);
     Json weights = Json::array();  // of each layer, by name
-    for (const auto& name : file.list("weights"))
+    Hash hash;
+    for (const auto& name : file.list("weights")) {
         weights.push_back({{"name", name}, {"shape", file.shape("weights/" + name)}});
+        hash.add(file.read<float>("weights/" + name));
+    }
     return {{"codec", card.codec},
             {"architecture", card.architecture},
             {"width", card.width},
@@ -184,6 +205,7 @@ Json model_json(const InspectOptions& o) {
             {"numbers", card.numbers},
             {"trained_on", card.inputs},
             {"recipe", card.recipe},
+            {"hash", hash.text()},
             {"weights", weights}};
 }
 
@@ -215,20 +237,13 @@ Json terms_json() {
 }
 
 Json device_json() {
-    return {{"processors", omp_get_num_procs()},
-            {"lanes_float", lanes_of<float>},
-            {"lanes_double", lanes_of<double>},
-            {"compiler", __VERSION__},
-            {"instruction_set",
-#if defined(__AVX512F__)
-             "AVX-512"
-#elif defined(__AVX2__)
-             "AVX2"
-#else
-             "baseline"
-#endif
-            },
-            {"cuda_devices", names_of_cuda_devices()}};
+    Json json{{"processors", omp_get_num_procs()},
+              {"lanes_float", lanes_of<float>},
+              {"lanes_double", lanes_of<double>},
+              {"cuda_devices", names_of_cuda_devices()}};
+    for (const auto& [name, text] : provenance())
+        if (name != "gpu") json[name] = text;
+    return json;
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
+#include "base/provenance.h"
 #include "base/shift_units.h"
 #include "solver/terms/cohesion.h"
 
@@ -59,6 +60,27 @@ void apply(const Shared& shared, CommonOptions& o) {
         throw Misuse("--device: found '" + o.device + "', allowed: cpu, cuda, cuda:n");
 }
 
+// The program, its build and the features that it was built with.
+std::string version_text() {
+    std::string text = "wetcurl";
+    for (const auto& [name, fact] : provenance()) {
+        if (name == "version") text += " " + fact;
+        if (name == "version" || name == "gpu" || name == "date") continue;
+        text += "\n" + name + ": " + fact;
+    }
+    text += "\nfeatures:";
+#ifdef WETCURL_HAVE_NETWORKS
+    text += " networks";
+#endif
+#ifdef WETCURL_HAVE_CUDA
+    text += " CUDA";
+#endif
+#ifdef WETCURL_HAVE_OPENCV
+    text += " pictures";
+#endif
+    return text;
+}
+
 // `status`, or 1 where not all of standard output has arrived.
 int flushed(int status) {
     if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
@@ -75,7 +97,7 @@ int main(int argc, char** argv) {
         "wetcurl simulates wet curly hair, trains networks on what it simulates, and runs them in its "
         "place."};
     app.require_subcommand(1);
-    app.set_version_flag("--version", "wetcurl 0.1.0");
+    app.set_version_flag("--version", version_text);
     Shared shared;
     std::function<int()> run;
     auto command = [&](const char* name, const char* help, auto& options, auto* function) {

@@ -14,6 +14,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/provenance.h"
 
 namespace wetcurl {
 
@@ -91,7 +92,11 @@ void ResultFile::write(const std::string& text) {
     }
 }
 
-static std::string text_of(const Json& json) { return json_text(json, 2) + "\n"; }
+// With what made it.
+static std::string text_of(Json json) {
+    for (const auto& [name, text] : provenance()) json["made"][name] = text;
+    return json_text(json, 2) + "\n";
+}
 
 void ResultFile::write_json(const Json& json) {
     if (!path_.empty()) write(text_of(json));

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/lfs_pointer.h"
+#include "base/provenance.h"
 
 namespace wetcurl {
 
@@ -120,6 +121,7 @@ H5Writer::H5Writer(OutputFile place, const std::string& format, int version)
     try {
         attribute("format", format);
         attribute("version", double(version));
+        for (const auto& [name, text] : provenance()) attribute("made." + name, text);
     } catch (...) {
         H5Fclose(file_);
         throw;

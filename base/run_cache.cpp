@@ -81,7 +81,6 @@ RunWriter::RunWriter(OutputFile place, const RunHeader& h)
     f.attribute("inputs", lines(h.inputs));
     f.attribute("terms_present", h.terms_present);
     f.attribute("terms_absent", h.terms_absent);
-    f.attribute("build", std::string("wetcurl 0.1.0, ") + __VERSION__);
     f.attribute("groom_hash", h.groom.hash());
     f.write("groom/points", floats(h.groom.rest), {body_->strands, body_->particles, 3});
     f.write("groom/normal", &h.groom.normal.data()->x, {body_->strands, 3});
@@ -142,7 +141,11 @@ RunReader::RunReader(const std::string& path)
     h.inputs = split_lines(f.text("inputs"));
     h.terms_present = f.text("terms_present");
     h.terms_absent = f.text("terms_absent");
-    if (f.has_attribute("build")) h.build = f.text("build");
+    if (f.has_attribute("made.revision"))
+        h.build = "wetcurl " + f.text("made.version") + ", revision " + f.text("made.revision") + ", " +
+                  f.text("made.compiler");
+    else if (f.has_attribute("build"))  // of a version before
+        h.build = f.text("build");
     if (!(h.fps > 0)) throw Error(path + ": fps must be positive");
     const auto points = f.shape("groom/points");
     if (points.size() != 3 || points[0] == 0 || points[1] < 2 || points[2] != 3 || points[0] > 100'000'000 ||

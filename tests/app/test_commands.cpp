@@ -12,6 +12,7 @@
 #include "app/results.h"
 #include "app/run_of_scene.h"
 #include "base/interrupt.h"
+#include "base/provenance.h"
 #include "base/run_cache.h"
 #include "learn/network_module.h"
 #include "learn/pairs.h"
@@ -120,6 +121,15 @@ TEST_F(Commands, json_is_utf8_whatever_the_names_of_files_are) {
     EXPECT_EQ(compare_command(c), 0);
     ::testing::internal::GetCapturedStdout();
     EXPECT_EQ(Json::parse(bytes_of(c.json))["others"].size(), 1u);
+}
+
+TEST_F(Commands, json_says_what_made_it) {
+    const std::string path = scratch.path("a.json");
+    ResultFile(path, false).write_json({{"answer", 1}});
+    const Json json = Json::parse(bytes_of(path));
+    EXPECT_EQ(json.at("answer"), 1);
+    EXPECT_EQ(json.at("made").size(), provenance().size());
+    for (const auto& [name, text] : provenance()) EXPECT_EQ(json.at("made").at(name), text);
 }
 
 TEST_F(Commands, options_that_nothing_reads_are_refused) {
