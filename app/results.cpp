@@ -92,9 +92,9 @@ void ResultFile::write(const std::string& text) {
     }
 }
 
-// With what made it.
+// With its provenance.
 static std::string text_of(Json json) {
-    for (const auto& [name, text] : provenance()) json["made"][name] = text;
+    for (const auto& [name, text] : provenance()) json["provenance"][name] = text;
     return json_text(json, 2) + "\n";
 }
 

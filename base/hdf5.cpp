@@ -121,7 +121,7 @@ H5Writer::H5Writer(OutputFile place, const std::string& format, int version)
     try {
         attribute("format", format);
         attribute("version", double(version));
-        for (const auto& [name, text] : provenance()) attribute("made." + name, text);
+        for (const auto& [name, text] : provenance()) attribute("provenance." + name, text);
     } catch (...) {
         H5Fclose(file_);
         throw;

@@ -127,9 +127,12 @@ for long in long short; do
     for force in lin kim; do
         strength=3000
         [[ $force != kim ]] || strength=100
+        alone() { jq -n --argjson all "$all" --arg hair "$1" '[$all[] | select(.hair == $hair and .method == "Iben'"'"'s chain alone")][0]["jitter at rest [mm]"] // 1e9'; }
         noisy() { jq -n --argjson all "$all" --arg hair "$1" --arg method "$(words_of "$force@iben=$strength")" '[$all[] | select(.hair == $hair and .method == $method)][0]["jitter at rest [mm]"] // 1e9'; }
-        row "jitter at rest, ${force^} on Iben's chain, curly / straight" "above 1: for straight hair alone" "$(value "$(noisy curly) / $(noisy straight)")" 1.5 1e12 \
-            "$(short "$(noisy curly)") and $(short "$(noisy straight)") mm"
+        for kind in curly coiled; do
+            row "jitter at rest, ${force^} on Iben's chain, $kind / straight" "above 1: for straight hair alone" "$(value "$(noisy $kind) / $(noisy straight)")" 1.5 1e12 \
+                "$(short "$(noisy $kind)") and $(short "$(noisy straight)") mm; the chain alone $(short "$(alone $kind)") and $(short "$(alone straight)")"
+        done
     done
     row "largest jitter at rest of ours over the four kinds [mm]" "stable for all" "$(jq -n --argjson all "$all" '[$all[] | select(.method == "ours")["jitter at rest [mm]"]] | max')" 0 $calm "calm is below $calm mm, 1 % of a segment"
 done

@@ -128,8 +128,8 @@ TEST_F(Commands, json_says_what_made_it) {
     ResultFile(path, false).write_json({{"answer", 1}});
     const Json json = Json::parse(bytes_of(path));
     EXPECT_EQ(json.at("answer"), 1);
-    EXPECT_EQ(json.at("made").size(), provenance().size());
-    for (const auto& [name, text] : provenance()) EXPECT_EQ(json.at("made").at(name), text);
+    EXPECT_EQ(json.at("provenance").size(), provenance().size());
+    for (const auto& [name, text] : provenance()) EXPECT_EQ(json.at("provenance").at(name), text);
 }
 
 TEST_F(Commands, options_that_nothing_reads_are_refused) {

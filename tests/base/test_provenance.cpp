@@ -39,7 +39,7 @@ TEST(Provenance, stands_in_every_hdf5_file) {
     const std::string path = folder.path("a.h5");
     H5Writer(path, "a test", 1, false).commit();
     const H5Reader file(path, "a test", 1);
-    for (const auto& [name, text] : provenance()) EXPECT_EQ(file.text("made." + name), text);
+    for (const auto& [name, text] : provenance()) EXPECT_EQ(file.text("provenance." + name), text);
 }
 
 TEST(Provenance, names_the_gpu_in_use) {
