@@ -1,4 +1,4 @@
-// A trained network in Eq 11's place: joins the solver's question to learn's answer. Ours.
+// A trained network in Eq 11's place: joins the solver's question to learn's answer.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
 // How far hair reaches along the axes of its curls: what water shortens (the paper, Fig 28).
-// Ours.
 #pragma once
 
 #include "learn/core_detail.h"

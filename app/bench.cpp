@@ -1,4 +1,4 @@
-// `wetcurl bench`: parts of the program and whole frames timed on this machine, as a table and as JSON. Ours.
+// `wetcurl bench`: parts of the program and whole frames timed on this machine, as a table and as JSON.
 #include "app/bench.h"
 
 #include <fmt/format.h>

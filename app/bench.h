@@ -1,5 +1,4 @@
 // What `wetcurl bench` measures and how it is told: entries, the lines and points they give, the machine.
-// Ours.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// Whole frames of the fixed workload with their stages, and error against run time. Ours.
+// Whole frames of the fixed workload with their stages, and error against run time.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Learned frames of the fixed workload: codec, network and placement, input and output where they are used.
-// Ours.
 #include <fmt/format.h>
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What the machine does at most, measured on the spot: beside it stand the times of `wetcurl bench`. Ours.
+// What the machine does at most, measured on the spot: beside it stand the times of `wetcurl bench`.
 #include <omp.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // The paper's networks alone, without codec and hair: patches through them and steps of their training.
-// Ours.
 #include <fmt/format.h>
 
 #include "app/bench.h"

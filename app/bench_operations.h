@@ -1,5 +1,5 @@
 // How many floating-point operations the stages of a frame take, counted by running their formulas as they
-// are written, each strand and neighbour for itself. Ours.
+// are written, each strand and neighbour for itself.
 #pragma once
 
 #include "solver/simulation.h"

@@ -1,5 +1,4 @@
 // `wetcurl compare`: how far runs are from a reference, and what a frame of each costs.
-// Ours.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Comparisons with a reference, made and written as JSON: what `compare` and `report` share. Ours.
+// Comparisons with a reference, made and written as JSON: what `compare` and `report` share.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // A number that counts what is computed with it: formulas over any scalar, run once with it, tell how many
-// floating-point operations they take. Ours.
+// floating-point operations they take.
 #pragma once
 
 #include "base/pack.h"

@@ -1,5 +1,4 @@
 // The recipe of a data set: which scenes there are, each a base scene with what was picked and drawn for it.
-// Ours.
 //
 //   scene = "base.toml"            what all scenes share
 //   seed = 1

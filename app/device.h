@@ -1,4 +1,4 @@
-// Which of the solver's backends `--device` names. Ours.
+// Which of the solver's backends `--device` names.
 #pragma once
 
 #include <memory>

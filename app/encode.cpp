@@ -1,5 +1,4 @@
 // `wetcurl encode`: runs, or for adhesion scenes, to what training reads.
-// Ours.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // OpenCV's part of the pictures: files and text.
-// Ours.
 #include "app/image_file.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 // Images to files: PNG, video, text and the legend drawn into an image. OpenCV stands behind it, in one
 // translation unit; without it (WETCURL_HAVE_OPENCV not defined) every function throws Error and says so.
-// Ours.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// `wetcurl import`: reads strands of another program, reports on them, writes them in metres, Y up. Ours.
+// `wetcurl import`: reads strands of another program, reports on them, writes them in metres, Y up.
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>

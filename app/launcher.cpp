@@ -1,5 +1,5 @@
 // Starts the build of the program that this processor runs fastest: one of those beside it, made from the
-// same source for x86-64-v4 (AVX-512), v3 (AVX2 with FMA) and v2 (SSE 4.2). Ours.
+// same source for x86-64-v4 (AVX-512), v3 (AVX2 with FMA) and v2 (SSE 4.2).
 #include <unistd.h>
 
 #include <cstdio>

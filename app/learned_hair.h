@@ -1,5 +1,4 @@
 // A strand network on the hair of a scene: what `infer`, `bench` and the library for other programs share.
-// Ours.
 #pragma once
 
 #include "learn/learned_strands.h"

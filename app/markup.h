@@ -1,4 +1,4 @@
-// Text as HTML and SVG hold it. Ours.
+// Text as HTML and SVG hold it.
 #pragma once
 
 #include <string>

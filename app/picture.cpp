@@ -1,6 +1,5 @@
 // Draws strands and solids: camera, rasteriser and lights. Every pixel belongs to one tile and every tile is
 // drawn by one thread in a fixed order, so the bits do not depend on the number of threads.
-// Ours.
 #include "app/picture.h"
 
 #include <omp.h>

@@ -1,4 +1,4 @@
-// What runs of a scene are judged against: the same scene in double precision, in far shorter steps. Ours.
+// What runs of a scene are judged against: the same scene in double precision, in far shorter steps.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
 // `wetcurl report`: learned beside simulated hair, as one HTML file to open and as JSON.
-// Ours.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Charts of a report as inline SVG; colours and marks are the page's classes learned, interpolated,
-// simulated. Ours.
+// simulated.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The report as one HTML file that needs nothing else: HTML5, its style and script within, no network. Ours.
+// The report as one HTML file that needs nothing else: HTML5, its style and script within, no network.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// Runs as the page's player holds them: fewer strands, particles and frames, quantised. Ours.
+// Runs as the page's player holds them: fewer strands, particles and frames, quantised.
 #pragma once
 
 #include <nlohmann/json.hpp>

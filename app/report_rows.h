@@ -1,5 +1,5 @@
 // The rows of a report: each a way to make hair, by what it errs and takes over one scene or many, and how it
-// stands to the other rows. Ours.
+// stands to the other rows.
 #pragma once
 
 #include <map>

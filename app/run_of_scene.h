@@ -1,4 +1,4 @@
-// Between scenes and run caches. Ours.
+// Between scenes and run caches.
 #pragma once
 
 #include "base/run_cache.h"

@@ -1,5 +1,4 @@
 // The solids of a run, from the scene that its cache carries: as meshes to draw and as distances to measure.
-// Ours.
 #pragma once
 
 #include <functional>

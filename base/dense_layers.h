@@ -1,5 +1,5 @@
 // A small network of dense layers with LeakyReLU between them and one answer, as plain numbers: for any
-// device, without LibTorch. Ours.
+// device, without LibTorch.
 #pragma once
 
 #include <vector>

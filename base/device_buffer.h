@@ -1,5 +1,5 @@
 // Memory of a CUDA device: owners of it, checks of calls, and what a block of threads may have. For what is
-// built with CUDA alone. Ours.
+// built with CUDA alone.
 #pragma once
 
 #include <cuda_runtime.h>

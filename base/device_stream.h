@@ -1,4 +1,4 @@
-// A CUDA stream by its name alone, for headers that are read without CUDA too. Ours.
+// A CUDA stream by its name alone, for headers that are read without CUDA too.
 #pragma once
 
 struct CUstream_st;

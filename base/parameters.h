@@ -1,5 +1,5 @@
 // A parameter table: each row names a key, its unit, default, range and source, and the member it fills.
-// One table serves reading a scene, `inspect terms`, error messages and the tests that walk it. Ours.
+// One table serves reading a scene, `inspect terms`, error messages and the tests that walk it.
 #pragma once
 
 #include <limits>

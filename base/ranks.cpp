@@ -1,5 +1,4 @@
 // Which of how many processes this one is.
-// Ours.
 #include "base/ranks.h"
 
 #include <charconv>

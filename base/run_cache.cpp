@@ -142,8 +142,8 @@ RunReader::RunReader(const std::string& path)
     h.terms_present = f.text("terms_present");
     h.terms_absent = f.text("terms_absent");
     if (f.has_attribute("provenance.revision"))
-        h.build = "wetcurl " + f.text("provenance.version") + ", revision " + f.text("provenance.revision") + ", " +
-                  f.text("provenance.compiler");
+        h.build = "wetcurl " + f.text("provenance.version") + ", revision " + f.text("provenance.revision") +
+                  ", " + f.text("provenance.compiler");
     else if (f.has_attribute("build"))  // of a version before
         h.build = f.text("build");
     if (!(h.fps > 0)) throw Error(path + ": fps must be positive");

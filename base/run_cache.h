@@ -1,5 +1,5 @@
 // The run cache: what a simulation or an inference leaves, frame by frame. The two towers meet here.
-// HDF5 "wetcurl run", one chunk a frame, uncompressed. Ours.
+// HDF5 "wetcurl run", one chunk a frame, uncompressed.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// One strand's numbers where strands lie beside each other, as threads of a device read them together. Ours.
+// One strand's numbers where strands lie beside each other, as threads of a device read them together.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // A network of dense layers in Eq 11's place, particle by particle as a device asks it. The question is
-// solver/couplings/adhesion_question.h's; the reference is AdhesionNetwork. Ours.
+// solver/couplings/adhesion_question.h's; the reference is AdhesionNetwork.
 #pragma once
 
 #include "base/dense_layers.h"

@@ -1,4 +1,4 @@
-// A network of dense layers in Eq 11's place on a device: its numbers and launches. Ours.
+// A network of dense layers in Eq 11's place on a device: its numbers and launches.
 #pragma once
 
 #include "base/device_buffer.h"

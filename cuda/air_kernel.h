@@ -1,4 +1,4 @@
-// The air on a device: the stages of AirField, by its formulas. Ours.
+// The air on a device: the stages of AirField, by its formulas.
 #pragma once
 
 #include <cuda_runtime.h>

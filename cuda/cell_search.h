@@ -1,5 +1,5 @@
 // Neighbours within a radius on a device: particles in the order of their cells, in a grid that wraps round.
-// A thread a particle; cuda/cell_search_device.h has the buffers and launches. Ours.
+// A thread a particle; cuda/cell_search_device.h has the buffers and launches.
 #pragma once
 
 #include <cmath>

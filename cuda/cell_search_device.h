@@ -1,4 +1,4 @@
-// Who is near whom, by the particles' positions of the moment: buffers and launches. Ours.
+// Who is near whom, by the particles' positions of the moment: buffers and launches.
 #pragma once
 
 #include <cuda_runtime.h>

@@ -1,4 +1,4 @@
-// Launches of steps of all strands. Ours.
+// Launches of steps of all strands.
 #pragma once
 
 #include <cuda_runtime.h>

@@ -1,4 +1,4 @@
-// What steps on a device need of a scene: its numbers, and its motion substep by substep. Host only. Ours.
+// What steps on a device need of a scene: its numbers, and its motion substep by substep. Host only.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // Eq 10 on a device, particle by particle: neighbours, displacements, and where a particle is shown. The
-// formulas are those of solver/terms/cohesion.h; the reference is solver/passes/cohesion.h. Ours.
+// formulas are those of solver/terms/cohesion.h; the reference is solver/passes/cohesion.h.
 #pragma once
 
 #include <cstdint>

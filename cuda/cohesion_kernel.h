@@ -1,4 +1,4 @@
-// The displayed positions on a device: lists, Jacobi passes, projection. Ours.
+// The displayed positions on a device: lists, Jacobi passes, projection.
 #pragma once
 
 #include <cuda_runtime.h>

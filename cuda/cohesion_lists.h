@@ -1,5 +1,5 @@
 // Neighbour lists of Eq 10 for particles that follow each other in the order of cells, by a block's threads
-// together. Ours.
+// together.
 #pragma once
 
 #include "cuda/cohesion_bodies.h"

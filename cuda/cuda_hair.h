@@ -1,4 +1,4 @@
-// The strands of a scene in a CUDA device's memory, and the air around them. Ours.
+// The strands of a scene in a CUDA device's memory, and the air around them.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Owners of what the driver makes. Ours.
+// Owners of what the driver makes.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// The flow of water on a device: the stages of FlowPass, by its bodies. Ours.
+// The flow of water on a device: the stages of FlowPass, by its bodies.
 #pragma once
 
 #include <cuda_runtime.h>

@@ -1,4 +1,4 @@
-// What a run keeps of each frame, taken out of a device's memory while the next frame is computed. Ours.
+// What a run keeps of each frame, taken out of a device's memory while the next frame is computed.
 #pragma once
 
 #include <vector>

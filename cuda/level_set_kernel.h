@@ -1,5 +1,5 @@
 // The level set of a moving mesh in a device's memory, as MovingLevelSet: the host finds the tree of its
-// triangles, the device rebuilds its nodes. Ours.
+// triangles, the device rebuilds its nodes.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Forces on wet particles by others of other strands, and by sampled solids, particle by particle as a device
-// takes them. The formulas are the methods' own; the reference is each one's ParticleForces. Ours.
+// takes them. The formulas are the methods' own; the reference is each one's ParticleForces.
 #pragma once
 
 #include "cuda/cell_search.h"

@@ -1,5 +1,4 @@
 // Forces on all strands at once on a device: buffers and launches, a schedule's Forces as ForcesOnStrands is.
-// Ours.
 #pragma once
 
 #include <numeric>

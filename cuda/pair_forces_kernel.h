@@ -1,4 +1,4 @@
-// Launches of forces on all strands at once. Ours.
+// Launches of forces on all strands at once.
 #pragma once
 
 #include <cuda_runtime.h>

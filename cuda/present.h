@@ -1,4 +1,4 @@
-// What a scene names, as a kernel asks for it. Ours.
+// What a scene names, as a kernel asks for it.
 #pragma once
 
 #include "solver/terms/list.h"

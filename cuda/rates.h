@@ -1,4 +1,4 @@
-// What a CUDA device does at most, measured on the spot. Ours.
+// What a CUDA device does at most, measured on the spot.
 #pragma once
 
 namespace wetcurl {

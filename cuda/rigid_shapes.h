@@ -1,4 +1,4 @@
-// The shapes of a scene's rigid solids in a device's memory. Ours.
+// The shapes of a scene's rigid solids in a device's memory.
 #pragma once
 
 #include <vector>

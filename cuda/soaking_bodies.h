@@ -1,5 +1,5 @@
 // What of the strands follows the water in them, particle by particle and strand by strand, by the formulas
-// of `soak` and `put_water`. Ours.
+// of `soak` and `put_water`.
 #pragma once
 
 #include "base/strided.h"

@@ -1,5 +1,4 @@
 // What of the strands follows the water in them, on a device: masses, curl, core lengths, volumes of Eq 10.
-// Ours.
 #pragma once
 
 #include <cuda_runtime.h>

@@ -1,4 +1,4 @@
-// What soaking on a device needs of a scene. Host only. Ours.
+// What soaking on a device needs of a scene. Host only.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // What goes along a strand by chunks of its edges, a thread each: within a chunk edge by edge, then between
-// chunks in rounds that reach ever farther. The tridiagonal system of twists, and the filter of Eq 2. Ours.
+// chunks in rounds that reach ever farther. The tridiagonal system of twists, and the filter of Eq 2.
 #pragma once
 
 #include "solver/terms/twist.h"

@@ -1,4 +1,4 @@
-// The strands of a scene in a device's memory, and what kernels are told beside it. Ours.
+// The strands of a scene in a device's memory, and what kernels are told beside it.
 #pragma once
 
 #include "solver/passes/substep.h"

@@ -1,4 +1,4 @@
-// The level sets of a scene's deforming solids in a device's memory, a schedule's Surfaces. Ours.
+// The level sets of a scene's deforming solids in a device's memory, a schedule's Surfaces.
 #pragma once
 
 #include "cuda/driver.h"

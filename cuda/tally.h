@@ -1,4 +1,4 @@
-// What the threads of a kernel have found, added up: whole numbers, whose sums have no order. Ours.
+// What the threads of a kernel have found, added up: whole numbers, whose sums have no order.
 #pragma once
 
 #include <cstdint>

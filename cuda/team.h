@@ -1,4 +1,4 @@
-// Who works on a few strands or on neighbour lists together, and how they wait for each other. Ours.
+// Who works on a few strands or on neighbour lists together, and how they wait for each other.
 #pragma once
 
 #include "base/host_device.h"

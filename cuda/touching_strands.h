@@ -1,6 +1,6 @@
 // Contact between strands on a device, particle by particle. The formulas are those of
 // solver/terms/strand_contact.h; the reference is solver/passes/strand_contact.h. Differs: neighbours are
-// found anew in every substep, since only the host could say that lists still hold. Ours.
+// found anew in every substep, since only the host could say that lists still hold.
 #pragma once
 
 #include "cuda/cell_search.h"

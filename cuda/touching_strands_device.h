@@ -1,5 +1,4 @@
 // Contact between strands on a device: buffers and launches, a schedule's Touching as TouchingStrands is.
-// Ours.
 #pragma once
 
 #include "cuda/cell_search_device.h"

@@ -1,4 +1,4 @@
-// The flow of water in a scene's hair on a device, and what of the strands follows it: as WaterInHair. Ours.
+// The flow of water in a scene's hair on a device, and what of the strands follows it: as WaterInHair.
 #pragma once
 
 #include "cuda/driver.h"

@@ -1,5 +1,4 @@
 // Launches that are recorded once and then replayed.
-// Ours.
 #pragma once
 
 #include <ATen/cuda/CUDAGraph.h>

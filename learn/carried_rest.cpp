@@ -1,5 +1,4 @@
 // Rest shapes carried by the strands around them.
-// Ours.
 #include "learn/carried_rest.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // A strand's own rest shape, carried by how the low-resolution strands around it have moved from theirs: the
 // base that a strand network starts from, and the best way without one.
-// Ours. All in the strand's root frame (learn/root_frame.h), offsets from the root, so that neither the
+// All in the strand's root frame (learn/root_frame.h), offsets from the root, so that neither the
 // head's pose nor the place on the scalp is in them.
 //
 // Where hair parts, a strand goes with those that are drawn as it is: of the strands around it each counts

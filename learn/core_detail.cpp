@@ -1,5 +1,4 @@
 // Cores of many strands, and the curl radius from core and detail.
-// Ours.
 #include "learn/core_detail.h"
 
 namespace wetcurl {

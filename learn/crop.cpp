@@ -1,5 +1,4 @@
 // The part of a root grid for which a network is asked.
-// Ours.
 #include "learn/crop.h"
 
 #include <algorithm>

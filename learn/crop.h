@@ -1,4 +1,4 @@
-// The part of a root grid for which a network is asked. Ours.
+// The part of a root grid for which a network is asked.
 #pragma once
 
 #include <cstdint>

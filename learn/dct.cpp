@@ -1,5 +1,4 @@
 // Amplitudes of a strand.
-// Ours.
 #include "learn/dct.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // A strand as 3 x 24 amplitudes: cosines (DCT-I) of its offsets from the root along its length, of mean
-// square 1 each, so that a strand has the same amplitudes [m] however many particles it is sampled at. Ours.
+// square 1 each, so that a strand has the same amplitudes [m] however many particles it is sampled at.
 // The kept amplitudes are the least-squares fit among the curves that vanish at particle 0, so that roots are
 // exact: c = B x - b_0 (b_0 . B x) / (b_0 . b_0), b_0 the basis at particle 0.
 #pragma once

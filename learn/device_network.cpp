@@ -1,5 +1,4 @@
 // A network on a CUDA device.
-// Ours.
 #include "learn/device_network.h"
 
 #include <c10/core/InferenceMode.h>

@@ -1,5 +1,4 @@
 // A network on a CUDA device.
-// Ours.
 #pragma once
 
 #include <memory>

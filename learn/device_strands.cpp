@@ -1,5 +1,4 @@
 // Learned wet strands on a CUDA device.
-// Ours.
 #include "learn/device_strands.h"
 
 #include <c10/core/InferenceMode.h>

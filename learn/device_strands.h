@@ -1,5 +1,5 @@
 // Learned wet strands on a CUDA device: codec and network in one CUDA graph, tensors on the codec's own
-// memory. This half of learn needs LibTorch with CUDA and belongs to its library. Ours.
+// memory. This half of learn needs LibTorch with CUDA and belongs to its library.
 #pragma once
 
 #include <string>

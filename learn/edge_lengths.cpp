@@ -1,5 +1,4 @@
 // Edges led on the CPU.
-// Ours.
 #include "learn/edge_lengths.h"
 
 namespace wetcurl {

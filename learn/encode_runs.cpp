@@ -1,5 +1,4 @@
 // Runs to pairs.
-// Ours.
 #include "learn/encode_runs.h"
 
 #include <numeric>

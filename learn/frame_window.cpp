@@ -1,5 +1,4 @@
 // Frames of a run with the head's motion.
-// Ours.
 #include "learn/frame_window.h"
 
 #include <cmath>

@@ -1,5 +1,4 @@
 // A run read frame by frame, each frame once, with the head's pose one frame before and after.
-// Ours.
 #pragma once
 
 #include "base/run_cache.h"

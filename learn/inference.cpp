@@ -1,5 +1,4 @@
 // Inference: load once, run many.
-// Ours.
 #include "learn/inference.h"
 
 #include <c10/core/InferenceMode.h>

@@ -1,5 +1,4 @@
 // Inference: a model as a Network. This half of learn needs LibTorch and belongs to its library.
-// Ours.
 #pragma once
 
 #include <memory>

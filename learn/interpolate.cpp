@@ -1,5 +1,4 @@
 // What low-resolution strands carry to the new roots.
-// Ours.
 #include "learn/interpolate.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // A low-resolution run brought to every high-resolution root, without a network: the rows that a learned
-// result is judged against. Ours. A strand is
+// result is judged against. A strand is
 // moved rigidly from its own root to the new one (offsets in world axes): turning it with the root frames as
 // well would turn its droop away from gravity. Roots come from the rest groom and the head's pose, so they
 // are exact.

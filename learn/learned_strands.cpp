@@ -1,5 +1,4 @@
 // Learned wet strands on the CPU.
-// Ours.
 #include "learn/learned_strands.h"
 
 #include <algorithm>

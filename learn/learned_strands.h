@@ -1,6 +1,5 @@
 // Learned wet strands, frame by frame: load, bind input and output, run. What a program includes that runs a
 // strand network beside its own simulation; no torch here.
-// Ours.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
 // Comparison of runs, frame by frame: no more than four frames of each are in memory.
-// Ours.
 #include "learn/metrics.h"
 
 #include <algorithm>

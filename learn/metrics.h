@@ -1,5 +1,5 @@
 // How far one run is from another: position, orientation, curvature, curl, stretch, depth in solids, clumps,
-// motion. Ours. What is seen counts: displayed positions p^w where a run has them.
+// motion. What is seen counts: displayed positions p^w where a run has them.
 #pragma once
 
 #include <array>

@@ -1,5 +1,4 @@
 // A trained network behind one narrow interface: load once, run many. No torch here.
-// Ours.
 #pragma once
 
 #include <array>

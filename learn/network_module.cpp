@@ -1,5 +1,4 @@
 // Opens the library of the networks.
-// Ours.
 #include "learn/network_module.h"
 
 #include <dlfcn.h>

@@ -1,5 +1,4 @@
 // The door to LibTorch: a library opened on demand, so that a command without a network never loads it.
-// Ours.
 #pragma once
 
 #include <functional>

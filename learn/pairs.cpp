@@ -1,5 +1,4 @@
 // The pairs file.
-// Ours.
 #include "learn/pairs.h"
 
 #include <algorithm>

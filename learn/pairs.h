@@ -1,5 +1,5 @@
 // The pairs file: what training reads. HDF5 "wetcurl pairs", version 4, one group runs/NNN an encoded pair of
-// runs. Ours.
+// runs.
 //
 // Attributes: `codec` (strand | root | adhesion), `particles` a strand, `low` (dry, or wet where the
 // low-resolution runs were simulated wet too), `low_substeps` (theirs a frame, where they agree), `floor_mm`

@@ -1,5 +1,4 @@
 // Root frames from the rest groom.
-// Ours.
 #include "learn/root_frame.h"
 
 #include <cmath>

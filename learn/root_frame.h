@@ -1,5 +1,5 @@
 // The head-fixed frame at each root: offsets expressed in it know neither the head's pose nor the place on
-// the scalp. Ours. y is the scalp normal; x the rest strand's direction, root to tip, as far as it lies in
+// the scalp. y is the scalp normal; x the rest strand's direction, root to tip, as far as it lies in
 // the scalp. The whole strand gives the direction and not its first edge, since that one turns with the phase
 // of the curl.
 #pragma once

@@ -1,5 +1,4 @@
 // Which pixel of the root grid a strand is at.
-// Ours.
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
 // Stencils on the roots.
-// Ours.
 #include "learn/stencil.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // The strand codec.
-// Ours.
 #include "learn/strand_codec.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // The strand codec on a CUDA device.
-// Ours.
 #include <cuda_pipeline.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // The strand codec on a CUDA device, what of it is no matrix product. No torch here.
-// Ours. The same formulas as learn/carried_rest.h and learn/strand_codec.cpp; cores, which are linear in the
+// The same formulas as learn/carried_rest.h and learn/strand_codec.cpp; cores, which are linear in the
 // strands, are left to a matrix product between the kernels, F X.
 //
 // A strand is a pixel of the root grid, S of them; one that holds none has only zeros. Interleaved:

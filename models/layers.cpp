@@ -1,5 +1,4 @@
 // What the networks share.
-// Ours.
 #include "models/layers.h"
 
 #include <ATen/Context.h>

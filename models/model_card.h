@@ -1,5 +1,4 @@
 // What a model file says of itself. No torch here.
-// Ours.
 #pragma once
 
 #include <map>

@@ -1,5 +1,4 @@
 // The model file.
-// Ours.
 #include "models/model_file.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // The model file: HDF5 "wetcurl model", version 1. Named single-precision tensors and the card; never an
-// archive of one LibTorch version. Ours.
+// archive of one LibTorch version.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
 // The list of the networks.
-// Ours.
 #include "models/registry.h"
 
 #include <ATen/Context.h>

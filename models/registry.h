@@ -1,5 +1,4 @@
 // The list of the networks: a name, the codec it serves, how it is made.
-// Ours.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
 // The paper's networks on the strand codec: at the resolution of the roots, over all inputs of a pixel.
-// Ours.
 #pragma once
 
 #include "models/layers.h"

@@ -1,5 +1,4 @@
 // Residual networks for strands.
-// Ours.
 #include "models/strand_mlp.h"
 
 #ifdef WETCURL_MODEL_KERNELS

@@ -1,5 +1,5 @@
 // The networks that carry the product, on the strand codec: a residual network over the channels of a pixel,
-// and the same with a look at the pixels around before each block. Ours. Any grid and any number of strands
+// and the same with a look at the pixels around before each block. Any grid and any number of strands
 // fit.
 #pragma once
 

@@ -1,5 +1,4 @@
 // What stands between a StrandMlp's matrix products.
-// Ours.
 #include <cuda_fp16.h>
 #include <cuda_pipeline.h>
 

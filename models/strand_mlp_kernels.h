@@ -1,5 +1,5 @@
 // StrandMlp on a CUDA device in half precision: what stands between its matrix products, each in one kernel.
-// The reference is models/strand_mlp.cpp, in which LibTorch does it. Ours.
+// The reference is models/strand_mlp.cpp, in which LibTorch does it.
 #pragma once
 
 #include <cuda_runtime.h>

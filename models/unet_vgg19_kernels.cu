@@ -1,5 +1,4 @@
 // UnetVgg19 on tensor cores: 5x5 convolutions as products of pixels by channels and of channels by outputs.
-// Ours.
 #include <cooperative_groups.h>
 #include <cuda_fp16.h>
 #include <cuda_pipeline.h>

@@ -1,5 +1,5 @@
 // UnetVgg19 in half precision on a device of compute capability 9.0 (H100, H200): LibTorch's convolutions
-// take longer on the few pixels of a patch. The reference is models/unet_vgg19.cpp. Ours.
+// take longer on the few pixels of a patch. The reference is models/unet_vgg19.cpp.
 #pragma once
 
 #include <cuda_runtime.h>

@@ -1,5 +1,4 @@
 # What the scripts share: where the project lies, messages, help. Sourced, never run.
-# Ours.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }

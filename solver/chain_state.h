@@ -1,5 +1,5 @@
 // The strands of a scene as the stepper holds them: strand-interleaved, a lane a strand; on a device, which
-// has them one after the other, in plain numbers of one lane. Ours.
+// has them one after the other, in plain numbers of one lane.
 #pragma once
 
 #include <algorithm>

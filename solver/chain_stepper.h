@@ -1,5 +1,4 @@
 // The strands of a scene on the CPU, substep by substep: blocks of strands over threads, a lane a strand.
-// Ours.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// What a run costs: bytes by buffer, seconds by stage. Ours.
+// What a run costs: bytes by buffer, seconds by stage.
 #pragma once
 
 #include <omp.h>

@@ -1,4 +1,4 @@
-// A mesh that deforms: keyframes of one connectivity, C1 between them as Motion is. Ours.
+// A mesh that deforms: keyframes of one connectivity, C1 between them as Motion is.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // The level sets of a scene's deforming solids, rebuilt once a frame: a block of strands goes through all
-// substeps of a frame at once, and between the frame's ends phi is linear in time. Ours.
+// substeps of a frame at once, and between the frame's ends phi is linear in time.
 #pragma once
 
 #include <deque>

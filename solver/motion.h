@@ -1,4 +1,4 @@
-// Prescribed motion of the head and of solids: C1 between keyframes. Ours.
+// Prescribed motion of the head and of solids: C1 between keyframes.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // One strand in double precision with all that the terms along it read, and its forces and matrix as Eigen
-// takes them: what the battery of stability and the tests look into a strand with. Ours.
+// takes them: what the battery of stability and the tests look into a strand with.
 #pragma once
 
 #include <cmath>

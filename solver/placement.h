@@ -1,4 +1,4 @@
-// Where a scene's head and solids are at the end of a substep, and how they move. Ours.
+// Where a scene's head and solids are at the end of a substep, and how they move.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// What a scene asks of whoever steps it, on any device, told before anything runs. Ours.
+// What a scene asks of whoever steps it, on any device, told before anything runs.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// A scene: what a TOML file names, as values. A table that is not written is not there. Ours.
+// A scene: what a TOML file names, as values. A table that is not written is not there.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // A frame's schedule, on whichever device the strands are: what a scene names that acts on all strands at
-// once, and in what order. Ours.
+// once, and in what order.
 #pragma once
 
 #include <algorithm>

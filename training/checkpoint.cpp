@@ -1,5 +1,4 @@
 // The whole state of a training between two steps.
-// Ours.
 #include "training/checkpoint.h"
 
 #include "base/hdf5.h"

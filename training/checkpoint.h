@@ -1,5 +1,5 @@
 // The whole state of a training between two steps: HDF5 "wetcurl checkpoint", version 1.
-// Ours. The order of the data follows from (seed, epoch), so place and recipe stand for sampler and random
+// The order of the data follows from (seed, epoch), so place and recipe stand for sampler and random
 // state.
 #pragma once
 

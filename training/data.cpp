@@ -1,5 +1,4 @@
 // Batches drawn from pairs files.
-// Ours.
 #include "training/data.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // The processes that share a training.
-// Ours.
 #include "training/group.h"
 
 #include <c10/util/Exception.h>

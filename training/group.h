@@ -1,5 +1,5 @@
 // The processes that share a training, over c10d: NCCL between GPUs, Gloo between CPUs.
-// Ours. All of them call the same sums in the same order.
+// All of them call the same sums in the same order.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,4 @@
 // The training loop: data, model, optimise, validate, keep the best, leave a checkpoint.
-// Ours.
 #include "training/loop.h"
 
 #include <ATen/Context.h>

@@ -1,5 +1,4 @@
 // The training loop.
-// Ours.
 #pragma once
 
 #include "learn/network_module.h"

@@ -1,5 +1,4 @@
 // Networks to be timed.
-// Ours.
 #include "training/measured.h"
 
 #include <torch/cuda.h>

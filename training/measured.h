@@ -1,5 +1,4 @@
 // Networks to be timed.
-// Ours.
 #pragma once
 
 #include "learn/network_module.h"

@@ -1,5 +1,4 @@
 // What the library of the networks shows to the program.
-// Ours.
 #include "base/error.h"
 #ifdef WETCURL_NETWORKS_ON_DEVICE
 #include "learn/device_strands.h"

@@ -1,5 +1,4 @@
 // The recipe of a training.
-// Ours.
 #include "training/recipe.h"
 
 #include <algorithm>

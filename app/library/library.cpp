@@ -1,5 +1,4 @@
 // The library that other programs link.
-// Ours.
 #include <omp.h>
 
 #include <cmath>

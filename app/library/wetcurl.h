@@ -1,5 +1,5 @@
 /* Learned wet hair in another program: a scene and a model, then frame by frame dry low-resolution strands in
- * and wet high-resolution strands out. C interface of libwetcurl; wetcurl.hpp is the same for C++. Ours.
+ * and wet high-resolution strands out. C interface of libwetcurl; wetcurl.hpp is the same for C++.
  *
  * Lengths in metres, y up. Positions: float[strand][particle][3] in world axes, the root first. A pose:
  * double[7], where the head's origin is and the quaternion that turns it, x y z then w x y z. What returns

@@ -1,5 +1,4 @@
 // Learned wet hair in another program: wetcurl.h for C++, an owner that throws std::runtime_error.
-// Ours.
 #pragma once
 
 #include <array>

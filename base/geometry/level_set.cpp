@@ -1,4 +1,4 @@
-// Signed distance grids of meshes: building and the cache on disk. Ours.
+// Signed distance grids of meshes: building and the cache on disk.
 #include "base/geometry/level_set.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // The signed distance to a triangle mesh on a dense regular grid, made once and kept in a cache folder.
 // Distance exact at every node, sign from the generalised winding number (Jacobson 2013): heads are often
-// open. Ours.
+// open.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // Rebuilding the level set of a moving mesh in a narrow band, node by node over plain arrays, for any device.
-// From coarse lattices to fine ones: a node gathers from coarser lattices and writes its own slot. Ours.
+// From coarse lattices to fine ones: a node gathers from coarser lattices and writes its own slot.
 #pragma once
 
 #include <array>

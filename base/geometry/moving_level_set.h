@@ -1,6 +1,6 @@
 // The signed distance to a mesh whose vertices move: level sets at both ends of a span of time on one grid,
 // rebuilt in a narrow band. A node within the band has its exact distance; the others take the mean of the
-// nodes around them on ever coarser lattices. Sign and distance as in LevelSet. Ours.
+// nodes around them on ever coarser lattices. Sign and distance as in LevelSet.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // Neighbours within a radius: points sorted by the row of a regular grid, then along it (counting sorts).
-// Ours. Cells along a row too would be many times the points: hair fills little of its box.
+// Cells along a row too would be many times the points: hair fills little of its box.
 #pragma once
 
 #include <bit>

@@ -1,4 +1,4 @@
-// Triangles of the solid shapes, for drawing. Ours.
+// Triangles of the solid shapes, for drawing.
 #include "base/geometry/shapes.h"
 
 #include <numbers>

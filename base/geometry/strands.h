@@ -1,4 +1,4 @@
-// Strands and the grid that their roots lie on: the layout that both towers share. Ours.
+// Strands and the grid that their roots lie on: the layout that both towers share.
 #pragma once
 
 #include <string>

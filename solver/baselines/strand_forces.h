@@ -1,4 +1,4 @@
-// What compared methods that draw strands together share. Ours.
+// What compared methods that draw strands together share.
 #pragma once
 
 #include "solver/baselines/akinci2013.h"

@@ -1,4 +1,4 @@
-// Adhesion by who answers in Eq 11's place (a network), and what one is trained on. Ours.
+// Adhesion by who answers in Eq 11's place (a network), and what one is trained on.
 #pragma once
 
 #include <algorithm>

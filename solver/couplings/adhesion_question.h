@@ -1,4 +1,4 @@
-// What a network in Eq 11's place is asked of a particle, and when its answer holds: for any device. Ours.
+// What a network in Eq 11's place is asked of a particle, and when its answer holds: for any device.
 #pragma once
 
 #include <cmath>

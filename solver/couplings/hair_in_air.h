@@ -1,4 +1,4 @@
-// Hair and the air around it, each once a frame where the other is. Ours.
+// Hair and the air around it, each once a frame where the other is.
 #pragma once
 
 #include <vector>

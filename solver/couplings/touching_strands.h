@@ -1,4 +1,4 @@
-// Contact between strands, once a substep: what the pass needs of the strands, and what it gives them. Ours.
+// Contact between strands, once a substep: what the pass needs of the strands, and what it gives them.
 #pragma once
 
 #include "solver/chain_state.h"

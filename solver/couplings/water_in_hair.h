@@ -1,4 +1,4 @@
-// The flow of water in a scene's hair, and what of the strands follows it. Ours.
+// The flow of water in a scene's hair, and what of the strands follows it.
 #pragma once
 
 #include <omp.h>

@@ -1,4 +1,4 @@
-// Checked reading of whole files. Ours.
+// Checked reading of whole files.
 #include "solver/grooms/byte_reader.h"
 
 #include <filesystem>

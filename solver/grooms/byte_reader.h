@@ -1,5 +1,5 @@
 // A whole file in memory, read from its start with every access checked: no reader of strands can run past
-// the end, and each complaint names the file, the byte, what was found and what is allowed. Ours.
+// the end, and each complaint names the file, the byte, what was found and what is allowed.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Grooms of scenes. Ours.
+// Grooms of scenes.
 #include "solver/grooms/groom.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The groom that a scene names: the built-in one, or strands of a file laid on a grid. Ours.
+// The groom that a scene names: the built-in one, or strands of a file laid on a grid.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // Strands and scalps from files of other programs, brought to metres and Y up; degenerate strands dropped and
-// counted, units never guessed silently; and strands written for them. Ours.
+// counted, units never guessed silently; and strands written for them.
 #pragma once
 
 #include <string>

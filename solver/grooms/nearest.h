@@ -1,5 +1,4 @@
 // The nearest of a set of points, by a sweep along x: exact, and quick enough for every root of a groom.
-// Ours.
 #pragma once
 
 #include <algorithm>

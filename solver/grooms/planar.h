@@ -1,4 +1,4 @@
-// Points of a plane. Ours.
+// Points of a plane.
 #pragma once
 
 #include <cmath>

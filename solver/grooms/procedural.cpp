@@ -1,4 +1,4 @@
-// The built-in groom. Ours.
+// The built-in groom.
 #include "solver/grooms/procedural.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // The built-in groom: roots on a grid over a scalp, strands that leave it, part from the face, fall, and curl
-// round their fall. Ours.
+// round their fall.
 #pragma once
 
 #include "base/geometry/strands.h"

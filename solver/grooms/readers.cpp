@@ -1,4 +1,4 @@
-// Readers of strand files, binary ones: .hair, .data, .bin, .tfx. Little-endian throughout. Ours.
+// Readers of strand files, binary ones: .hair, .data, .bin, .tfx. Little-endian throughout.
 #include "solver/grooms/readers.h"
 
 #include <bit>

@@ -1,4 +1,4 @@
-// Roots to plane to pixels. Ours.
+// Roots to plane to pixels.
 #include "solver/grooms/root_grid.h"
 
 #include <algorithm>

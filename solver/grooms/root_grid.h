@@ -1,5 +1,4 @@
 // Roots of a real groom laid on a grid, so that neighbours on the scalp are neighbours among the pixels.
-// Ours.
 #pragma once
 
 #include <string>

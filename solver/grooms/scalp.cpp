@@ -1,4 +1,4 @@
-// Balls and meshes that strands stand on. Ours.
+// Balls and meshes that strands stand on.
 #include "solver/grooms/scalp.h"
 
 #include <algorithm>

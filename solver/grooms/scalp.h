@@ -1,4 +1,4 @@
-// What strands stand on: a ball or a head's mesh, with its height and outward normal. Ours.
+// What strands stand on: a ball or a head's mesh, with its height and outward normal.
 // The map of the square to the cap: Shirley 1997 (concentric squares to the disk), Lambert (disk to sphere);
 // both keep area ratios, so an even grid gives even hair.
 #pragma once

@@ -1,4 +1,4 @@
-// Turns of curls against the particles that stand for them: told when a groom is loaded. Ours.
+// Turns of curls against the particles that stand for them: told when a groom is loaded.
 #pragma once
 
 #include "base/config.h"

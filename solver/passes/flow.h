@@ -1,4 +1,4 @@
-// The flow of water over a frame: sources, along each strand, between strands in contact, drying. Ours.
+// The flow of water over a frame: sources, along each strand, between strands in contact, drying.
 // Gathers only; each particle and each strand writes its own slot, so the result is the same for any number
 // of threads, and what leaves one particle reaches another to rounding.
 #pragma once

@@ -1,4 +1,4 @@
-// What water does along one strand and at one particle: the bodies of the flow's loops, on any device. Ours.
+// What water does along one strand and at one particle: the bodies of the flow's loops, on any device.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // Forces on all particles at once, taken once a substep: of a compared method, or of cohesion inside the
-// solve. Ours.
+// solve.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // The nearest of many rigid solids by a tree of boxes; what it finds is the plain loop's, to the bit.
-// Bounding-volume hierarchy by halving along the longest side; branch and bound. Ours.
+// Bounding-volume hierarchy by halving along the longest side; branch and bound.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // A whole substep of a block of strands: which surfaces hold it, the step, its limits, contact and frames.
-// Ours.
 #pragma once
 
 #include "solver/baselines/iben2013.h"

@@ -1,5 +1,5 @@
 // Strands by some of their particles: every so-manieth from the root, and the tip. What is known of these
-// goes over to the others linearly, and what the others hold goes to these by the same weights. Ours.
+// goes over to the others linearly, and what the others hold goes to these by the same weights.
 #pragma once
 
 #include <algorithm>

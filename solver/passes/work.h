@@ -1,5 +1,5 @@
 // Work that is done on hair from outside, substep by substep: what the energy of a driven run is measured
-// against (S2 of the battery). Counted only where asked for. Ours.
+// against (S2 of the battery). Counted only where asked for.
 #pragma once
 
 #include "solver/chain_state.h"

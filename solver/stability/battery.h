@@ -1,5 +1,4 @@
 // The battery of stability, S1 to S9: what a way of stepping hair must stand, and figures for how it does.
-// Ours.
 #pragma once
 
 #include <functional>

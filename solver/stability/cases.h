@@ -1,4 +1,4 @@
-// Who makes the cases of the battery, and what they share. Ours.
+// Who makes the cases of the battery, and what they share.
 #pragma once
 
 #include <string>

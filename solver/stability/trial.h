@@ -1,4 +1,4 @@
-// A scene under trial: its simulation, and its energy against the work done on it. Ours.
+// A scene under trial: its simulation, and its energy against the work done on it.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What a term along a strand sees of one block of strands, and the linear system that it adds to. Ours.
+// What a term along a strand sees of one block of strands, and the linear system that it adds to.
 // S is a Pack on the CPU (a lane is a strand) and a plain number on the GPU and in tests.
 #pragma once
 

@@ -1,5 +1,5 @@
 // A bound on the strain of an edge, held within the implicit step by a spring that acts beyond it alone.
-// Ours. Differs from Selle 2008, which moves particles after the step: where the load alone stretches edges
+// Differs from Selle 2008, which moves particles after the step: where the load alone stretches edges
 // beyond the bound that feeds energy in. The explicit step keeps Selle's.
 #pragma once
 

@@ -1,5 +1,4 @@
 # What the tests of programs share. Sourced, never run.
-# Ours.
 failures=0
 
 expect() {  # status, what standard error holds, what is tried (run as a command of bash)

@@ -1,5 +1,4 @@
 // The axial extent judged by helices, whose axis is known.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What `wetcurl bench` measures is what it says; nothing here is judged by its time. Ours.
+// What `wetcurl bench` measures is what it says; nothing here is judged by its time.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

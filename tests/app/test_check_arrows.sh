@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # check_arrows passes a sound tree and fails each broken one, naming the file.
-# Ours. Use: test_check_arrows.sh PATH/TO/check_arrows
+# Use: test_check_arrows.sh PATH/TO/check_arrows
 set -euo pipefail
 check=$1
 tree=$(mktemp -d)

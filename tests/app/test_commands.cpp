@@ -1,5 +1,4 @@
 // What commands do with their files and with one another's results: nothing is lost, nothing is silent.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <cmath>

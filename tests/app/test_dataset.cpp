@@ -1,5 +1,4 @@
 // `wetcurl dataset`: what a recipe picks and draws, and that shards are what encode makes of simulated runs.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <algorithm>

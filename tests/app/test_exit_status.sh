@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What the program itself adds to its commands: exit statuses, and one line that says why.
-# Ours. Use: test_exit_status.sh WETCURL SCENE
+# Use: test_exit_status.sh WETCURL SCENE
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 wetcurl=$1 scene=$2

@@ -1,5 +1,4 @@
 // The box and the angle judged by strands whose shape is known.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <cmath>

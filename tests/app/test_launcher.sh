@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What scripts/build portable leaves: which of the builds beside it the launcher starts. Stand-ins tell their name.
-# Ours. Use: test_launcher.sh LAUNCHER
+# Use: test_launcher.sh LAUNCHER
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 folder=$(mktemp -d)

@@ -1,5 +1,4 @@
 // Networks on the hair of scenes: dry strands put where wet ones come to rest, crops; adhesion in the loop.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Pictures judged by what must be seen: where a point lands, what hides what, how colours answer to water.
-// Ours.
 #include <gtest/gtest.h>
 #include <omp.h>
 

@@ -1,5 +1,4 @@
 // `wetcurl plot`: ticks, where a curve is drawn, what the charts hold, what is refused.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // `wetcurl render` on small runs: what is written, and what is refused.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <cmath>

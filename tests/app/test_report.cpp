@@ -1,5 +1,4 @@
 // `wetcurl report`: rows and how they are judged, what is refused, what the page and its JSON hold.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <cmath>

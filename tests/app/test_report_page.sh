@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The report's page in a browser: its script runs to the end and draws every run; a broken one is seen to fail.
-# Ours. Use: test_report_page.sh WETCURL SCENE. Ends with 77 where there is no chromium.
+# Use: test_report_page.sh WETCURL SCENE. Ends with 77 where there is no chromium.
 set -euo pipefail
 wetcurl=$1 scene=$2
 browser=$(command -v chromium || command -v chromium-browser || true)

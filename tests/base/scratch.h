@@ -1,5 +1,5 @@
 // What the tests of base share: a folder that goes away, files in it, errors and what they must say, random
-// vectors. Ours.
+// vectors.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Scene files: typed reading, includes, assignments, and what is said about every kind of bad input. Ours.
+// Scene files: typed reading, includes, assignments, and what is said about every kind of bad input.
 #include "base/config.h"
 #include "base/parameters.h"
 #include "scratch.h"

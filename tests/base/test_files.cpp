@@ -1,4 +1,4 @@
-// HDF5 files and run caches: round trips to the bit, and an Error for everything else. Ours.
+// HDF5 files and run caches: round trips to the bit, and an Error for everything else.
 #include <cmath>
 #include <functional>
 

@@ -1,5 +1,4 @@
 // Level sets of meshes against analytic shapes: exact nodes, order in the spacing, open meshes, the cache.
-// Ours.
 #include <cmath>
 #include <cstring>
 #include <thread>

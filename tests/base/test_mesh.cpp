@@ -1,5 +1,5 @@
 // Mesh readers against each other and against bad input; closest points and winding numbers against plain
-// loops. Ours.
+// loops.
 #include <cstring>
 #include <numbers>
 

@@ -1,5 +1,4 @@
 // Level sets of moving meshes against analytic spheres: distance, velocity, bits for any number of threads.
-// Ours.
 #include <cstring>
 
 #include "base/geometry/shapes.h"

@@ -1,4 +1,4 @@
-// The neighbour grid and its lists against comparing all pairs. Ours.
+// The neighbour grid and its lists against comparing all pairs.
 #include <algorithm>
 
 #include "base/geometry/neighbor_list.h"

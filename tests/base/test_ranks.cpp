@@ -1,5 +1,4 @@
 // What launchers tell their processes.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

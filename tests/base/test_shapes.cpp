@@ -1,4 +1,4 @@
-// Analytic shapes against geometry: values, unit gradients, normals, packs and their drawn surfaces. Ours.
+// Analytic shapes against geometry: values, unit gradients, normals, packs and their drawn surfaces.
 #include "base/geometry/shapes.h"
 #include "scratch.h"
 

@@ -1,4 +1,4 @@
-// Resampling, coarser grids and hashes of strands against geometry. Ours.
+// Resampling, coarser grids and hashes of strands against geometry.
 #include <numbers>
 
 #include "base/geometry/strands.h"

@@ -1,4 +1,4 @@
-// The same act by one thread and by several. Ours.
+// The same act by one thread and by several.
 #pragma once
 
 #include <omp.h>

@@ -1,4 +1,4 @@
-// A network in Eq 11's place that is nothing but dense layers, its weights drawn. Ours.
+// A network in Eq 11's place that is nothing but dense layers, its weights drawn.
 #pragma once
 
 #include "solver/couplings/adhesion_network.h"

@@ -1,4 +1,4 @@
-// The search on the host, particle by particle as the device's threads, with a scan between. Ours.
+// The search on the host, particle by particle as the device's threads, with a scan between.
 #pragma once
 
 #include <numeric>

@@ -1,4 +1,4 @@
-// Teams on the host: one thread, or some of this machine's in the place of a block's. Ours.
+// Teams on the host: one thread, or some of this machine's in the place of a block's.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// Tests that need a CUDA device: without one each says SKIP and why. Ours.
+// Tests that need a CUDA device: without one each says SKIP and why.
 #pragma once
 
 #include <gtest/gtest.h>

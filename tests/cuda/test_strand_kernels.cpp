@@ -1,5 +1,5 @@
 // The strand codec on the device against the one on the host. Its matrix product, which LibTorch computes
-// there, is computed here on the host in between. Ours.
+// there, is computed here on the host in between.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Small strand files of every format, whole or broken on purpose, for the tests of their readers. Ours.
+// Small strand files of every format, whole or broken on purpose, for the tests of their readers.
 #pragma once
 
 #include <cstdint>

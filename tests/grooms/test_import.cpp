@@ -1,4 +1,4 @@
-// Reading real and made-up strand files: points, units, axes, dropped strands, and writing them again. Ours.
+// Reading real and made-up strand files: points, units, axes, dropped strands, and writing them again.
 #include <algorithm>
 
 #include "base/geometry/strands.h"

@@ -1,4 +1,4 @@
-// Every kind of broken strand file, for every reader: an error that names the file, and never a crash. Ours.
+// Every kind of broken strand file, for every reader: an error that names the file, and never a crash.
 #include <cmath>
 #include <limits>
 

@@ -1,4 +1,4 @@
-// The built-in groom: nesting, curls of the size asked for, a free face, nothing inside the head. Ours.
+// The built-in groom: nesting, curls of the size asked for, a free face, nothing inside the head.
 #include <cstring>
 #include <numbers>
 

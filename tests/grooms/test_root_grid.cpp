@@ -1,4 +1,4 @@
-// Roots on a grid: sizes, whole and without doubles, neighbours near; domes, disks of triangles, ARAP. Ours.
+// Roots on a grid: sizes, whole and without doubles, neighbours near; domes, disks of triangles, ARAP.
 #include <algorithm>
 #include <map>
 #include <numbers>

@@ -1,4 +1,4 @@
-// `[groom]` of a scene: files laid on a grid, thinning, roots under the scalp; the import command. Ours.
+// `[groom]` of a scene: files laid on a grid, thinning, roots under the scalp; the import command.
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"

@@ -1,4 +1,4 @@
-// Turns of curls: counted on helices and grooms, and the particles that are asked for. Ours.
+// Turns of curls: counted on helices and grooms, and the particles that are asked for.
 #include <numbers>
 
 #include "solver/grooms/groom.h"

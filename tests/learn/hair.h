@@ -1,5 +1,4 @@
 // Hair for the tests of learn: curls on a spherical cap, whole runs of it, rigid motions.
-// Ours.
 #pragma once
 
 #include <algorithm>

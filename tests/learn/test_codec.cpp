@@ -1,5 +1,4 @@
 // The kernel, the amplitudes of a strand, root frames, the root codec and its images.
-// Ours.
 #include <array>
 #include <numeric>
 

@@ -1,5 +1,4 @@
 // Runs to pairs files and back; the features that training and inference see.
-// Ours.
 #include "learn/encode_runs.h"
 #include "learn/interpolate.h"
 #include "learn/root_codec.h"

@@ -1,5 +1,4 @@
 // The front and its hypervolume against analysis.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <cmath>

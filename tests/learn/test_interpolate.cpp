@@ -1,5 +1,4 @@
 // Interpolation of a low-resolution run, without a network.
-// Ours.
 #include "learn/core_detail.h"
 #include "learn/interpolate.h"
 #include "tests/learn/hair.h"

@@ -1,5 +1,4 @@
 // Metrics against analysis.
-// Ours.
 #include "learn/core_detail.h"
 #include "learn/metrics.h"
 #include "tests/learn/hair.h"

@@ -1,5 +1,4 @@
 // Eq 18 and 19 in paper mode and in Form V+.
-// Ours.
 #include "learn/core_detail.h"
 #include "learn/quad_transform.h"
 #include "tests/learn/hair.h"

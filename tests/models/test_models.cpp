@@ -1,5 +1,5 @@
 // The networks: counts, shapes, layers by hand, gradients, files. One translation unit: LibTorch's headers
-// are slow. Ours.
+// are slow.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <torch/cuda.h>

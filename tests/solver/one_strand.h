@@ -1,4 +1,4 @@
-// A stepper for one strand in double precision, and terms for it: what the tests of the solver share. Ours.
+// A stepper for one strand in double precision, and terms for it: what the tests of the solver share.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Small scenes on the built-in groom, and their runs: what the tests of whole simulations share. Ours.
+// Small scenes on the built-in groom, and their runs: what the tests of whole simulations share.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Tightly coiled strands, which the paper leaves out: as many particles a turn as are asked for at load keep
-// their shape. Ours.
+// their shape.
 #include <numbers>
 
 #include "solver/grooms/turns.h"

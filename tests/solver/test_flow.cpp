@@ -1,5 +1,5 @@
 // Water that lives, against analysis: diffusion's rate and order, the drained film of Jeffreys 1930, the
-// profile at rest, drying, exchange, the balance of all of it, and what of a simulation follows it. Ours.
+// profile at rest, drying, exchange, the balance of all of it, and what of a simulation follows it.
 #include <cmath>
 #include <numbers>
 #include <numeric>

@@ -1,4 +1,4 @@
-// Prescribed motion: through its keys, without jumps of place or velocity. Ours.
+// Prescribed motion: through its keys, without jumps of place or velocity.
 #include <cmath>
 
 #include "solver/motion.h"

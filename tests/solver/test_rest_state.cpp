@@ -1,4 +1,4 @@
-// The rest state of strands: forces that vanish on the drawn shape, or balance its weight. Ours.
+// The rest state of strands: forces that vanish on the drawn shape, or balance its weight.
 #include "solver/rest_state.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"

@@ -1,4 +1,4 @@
-// Scenes: what is read, what is refused and with which words. Every row of every table is walked. Ours.
+// Scenes: what is read, what is refused and with which words. Every row of every table is walked.
 #include "solver/grooms/procedural.h"
 #include "tests/solver/scenes.h"
 

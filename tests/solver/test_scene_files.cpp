@@ -1,4 +1,4 @@
-// The scenes that the project ships: each is a letter to its reader, is read, and takes its first step. Ours.
+// The scenes that the project ships: each is a letter to its reader, is read, and takes its first step.
 #include <fstream>
 
 #include "tests/solver/scenes.h"

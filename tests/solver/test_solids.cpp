@@ -1,5 +1,4 @@
 // Solids that deform, and many of them: against analytic spheres, the work that they do, the plain loop.
-// Ours.
 #include <cstring>
 
 #include "solver/deforming_solids.h"

@@ -1,4 +1,4 @@
-// Contact between strands: momentum, energy and distances of the pass, and hair that keeps its volume. Ours.
+// Contact between strands: momentum, energy and distances of the pass, and hair that keeps its volume.
 #include <algorithm>
 #include <cmath>
 

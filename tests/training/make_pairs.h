@@ -1,5 +1,4 @@
 // Small pairs files whose targets follow from their inputs, for the tests of training.
-// Ours.
 #pragma once
 
 #include <cmath>

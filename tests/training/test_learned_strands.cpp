@@ -1,5 +1,4 @@
 // Learned strands: codec and network behind one object, on the CPU and on the GPU.
-// Ours.
 #include <gtest/gtest.h>
 #include <torch/cuda.h>
 #include <torch/utils.h>

@@ -1,5 +1,4 @@
 // The door to LibTorch, seen from a program that does not link it: train, load and run through dlopen.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Recipes: every row of the table, and what a malformed one says.
-// Ours.
 #include <gtest/gtest.h>
 
 #include <cmath>

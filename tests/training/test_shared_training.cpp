@@ -1,5 +1,5 @@
 // One training by several processes of the program, on the CPU: the weights of one, stopped and resumed
-// together, and what each says when another one is missing. Ours.
+// together, and what each says when another one is missing.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>

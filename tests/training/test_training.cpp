@@ -1,5 +1,5 @@
 // Losses, the optimiser, batches, and whole trainings: they overfit, stop, go on to the bit, and say what is
-// wrong. One translation unit: LibTorch's headers are slow. Ours.
+// wrong. One translation unit: LibTorch's headers are slow.
 #include <gtest/gtest.h>
 #include <torch/cuda.h>
 
