@@ -27,7 +27,7 @@ RunHeader header_of(const Scene& scene, const Simulation& simulation, const std:
 }
 
 Scene scene_of_file(const std::string& path, const SceneOptions& options) {
-    if (!path.ends_with(".h5")) return load_scene(path, options);
+    if (!path.ends_with(".h5") && !is_hdf5(path)) return load_scene(path, options);
     const RunReader run(path);
     Scene scene = parse_scene(run.header().scene, path, run.header().scene_folder, options);
     scene.files.push_back(path);

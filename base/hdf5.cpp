@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <mutex>
+#include <string_view>
 #include <thread>
 #include <type_traits>
 #include <utility>
@@ -111,6 +113,13 @@ std::string shape_text(const std::vector<size_t>& shape) {
 }
 
 }  // namespace
+
+bool is_hdf5(const std::string& path) {
+    constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
+    char start[signature.size()] = {};
+    std::ifstream(path, std::ios::binary).read(start, sizeof start);
+    return std::string_view(start, sizeof start) == signature;
+}
 
 H5Writer::H5Writer(OutputFile place, const std::string& format, int version)
     : place_(std::move(place)), path_(place_.path()) {

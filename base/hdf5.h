@@ -53,6 +53,9 @@ class H5Writer {
     int64_t file_ = -1;
 };
 
+// By its first bytes. False where it cannot be read.
+bool is_hdf5(const std::string& path);
+
 class H5Reader {
   public:
     // Throws Error where the file is missing, empty, being written, cut short, foreign, of another format, or

@@ -18,7 +18,7 @@ class StrandForces : public ParticleForces {
 
   protected:
     const std::vector<double> mass_;  // (strand, particle) [kg]
-    StrandPairs pairs_;
+    NeighbourPairs pairs_;
 
   private:
     const double strength_;  // [N m^3/kg^2]

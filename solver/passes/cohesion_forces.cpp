@@ -37,7 +37,7 @@ class CohesionForces final : public ParticleForces {
     double wet(size_t i, size_t j) const { return pairs_.saturation(i) * pairs_.saturation(j); }
     const Cohesion term_;
     const std::vector<double> mass_;  // (strand, particle) [kg]
-    StrandPairs pairs_;
+    NeighbourPairs pairs_;
     std::vector<double> stiffness_;
 };
 

@@ -13,13 +13,13 @@ std::vector<double> particle_masses(const Scene& scene) {
     return mass;
 }
 
-StrandPairs::StrandPairs(const Scene& scene, double radius)
+NeighbourPairs::NeighbourPairs(const Scene& scene, double radius)
     : saturation_(scene.saturation), particles_(scene.groom.rest.particles), radius_(float(radius)) {
     const size_t count = scene.groom.rest.points.size(), padded = count + NeighborList::padding;
     near_.resize(count), wet_.resize(padded);
 }
 
-void StrandPairs::find(const std::vector<Vec3d>& x) {
+void NeighbourPairs::find(const std::vector<Vec3d>& x) {
     // From one of them: single precision has no digits to spare far from the origin.
     for (size_t id = 0; id < x.size(); ++id) near_[id] = cast<float>(x[id] - x[0]);
     grid_.build(near_.data(), near_.size(), radius_);
@@ -31,7 +31,7 @@ void StrandPairs::find(const std::vector<Vec3d>& x) {
     list_.build(grid_, wet_, radius_);
 }
 
-size_t StrandPairs::bytes() const {
+size_t NeighbourPairs::bytes() const {
     return near_.capacity() * sizeof(Vec3f) + wet_.capacity() * sizeof(float) + grid_.bytes() + list_.bytes();
 }
 

@@ -32,9 +32,9 @@ class ParticleForces {
 std::vector<double> particle_masses(const Scene& scene);
 
 // Pairs of wet particles on different strands, found anew each substep.
-class StrandPairs {
+class NeighbourPairs {
   public:
-    StrandPairs(const Scene& scene, double radius);
+    NeighbourPairs(const Scene& scene, double radius);
     void find(const std::vector<Vec3d>& x);
 
     // Calls visit(i, j), j within the radius on another strand, both wet: all j of an i by one thread.

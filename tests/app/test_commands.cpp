@@ -262,8 +262,14 @@ TEST_F(Commands, a_run_is_simulated_again_to_the_bit) {
     for (int f = 0; f < a.frames(); ++f)
         for (size_t k = 0; k < a.frame(f).positions.points.size(); ++k)
             ASSERT_EQ(norm(a.frame(f).positions.points[k] - b.frame(f).positions.points[k]), 0);
+    // By its content, whatever its name: an interrupted run is NAME.partial.
+    again.scene = scratch.path("first.h5.partial"), again.output = scratch.path("third.h5");
+    fs::copy_file(first.output, again.scene);
+    simulate_command(again);
+    EXPECT_EQ(norm(RunReader(again.output).frame(2).positions.at(3, 9) - a.frame(2).positions.at(3, 9)), 0);
     // With other options it is another.
-    again.output = scratch.path("other.h5"), again.set = {"integrator.substeps=2"};
+    again.scene = first.output, again.output = scratch.path("other.h5"),
+    again.set = {"integrator.substeps=2"};
     simulate_command(again);
     EXPECT_GT(norm(RunReader(again.output).frame(2).positions.at(3, 9) - a.frame(2).positions.at(3, 9)), 0);
     again.output = again.scene, again.overwrite = true;
