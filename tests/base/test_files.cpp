@@ -4,6 +4,7 @@
 
 #include "base/config.h"
 #include "base/geometry/mesh.h"
+#include "base/provenance.h"
 #include "base/run_cache.h"
 #include "scratch.h"
 
