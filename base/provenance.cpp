@@ -50,11 +50,11 @@ Provenance provenance() {
             {"compiler", "g++ " __VERSION__},
 #endif
 #if defined(__AVX512F__)
-            {"instruction_set", "AVX-512"},
+            {"instruction_set", "AVX-512, " WETCURL_MARCH},
 #elif defined(__AVX2__)
-            {"instruction_set", "AVX2"},
+            {"instruction_set", "AVX2, " WETCURL_MARCH},
 #else
-            {"instruction_set", "SSE"},
+            {"instruction_set", "SSE, " WETCURL_MARCH},
 #endif
             {"processor", processor()}, {"gpu", gpu}, {
             "date", date()

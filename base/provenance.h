@@ -10,8 +10,8 @@ namespace wetcurl {
 
 // Name and text of each fact: version; revision of the sources (the commit's first twelve digits, ", changed"
 // where the sources had changes that no commit holds, or "unknown" outside of git); preset of CMake ("none");
-// compiler; instruction_set; processor, as the system names it; gpu ("none"); date (UTC, or that of
-// SOURCE_DATE_EPOCH).
+// compiler; instruction_set: AVX-512, AVX2 or SSE, and the build's -march; processor, as the system names it;
+// gpu ("none"); date (UTC, or that of SOURCE_DATE_EPOCH).
 using Provenance = std::vector<std::pair<std::string, std::string>>;
 Provenance provenance();
 

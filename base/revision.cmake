@@ -1,5 +1,5 @@
 # Writes OUTPUT, a header that names the revision of SOURCE, where it is not what it says already.
-#   cmake -D SOURCE=... -D OUTPUT=... -D VERSION=... -D PRESET=... -P revision.cmake
+#   cmake -D SOURCE=... -D OUTPUT=... -D VERSION=... -D PRESET=... -D MARCH=... -P revision.cmake
 # Outside of git the file REVISION names it, which a release's archive holds.
 set(revision unknown)
 find_program(git git)
@@ -18,7 +18,7 @@ endif()
 if(revision STREQUAL unknown AND EXISTS ${SOURCE}/REVISION)
   file(STRINGS ${SOURCE}/REVISION revision LIMIT_COUNT 1)
 endif()
-set(text "#define WETCURL_VERSION \"${VERSION}\"\n#define WETCURL_REVISION \"${revision}\"\n#define WETCURL_PRESET \"${PRESET}\"\n")
+set(text "#define WETCURL_VERSION \"${VERSION}\"\n#define WETCURL_REVISION \"${revision}\"\n#define WETCURL_PRESET \"${PRESET}\"\n#define WETCURL_MARCH \"${MARCH}\"\n")
 set(old "")
 if(EXISTS ${OUTPUT})
   file(READ ${OUTPUT} old)

@@ -6,7 +6,7 @@
 #   test_hashes.sh PROGRAM PROJECT --print   prints the table's lines for this compiler and instruction set, to add to it
 #
 # Scenes are cut to 6 x 6 strands and 3 frames. A line of the table: compiler and instruction set, what, hash. Bits hold
-# for one compiler and instruction set; without a line for them the test is skipped. Without networks in PROGRAM the lines
+# for one compiler and -march; without a line for them the test is skipped. Without networks in PROGRAM the lines
 # of networks are left out. Networks run on one thread, with LibTorch's kernels for AVX2.
 set -euo pipefail
 program=$(realpath "$1") project=$2 print=${3:-}
