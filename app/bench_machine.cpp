@@ -8,6 +8,7 @@
 #include "app/bench.h"
 #include "app/device.h"
 #include "base/pack.h"
+#include "base/provenance.h"
 
 namespace wetcurl::bench {
 
@@ -51,13 +52,6 @@ double arithmetic_rate() {
     return 2.0 * S::lanes * Chains * rounds * threads / t.min;
 }
 
-std::string processor() {
-    std::ifstream in("/proc/cpuinfo");
-    for (std::string line; std::getline(in, line);)
-        if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
-    return "unknown";
-}
-
 // The line of a file of /proc that begins with `key`, in kB.
 size_t kilobytes(const char* file, const char* key) {
     std::ifstream in(file);
@@ -74,7 +68,7 @@ Machine machine_of(const std::string& device) {
         return {rates.name, omp_get_max_threads(), rates.copy_bytes, rates.operations};
     }
     // The first fits the registers of AVX2, the second those of AVX-512.
-    return {processor(), omp_get_max_threads(), copy_rate(),
+    return {processor_name(), omp_get_max_threads(), copy_rate(),
             std::max(arithmetic_rate<5>(), arithmetic_rate<10>())};
 }
 

@@ -15,6 +15,9 @@ namespace wetcurl {
 using Provenance = std::vector<std::pair<std::string, std::string>>;
 Provenance provenance();
 
+// The machine's processor, as the system names it, or "unknown".
+std::string processor_name();
+
 // The GPU that this process computes on.
 void note_gpu(const std::string& name);
 
