@@ -7,7 +7,7 @@
 #include <csignal>
 #include <cstdio>
 
-#include "app/commands.h"
+#include "app/commands/commands.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/log.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "base/geometry/strands.h"
 #include "base/hdf5.h"
+#include "base/strands.h"
 
 namespace wetcurl {
 

@@ -1,5 +1,6 @@
 // The adhesion force as a network: twelve scalars of a particle and its two chain neighbours give F.n.
-// Figure 18, Eq 20: 12-6-5-4-1 with LeakyReLU, 142 parameters. Inputs and output: learn/adhesion_samples.h.
+// Figure 18, Eq 20: 12-6-5-4-1 with LeakyReLU, 142 parameters. Inputs and output:
+// learn/codec/adhesion_samples.h.
 #pragma once
 
 #include "models/layers.h"

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "learn/strand_codec.h"
+#include "learn/codec/strand_codec.h"
 #include "models/registry.h"
 
 namespace wetcurl {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/ranks.h"
-#include "learn/pairs.h"
+#include "learn/codec/pairs.h"
 #include "models/layers.h"
 #include "models/model_card.h"
 #include "training/recipe.h"

@@ -11,9 +11,9 @@
 #include <optional>
 #include <sstream>
 
-#include "base/geometry/strands.h"
 #include "base/interrupt.h"
 #include "base/output_file.h"
+#include "base/strands.h"
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "training/checkpoint.h"

@@ -1,7 +1,7 @@
 // The training loop.
 #pragma once
 
-#include "learn/network_module.h"
+#include "learn/codec/network_module.h"
 
 namespace wetcurl {
 

@@ -2,7 +2,7 @@
 // Ours, Eq 17, Eq 20.
 #include "training/losses.h"
 
-#include "learn/dct.h"
+#include "learn/codec/dct.h"
 
 namespace wetcurl {
 namespace {

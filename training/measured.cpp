@@ -3,7 +3,7 @@
 
 #include <torch/cuda.h>
 
-#include "learn/inference.h"
+#include "learn/inference/inference.h"
 #include "models/registry.h"
 #include "training/losses.h"
 #include "training/optimiser.h"

@@ -1,7 +1,7 @@
 // Networks to be timed.
 #pragma once
 
-#include "learn/network_module.h"
+#include "learn/codec/network_module.h"
 
 namespace wetcurl {
 

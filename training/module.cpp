@@ -1,10 +1,10 @@
 // What the library of the networks shows to the program.
 #include "base/error.h"
 #ifdef WETCURL_NETWORKS_ON_DEVICE
-#include "learn/device_strands.h"
+#include "learn/inference/device_strands.h"
 #endif
-#include "learn/inference.h"
-#include "learn/network_module.h"
+#include "learn/codec/network_module.h"
+#include "learn/inference/inference.h"
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "training/loop.h"

@@ -9,7 +9,7 @@
 
 #include "base/config.h"
 #include "base/shift_units.h"
-#include "learn/strand_codec.h"
+#include "learn/codec/strand_codec.h"
 
 namespace wetcurl {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "app/device.h"
-#include "app/learned_hair.h"
+#include "app/engine/device.h"
+#include "app/engine/learned_hair.h"
 #include "app/library/wetcurl.h"
 #include "base/error.h"
 

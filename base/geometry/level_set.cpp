@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "base/geometry/strands.h"
 #include "base/hdf5.h"
 #include "base/log.h"
+#include "base/strands.h"
 
 namespace wetcurl {
 

@@ -10,7 +10,8 @@ for network in "${networks[@]}"; do
     trained_here+=("unseen/$network@1.h5")
     mkdir -p "$results/trainings/unseen" && cp "unseen/$network@1.h5.jsonl" "$results/trainings/unseen/"
 done
-make unseen/measured/report.json "${trained_here[@]}" -- env WETCURL="$program" DEVICE="$device" "$root/scripts/measure_learned" \
+# Errors alone are asked for, so many at a time.
+make unseen/measured/report.json "${trained_here[@]}" -- env WETCURL="$program" DEVICE="$device" JOBS="$(nproc)" "$root/scripts/measure_learned" \
     unseen/test unseen/measured "${trained_here[@]}" "$root/models/weights/strand_m_2.h5"
 # error ROW: of a row of the report [mm]
 error() { number unseen/measured/report.json ".rows[] | select(.name == \"$1\") | .position_mm.mean"; }

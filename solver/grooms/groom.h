@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "base/config.h"
-#include "base/geometry/strands.h"
+#include "base/strands.h"
 #include "solver/grooms/import.h"
 #include "solver/grooms/root_grid.h"
 

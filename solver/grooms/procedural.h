@@ -2,8 +2,8 @@
 // round their fall.
 #pragma once
 
-#include "base/geometry/strands.h"
 #include "base/parameters.h"
+#include "base/strands.h"
 #include "solver/grooms/import.h"
 #include "solver/grooms/root_grid.h"
 #include "solver/grooms/scalp.h"

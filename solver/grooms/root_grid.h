@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/geometry/strands.h"
+#include "base/strands.h"
 #include "solver/grooms/planar.h"
 #include "solver/grooms/scalp.h"
 

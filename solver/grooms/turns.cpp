@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "base/geometry/strands.h"
 #include "base/log.h"
+#include "base/strands.h"
 #include "solver/terms/curl.h"
 
 namespace wetcurl {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "solver/simulation.h"
+#include "solver/run/simulation.h"
 
 namespace wetcurl {
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "solver/plan.h"
+#include "solver/chain/scene_checks.h"
 
 namespace wetcurl {
 

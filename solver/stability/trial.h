@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "solver/one_strand.h"
+#include "solver/chain/one_strand.h"
 #include "solver/stability/battery.h"
 
 namespace wetcurl {

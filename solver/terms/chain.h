@@ -4,36 +4,30 @@
 
 #include "base/geometry/frames.h"
 #include "base/vec3.h"
+#include "solver/terms/strand_arrays.h"
 
 namespace wetcurl {
 
-// One block of strands of n particles (SI units). Pointers are null where no present term needs them.
-// A term adds what its elements do, `assemble(view, system, begin, end)`: those whose last particle lies in
+// One block of strands of n particles (SI units): their arrays, at positions and velocities at which forces
+// are taken, and what is told of solids, air and head. Pointers are null where no present term needs them. A
+// term adds what its elements do, `assemble(view, system, begin, end)`: those whose last particle lies in
 // begin .. end - 1. An element reaches two particles back at most, so that a strand can be assembled and
 // solved in one sweep.
 template <class S>
-struct ChainView {
+struct ChainView : StrandArrays<S, ConstPointer> {
     int n;                            // particles a strand; edge i joins particles i and i+1
-    const Vec3<S>* x;                 // (n) positions at which forces are taken
-    const Vec3<S>* v;                 // (n) velocities at which forces are taken
-    const S* mass;                    // (n) [kg]
-    const S* rest_length;             // (n-1) [m]
-    const Vec3<S>* target;            // (n-1) tbar_i in the frame of edge i-1; entry 0 unused
-    const Quat<S>* frame;             // (n-1) F_i
-    const S* rest_core;               // (n-1) |bbar_i|
-    const S* saturation;              // (n) sigma_i
-    const Vec3<S>* push;              // (n-1) edges of the helix of Eq 9 as printed, its root-to-tip along x
     const S* phi;                     // (n) distance to the nearest solid [m]
     const Vec3<S>* normal;            // (n) its outward normal
     const Vec3<S>* surface_velocity;  // (n) of the solid there
-    const S* touching;                // (n) 1 where the particle has been in contact and not let go, else 0
     const S* given_adhesion;          // (n) F.n / (sigma m a_max) from a network in Eq 11's place, or null
-    const Vec3<S>* air;               // (n) velocity of the air there
     const Vec3<S>* limit_edge;        // (n-1) edges at which the strain limit is taken
-    Vec3<S> turn, turn_center,
-        drift;           // the root's rigid motion: angular velocity, centre, velocity of the centre
-    Vec3<S> chord;       // x_{n-1} - x_0
+    Vec3<S> head_spin, head_center, head_velocity;  // [rad/s], [m], [m/s]: the head's rigid motion
+    Vec3<S> chord;                                  // x_{n-1} - x_0
     Vec3<S>* core_pull;  // (n-1) the core's force along each edge, made by its `prepare`
+
+    void set_arrays(const StrandArrays<S, ConstPointer>& arrays) {
+        static_cast<StrandArrays<S, ConstPointer>&>(*this) = arrays;
+    }
 };
 
 // Forces f and, for the implicit step, K = h C + h² H. What acts between particles is added by edges, as

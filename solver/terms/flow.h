@@ -14,7 +14,7 @@
 #include "base/geometry/kernels.h"
 #include "base/geometry/shapes.h"
 #include "base/parameters.h"
-#include "solver/motion.h"
+#include "solver/motion/motion.h"
 
 namespace wetcurl {
 

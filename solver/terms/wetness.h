@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "base/geometry/strands.h"
 #include "base/parameters.h"
+#include "base/strands.h"
 
 namespace wetcurl {
 

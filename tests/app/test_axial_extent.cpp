@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/axial_extent.h"
+#include "app/measures/axial_extent.h"
 
 namespace wetcurl {
 namespace {

@@ -3,13 +3,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/bench.h"
-#include "app/bench_operations.h"
-#include "app/commands.h"
-#include "app/counted.h"
-#include "app/results.h"
+#include "app/bench/bench.h"
+#include "app/bench/bench_operations.h"
+#include "app/bench/flop_counter.h"
+#include "app/commands/commands.h"
+#include "app/files/results.h"
 #include "base/vec3.h"
-#include "solver/simulation.h"
+#include "solver/run/simulation.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl::bench {

@@ -9,13 +9,15 @@ failures=0
 
 fresh() {
     rm -rf "${tree:?}"/*
-    mkdir -p "$tree"/{base,solver,models,learn,training,app,tests}
+    mkdir -p "$tree"/{base,solver/chain,solver/solids,models,learn/codec,learn/inference,training,app,tests}
     echo '#include <vector>' >"$tree/base/a.h"
     echo '#include "base/a.h"' >"$tree/solver/a.cpp"
     echo '#include <torch/torch.h>' >"$tree/models/net.h"
-    echo '#include "models/net.h"' >"$tree/learn/inference.cpp"
-    echo '#include "learn/plain.h"' >"$tree/app/main.cpp"
-    echo '#include "base/a.h"' >"$tree/learn/plain.h"
+    echo '#include "models/net.h"' >"$tree/learn/inference/inference.cpp"
+    echo '#include "learn/codec/plain.h"' >"$tree/app/main.cpp"
+    echo '#include "base/a.h"' >"$tree/learn/codec/plain.h"
+    echo '#include "solver/solids/contact.h"' >"$tree/solver/chain/step.h"
+    echo '#include "base/a.h"' >"$tree/solver/solids/contact.h"
 }
 expect() {  # passes|fails, file named, what is tried
     local output status=0
@@ -30,7 +32,7 @@ expect() {  # passes|fails, file named, what is tried
 
 fresh
 expect passes '0 wrong' 'a sound tree'
-fresh; echo '#include "learn/plain.h"' >>"$tree/solver/a.cpp"
+fresh; echo '#include "learn/codec/plain.h"' >>"$tree/solver/a.cpp"
 expect fails 'solver/a.cpp:2' 'solver includes learn'
 fresh; echo '  #  include "solver/a.h"' >>"$tree/models/net.h"
 expect fails 'models/net.h:2' 'models includes solver'
@@ -38,14 +40,18 @@ fresh; echo '#include "solver/a.h"' >>"$tree/base/a.h"
 expect fails 'base/a.h:2' 'base includes solver'
 fresh; echo '#include <torch/script.h>' >>"$tree/solver/a.cpp"
 expect fails 'solver/a.cpp:2' 'LibTorch in solver'
-fresh; echo '#include "models/net.h"' >>"$tree/learn/plain.h"
+fresh; echo '#include "models/net.h"' >>"$tree/learn/codec/plain.h"
 expect fails 'app/main.cpp:1' 'LibTorch reaches app through two headers'
-fresh; echo '#include <c10/core/Device.h>' >>"$tree/learn/plain.h"
-expect fails 'learn/plain.h:2' 'LibTorch in a header of learn'
+fresh; echo '#include <c10/core/Device.h>' >>"$tree/learn/codec/plain.h"
+expect fails 'learn/codec/plain.h:2' 'LibTorch in a header of learn'
 fresh; echo '#include <fmt/format.h>' >>"$tree/base/a.h"
 expect fails 'base/a.h:2' 'fmt in a header'
-fresh; echo '#include <spdlog/spdlog.h>' >>"$tree/learn/inference.cpp"
-expect fails 'learn/inference.cpp:2' 'spdlog beside LibTorch'
+fresh; echo '#include <spdlog/spdlog.h>' >>"$tree/learn/inference/inference.cpp"
+expect fails 'learn/inference/inference.cpp:2' 'spdlog beside LibTorch'
+fresh; echo '#include "solver/chain/step.h"' >>"$tree/solver/solids/contact.h"
+expect fails 'solver/solids/contact.h:2' 'two rooms include each other'
+fresh; echo '#include "solver/chain/step.h"' >>"$tree/solver/b.h"; echo '#include "solver/b.h"' >>"$tree/solver/solids/contact.h"
+expect fails 'solver/chain/step.h:1' 'a circle through three rooms'
 fresh; echo '#include "solver/a.h"' >>"$tree/tests/t.cpp"
 expect passes '0 wrong' 'tests may include everything'
 rm -rf "${tree:?}"/*

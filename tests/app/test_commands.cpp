@@ -7,14 +7,14 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/commands.h"
-#include "app/results.h"
-#include "app/run_of_scene.h"
+#include "app/commands/commands.h"
+#include "app/engine/run_of_scene.h"
+#include "app/files/results.h"
 #include "base/interrupt.h"
 #include "base/provenance.h"
 #include "base/run_cache.h"
-#include "learn/network_module.h"
-#include "learn/pairs.h"
+#include "learn/codec/network_module.h"
+#include "learn/codec/pairs.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl {

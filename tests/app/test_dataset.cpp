@@ -8,14 +8,14 @@
 #include <set>
 #include <thread>
 
-#include "app/commands.h"
-#include "app/dataset_recipe.h"
-#include "app/results.h"
-#include "app/run_of_scene.h"
+#include "app/commands/commands.h"
+#include "app/commands/dataset_recipe.h"
+#include "app/engine/run_of_scene.h"
+#include "app/files/results.h"
 #include "base/config.h"
 #include "base/run_cache.h"
-#include "learn/dct.h"
-#include "learn/pairs.h"
+#include "learn/codec/dct.h"
+#include "learn/codec/pairs.h"
 #include "tests/base/scratch.h"
 #include "tests/base/threads.h"
 #include "tests/grooms/strand_files.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "app/fall.h"
+#include "app/measures/fall.h"
 
 namespace wetcurl {
 namespace {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <filesystem>
 
-#include "app/commands.h"
-#include "app/geometry_film.h"
-#include "learn/doubled_image.h"
-#include "learn/encode_runs.h"
-#include "learn/network_module.h"
+#include "app/commands/commands.h"
+#include "app/drawing/geometry_film.h"
+#include "learn/codec/doubled_image.h"
+#include "learn/codec/encode_runs.h"
+#include "learn/codec/network_module.h"
 #include "tests/base/scratch.h"
 #include "tests/training/make_pairs.h"
 

@@ -5,10 +5,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "app/commands.h"
-#include "app/learned_hair.h"
+#include "app/commands/commands.h"
+#include "app/engine/learned_hair.h"
 #include "base/run_cache.h"
-#include "learn/edge_lengths.h"
+#include "learn/codec/edge_lengths.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl {
@@ -187,7 +187,7 @@ TEST(Settled, dry_runs_serve_networks_of_wet_ones) {
 
 // Scene 15, all of its 280 frames, with a quarter of its strands: wet hair sticks to a ball, is drawn down
 // with it and lets go, by Eq 11 and by the released network.
-TEST(AdhesionNetwork, holds_scene_15_as_far_from_the_solids_as_Eq_11) {
+TEST(AdhesionNetworkCoupling, holds_scene_15_as_far_from_the_solids_as_Eq_11) {
     const Scratch scratch;
     SimulateOptions by_eq_11;
     by_eq_11.scene = WETCURL_SOURCE_DIR "/scenes/scene15.toml", by_eq_11.output = scratch.path("eq11.h5");

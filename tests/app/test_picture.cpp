@@ -8,8 +8,8 @@
 #include <fstream>
 #include <numbers>
 
-#include "app/image_file.h"
-#include "app/picture.h"
+#include "app/drawing/image_file.h"
+#include "app/drawing/picture.h"
 #include "base/error.h"
 
 namespace wetcurl {

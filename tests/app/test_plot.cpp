@@ -6,13 +6,13 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/chart.h"
-#include "app/chart_file.h"
-#include "app/commands.h"
-#include "app/plot_charts.h"
+#include "app/commands/commands.h"
+#include "app/drawing/chart.h"
+#include "app/drawing/chart_file.h"
+#include "app/drawing/plot_charts.h"
 #include "base/error.h"
 #include "base/run_cache.h"
-#include "learn/network_module.h"
+#include "learn/codec/network_module.h"
 #include "solver/terms/adhesion.h"
 #include "tests/base/scratch.h"
 #include "tests/training/make_pairs.h"

@@ -5,13 +5,13 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "app/commands.h"
-#include "app/comparison.h"
-#include "app/markup.h"
-#include "app/report_charts.h"
-#include "app/report_page.h"
-#include "app/report_player.h"
-#include "app/report_rows.h"
+#include "app/commands/commands.h"
+#include "app/measures/comparison.h"
+#include "app/report/markup.h"
+#include "app/report/report_charts.h"
+#include "app/report/report_page.h"
+#include "app/report/report_player.h"
+#include "app/report/report_rows.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl {

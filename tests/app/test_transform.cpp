@@ -5,10 +5,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "app/commands.h"
-#include "app/comparison.h"
+#include "app/commands/commands.h"
+#include "app/measures/comparison.h"
 #include "base/run_cache.h"
-#include "learn/pairs.h"
+#include "learn/codec/pairs.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl {

@@ -1,7 +1,7 @@
 // Resampling, coarser grids and hashes of strands against geometry.
 #include <numbers>
 
-#include "base/geometry/strands.h"
+#include "base/strands.h"
 #include "scratch.h"
 
 namespace wetcurl {

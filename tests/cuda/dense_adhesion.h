@@ -1,7 +1,7 @@
 // A network in Eq 11's place that is nothing but dense layers, its weights drawn.
 #pragma once
 
-#include "solver/couplings/adhesion_network.h"
+#include "solver/adhesion/adhesion_network_coupling.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl::testing {
@@ -11,10 +11,10 @@ inline DenseLayers drawn_layers(unsigned seed) {
     Random random(seed);
     std::vector<float> numbers(142);
     for (float& a : numbers) a = float(random.number(-0.6, 0.6));
-    return {{AdhesionQuestion::inputs, 6, 5, 4, 1}, numbers};
+    return {{AdhesionFeatures::inputs, 6, 5, 4, 1}, numbers};
 }
 
-struct DenseAdhesion : AdhesionModel {
+struct DenseAdhesion : AdhesionPredictor {
     DenseLayers all;
     bool gives_layers;
     size_t asked = 0;  // on the host
@@ -23,7 +23,7 @@ struct DenseAdhesion : AdhesionModel {
         : all(drawn_layers(seed)), gives_layers(gives_layers) {}
     void evaluate(const float* inputs, size_t count, float* outputs) override {
         for (size_t k = 0; k < count; ++k) {
-            outputs[k] = all.evaluate(inputs + k * AdhesionQuestion::inputs);
+            outputs[k] = all.evaluate(inputs + k * AdhesionFeatures::inputs);
             largest = std::max(largest, std::abs(outputs[k]));
         }
         asked += count;

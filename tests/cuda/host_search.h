@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "cuda/cell_search.h"
+#include "cuda/device/cell_search.h"
 
 namespace wetcurl::testing {
 

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "cuda/team.h"
+#include "cuda/device/thread_team.h"
 
 namespace wetcurl::testing {
 
@@ -50,13 +50,13 @@ class Threads {
 };
 struct OneAlone {};
 struct ManyThreads {};
-inline void as_a_team(OneAlone, auto f) { f(Team<Alone>(Alone(), 0, 1)); }
+inline void as_a_team(OneAlone, auto f) { f(ThreadTeam<Alone>(Alone(), 0, 1)); }
 inline void as_a_team(ManyThreads, auto f) {
     constexpr int count = 2 * Threads::warp;
     Threads::Place place(count);
     std::vector<std::jthread> threads;
     for (int t = 0; t < count; ++t)
-        threads.emplace_back([&, t] { f(Team<Threads>(Threads(place, t), t, count)); });
+        threads.emplace_back([&, t] { f(ThreadTeam<Threads>(Threads(place, t), t, count)); });
 }
 
 }  // namespace wetcurl::testing

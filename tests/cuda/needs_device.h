@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cuda/simulation.h"
+#include "cuda/run/simulation.h"
 
 namespace wetcurl::testing {
 

@@ -1,10 +1,10 @@
 // A network in Eq 11's place as a device asks it, run on the host, particle by particle, against
-// AdhesionNetwork.
+// AdhesionNetworkCoupling.
 #include <gtest/gtest.h>
 
-#include "cuda/adhesion_bodies.h"
-#include "cuda/chain_setup.h"
-#include "solver/chain_state.h"
+#include "cuda/adhesion/adhesion_kernel_body.h"
+#include "cuda/chain/chain_setup.h"
+#include "solver/chain/chain_state.h"
 #include "tests/cuda/dense_adhesion.h"
 #include "tests/solver/scenes.h"
 
@@ -40,7 +40,7 @@ void expect_the_references(const Scene& scene, T bound) {
     const size_t count = state.x.size();
     NearestSurface<T> wanted{std::vector<T>(count, T(1e9)), std::vector<Vec3<T>>(count, {0, 1, 0}),
                              std::vector<Vec3<T>>(count, {0, 0, 0})};
-    AdhesionNetwork<T> reference;
+    AdhesionNetworkCoupling<T> reference;
     DenseAdhesion asked = model;
     reference.model = &asked;
 
@@ -48,20 +48,19 @@ void expect_the_references(const Scene& scene, T bound) {
     for (const auto& solid : scene.solids) shapes.push_back(view_of(solid.shape));
     StrandMemory<T> memory{};
     memory.n = state.n, memory.strands = state.strands;
-    memory.x = state.x.data(), memory.v = state.v.data();
-    memory.saturation = state.saturation.data();
+    for_each_strand_array([](auto, auto& to, auto& array) { to = array.data(); }, memory, state);
     std::vector<T> phi(count, T(NAN)), answer(count, T(0));
     std::vector<Vec3<T>> normal(count), velocity(count);
     std::vector<float> before(count, NAN);
-    const AdhesionBodies<T> bodies{AdhesionQuestion(*scene.term<Adhesion>()),
-                                   model.all.view(model.all.numbers().data()),
-                                   {phi.data(), normal.data(), velocity.data(), state.touching.data()},
-                                   answer.data(),
-                                   before.data()};
+    const AdhesionKernelBody<T> bodies{AdhesionFeatures(*scene.term<Adhesion>()),
+                                       model.all.view(model.all.numbers().data()),
+                                       {phi.data(), normal.data(), velocity.data(), state.touching.data()},
+                                       answer.data(),
+                                       before.data()};
     Random random(8);
     for (int substep = 0; substep < 5; ++substep) {
         stir(state, random);
-        const auto p = placement_at<T>(scene, substep * dt, dt);
+        const auto p = posed_scene_at<T>(scene, substep * dt, dt);
         for (size_t k = 0; k < count; k += size_t(state.n))
             sample_nearest(p, state.n, &state.x[k], &wanted.phi[k], &wanted.normal[k], &wanted.velocity[k]);
         reference.evaluate(*scene.term<Adhesion>(), state, wanted);
@@ -91,7 +90,7 @@ void expect_the_references(const Scene& scene, T bound) {
     EXPECT_GT(asked.asked, 500u);
 }
 
-TEST(AdhesionBodies, answer_as_the_reference_over_substeps) {
+TEST(AdhesionKernelBody, answer_as_the_reference_over_substeps) {
     const Scratch scratch;
     for (const std::string& text : {wet_scene, balls(scratch)}) {
         const Scene scene = scene_of(text);
@@ -102,13 +101,13 @@ TEST(AdhesionBodies, answer_as_the_reference_over_substeps) {
     }
 }
 
-TEST(AdhesionBodies, a_network_with_other_inputs_is_refused) {
-    struct Narrow : AdhesionModel {
+TEST(AdhesionKernelBody, a_network_with_other_inputs_is_refused) {
+    struct Narrow : AdhesionPredictor {
         DenseLayers all{{3, 1}, std::vector<float>(4)};
         void evaluate(const float*, size_t, float*) override {}
         const DenseLayers* layers() const override { return &all; }
     } narrow;
-    AdhesionNetwork<double> network;
+    AdhesionNetworkCoupling<double> network;
     EXPECT_EQ(network.layers(), nullptr);
     network.model = &narrow;
     expect_error([&] { network.layers(); }, {"3 inputs", "12"});

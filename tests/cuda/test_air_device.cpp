@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "cuda/air_kernel.h"
-#include "cuda/driver.h"
+#include "cuda/air/air_kernel.h"
+#include "cuda/device/cuda_owners.h"
 #include "tests/cuda/needs_device.h"
 
 namespace wetcurl {
@@ -61,12 +61,12 @@ double apart(bool two_way, int steps) {
     return most;
 }
 
-class AirOnDevice : public testing::NeedsDevice {};
+class AirCouplingOnDevice : public testing::NeedsDevice {};
 
-TEST_F(AirOnDevice, blows_as_the_hosts) { EXPECT_LT(apart(false, 20), 1e-11); }
+TEST_F(AirCouplingOnDevice, blows_as_the_hosts) { EXPECT_LT(apart(false, 20), 1e-11); }
 
 // The host keeps a piece's drag in single precision.
-TEST_F(AirOnDevice, is_braked_by_hair_as_the_hosts) { EXPECT_LT(apart(true, 20), 1e-6); }
+TEST_F(AirCouplingOnDevice, is_braked_by_hair_as_the_hosts) { EXPECT_LT(apart(true, 20), 1e-6); }
 
 }  // namespace
 }  // namespace wetcurl

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <memory>
 
-#include "cuda/cohesion_lists.h"
-#include "solver/passes/cohesion.h"
+#include "cuda/cohesion/cohesion_lists.h"
+#include "solver/cohesion/cohesion_pass.h"
 #include "tests/base/scratch.h"
 #include "tests/cuda/host_search.h"
 #include "tests/cuda/host_team.h"
@@ -67,7 +67,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}, int stage
     std::vector<float> beta(size_t(hair.p.count)), weight(size_t(hair.p.count)), self_weight(count);
     const HostSearch search(simulated, n, term.h_c, {1, 2, 0});
     std::vector<uint8_t> wet_cell(search.view.grid.cells());
-    CohesionBodies b{
+    CohesionKernelBody b{
         term,
         thinning,
         {search.view, point.data(), sorted_wet_volume.data(), some_dry ? wet_cell.data() : nullptr,
@@ -86,20 +86,20 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}, int stage
     for (uint32_t rows = 1; ListGroup::lanes * size_t(rows) > list.size();) {
         list.resize(ListGroup::lanes * size_t(rows));
         b.m.list = list.data();
-        const uint32_t room = rows;
+        const uint32_t capacity = rows;
         rows = 0, pairs = 0;
         auto reserve = [&](uint32_t more, unsigned of_block) {
             const uint32_t row = rows;
             rows += more, pairs += of_block;
-            return rows <= room ? row : no_list;
+            return rows <= capacity ? row : no_list;
         };
         for (uint32_t k = 0; k < blocks; ++k)
-            as_a_team(who, [&]<class Meeting>(const Team<Meeting>& team) {
-                CohesionLists<Meeting>(b, team, k, near.data(), staged).build(*list_room, reserve);
+            as_a_team(who, [&]<class Barrier>(const ThreadTeam<Barrier>& team) {
+                CohesionLists<Barrier>(b, team, k, near.data(), staged).build(*list_room, reserve);
             });
     }
     // Some strands at a time, the last alone; the first keep what they read, the others read it anew.
-    const int of_block = 3, row = CohesionBodies::MoveRoom::numbers_a_strand(n);
+    const int of_block = 3, row = CohesionKernelBody::MoveWorkspace::numbers_a_strand(n);
     std::vector<float> by(size_t(3 * of_block * row));
     std::vector<HairPoint> from(size_t(of_block * n));
     std::vector<uint32_t> rank(from.size());
@@ -108,7 +108,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}, int stage
         // Backwards: a pass reads no position that it writes.
         for (uint32_t place = places; place-- > 0;) b.displace(place, 0, [](float x) { return x; });
         for (int first = 0; first < hair.p.count; first += of_block)
-            as_a_team(who, [&]<class Meeting>(const Team<Meeting>& team) {
+            as_a_team(who, [&]<class Barrier>(const ThreadTeam<Barrier>& team) {
                 b.move_strands(team, first, std::min(of_block, hair.p.count - first),
                                {by.data(), first % 2 == 0 ? from.data() : nullptr, rank.data()});
             });
@@ -135,7 +135,7 @@ double farthest(const Strands& a, const Strands& b) {
     return most;
 }
 
-TEST(CohesionBodies, do_what_the_reference_pass_does) {
+TEST(CohesionKernelBody, do_what_the_reference_pass_does) {
     for (int particles : {2, 20, 33, 100})
         for (double coherence : {0.0, 0.015}) {
             Cohesion term{0.004, 0.85, coherence, 0.05, 0};
@@ -150,7 +150,7 @@ TEST(CohesionBodies, do_what_the_reference_pass_does) {
         }
 }
 
-TEST(CohesionBodies, do_so_where_some_particles_stand_for_others) {
+TEST(CohesionKernelBody, do_so_where_some_particles_stand_for_others) {
     for (int particles : {3, 20, 33, 100}) {
         Cohesion term{0.004, 0.85, 0.015, 0.05, 0};
         const Tuft hair(40, particles, unsigned(particles));
@@ -163,7 +163,7 @@ TEST(CohesionBodies, do_so_where_some_particles_stand_for_others) {
     }
 }
 
-TEST(CohesionBodies, do_so_in_over_relaxed_sweeps) {
+TEST(CohesionKernelBody, do_so_in_over_relaxed_sweeps) {
     Cohesion term{0.004, 0.85, 0.015, 0.05, 0};
     term.passes = 10, term.relaxation = 2.5;
     ASSERT_EQ(term.sweeps(), 4);
@@ -174,7 +174,7 @@ TEST(CohesionBodies, do_so_in_over_relaxed_sweeps) {
     EXPECT_LT(farthest(got.displayed, wanted.displayed), 1e-5);
 }
 
-TEST(CohesionBodies, do_the_same_as_many_threads) {
+TEST(CohesionKernelBody, do_the_same_as_many_threads) {
     const Cohesion term{0.004, 0.85, 0.015, 0.05, 0};
     for (const bool some_dry : {false, true}) {
         Tuft hair(40, 33, 5);
@@ -187,7 +187,7 @@ TEST(CohesionBodies, do_the_same_as_many_threads) {
 }
 
 // More neighbours than are kept when they are found, and more than have lengths of their own.
-TEST(CohesionBodies, do_what_the_reference_pass_does_in_a_crowd) {
+TEST(CohesionKernelBody, do_what_the_reference_pass_does_in_a_crowd) {
     for (double radius : {0.012, 0.4}) {
         Cohesion term{radius, 0.85, 0.0, unbounded, 0};
         term.passes = 2;
@@ -200,7 +200,7 @@ TEST(CohesionBodies, do_what_the_reference_pass_does_in_a_crowd) {
     }
 }
 
-TEST(CohesionBodies, search_nothing_for_hair_that_meets_no_wet_one) {
+TEST(CohesionKernelBody, search_nothing_for_hair_that_meets_no_wet_one) {
     const Cohesion term{0.004, 0.85, 0.0, unbounded, 0};
     Tuft hair(40, 60, 3);
     const Result all_wet = by_bodies(hair, term);
@@ -216,7 +216,7 @@ TEST(CohesionBodies, search_nothing_for_hair_that_meets_no_wet_one) {
     EXPECT_LT(farthest(got.displayed, wanted.displayed), 3e-6);
 }
 
-TEST(CohesionBodies, find_no_neighbour_for_what_is_not_finite) {
+TEST(CohesionKernelBody, find_no_neighbour_for_what_is_not_finite) {
     Tuft hair(40, 20, 1);
     const Cohesion term{0.004, 0.85, 0.0, unbounded, 0};
     // The reference, whose grid has bounds, has them where they meet nobody.

@@ -3,11 +3,11 @@
 
 #include <thread>
 
-#include "cuda/driver.h"
-#include "cuda/level_set_kernel.h"
-#include "cuda/rates.h"
-#include "cuda/simulation.h"
-#include "solver/couplings/forces_on_strands.h"
+#include "cuda/device/cuda_owners.h"
+#include "cuda/device/rates.h"
+#include "cuda/run/simulation.h"
+#include "cuda/solids/level_set_kernel.h"
+#include "solver/pair_forces/pair_forces_coupling.h"
 #include "tests/cuda/dense_adhesion.h"
 #include "tests/cuda/needs_device.h"
 #include "tests/solver/scenes.h"
@@ -86,7 +86,7 @@ TEST_F(Cuda, in_double_precision_frames_are_the_cpus) {
     }
 }
 
-// Their room lies in the device's memory.
+// Their workspace lies in the device's memory.
 TEST_F(Cuda, strands_too_long_for_a_processor_are_the_cpus) {
     const Scene scene = scene_of(dry_scene, {"groom.grid=[2, 3]", "groom.particles=600", "bend.torsion=0"});
     const RunFrame wanted = after(scene, 2, "double"), got = on_device(scene, 2, "double");
@@ -389,7 +389,7 @@ TEST_F(Cuda, strands_on_each_other_do_the_same_however_they_are_run) {
     for (const auto& c : coupled(scratch)) {
         SCOPED_TRACE(c.name);
         const Scene scene = scene_of(c.text, c.set);
-        if (!scene.strand_contact && !has_particle_forces(scene)) continue;
+        if (!scene.strand_contact && !has_pair_forces(scene)) continue;
         const RunFrame one = on_device(scene, 4), again = on_device(scene, 4);
         EXPECT_TRUE(same_bits(one.positions, again.positions));
         EXPECT_EQ(one.energy, again.energy);
@@ -516,7 +516,7 @@ TEST_F(Cuda, a_build_for_parity_has_the_cpus_bits) {
 }
 
 TEST_F(Cuda, a_network_in_the_loop_is_asked_as_on_the_cpu) {
-    struct HalfOfEq11 : AdhesionModel {
+    struct HalfOfEq11 : AdhesionPredictor {
         size_t asked = 0;
         void evaluate(const float* inputs, size_t count, float* outputs) override {
             for (size_t k = 0; k < count; ++k) {
@@ -590,7 +590,7 @@ TEST_F(Cuda, a_network_of_dense_layers_is_asked_by_the_device) {
                 EXPECT_LT(farthest(got.positions, wanted.positions), 1e-6);
                 EXPECT_EQ(got.contact, wanted.contact);
             };
-            auto use = [&](AdhesionModel* on_cpu, AdhesionModel* on_gpu) {
+            auto use = [&](AdhesionPredictor* on_cpu, AdhesionPredictor* on_gpu) {
                 cpu->use_adhesion_model(on_cpu), gpu->use_adhesion_model(on_gpu);
             };
             auto bytes = [&] {

@@ -5,9 +5,9 @@
 #include <cstring>
 
 #include "base/device_buffer.h"
-#include "cuda/display.h"
-#include "cuda/simulation.h"
-#include "solver/display.h"
+#include "cuda/run/display.h"
+#include "cuda/run/simulation.h"
+#include "solver/cohesion/display.h"
 #include "tests/cuda/needs_device.h"
 #include "tests/solver/scenes.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/strided.h"
-#include "solver/passes/flow.h"
+#include "solver/water/flow_pass.h"
 #include "tests/base/scratch.h"
 #include "tests/cuda/host_search.h"
 
@@ -60,8 +60,8 @@ struct ByBodies {
           ledger(size_t(wisp.p.count)),
           rows(sigma.size()) {}
     void step(const Flow& flow, const Strands& p, double time) {
-        const FlowBodies b{flow,         density,     p.particles,  hair.mass.data(), hair.length.data(),
-                           sigma.data(), next.data(), limit.data(), ledger.data()};
+        const FlowKernelBody b{flow,         density,     p.particles,  hair.mass.data(), hair.length.data(),
+                               sigma.data(), next.data(), limit.data(), ledger.data()};
         const size_t strands = size_t(p.count);
         for (size_t s = 0; s < strands; ++s) {
             for (const auto& source : flow.sources)
@@ -89,7 +89,7 @@ struct ByBodies {
     }
 };
 
-TEST(FlowBodies, do_what_the_pass_does) {
+TEST(FlowKernelBody, do_what_the_pass_does) {
     for (int particles : {2, 20, 33}) {
         SCOPED_TRACE(particles);
         const Wisp wisp(24, particles);
@@ -120,7 +120,7 @@ TEST(FlowBodies, do_what_the_pass_does) {
     }
 }
 
-TEST(FlowBodies, who_is_too_far_for_a_cell_touches_nobody) {
+TEST(FlowKernelBody, who_is_too_far_for_a_cell_touches_nobody) {
     Wisp wisp(6, 12);
     Flow flow = flow_over(0);
     flow.K = 0, flow.sources.clear();

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "cuda/simulation.h"
+#include "cuda/run/simulation.h"
 #include "tests/cuda/needs_device.h"
 #include "tests/solver/scenes.h"
 

@@ -3,8 +3,8 @@
 
 #include <deque>
 
-#include "cuda/pair_forces.h"
-#include "solver/couplings/forces_on_strands.h"
+#include "cuda/pair_forces/pair_forces_kernel_body.h"
+#include "solver/pair_forces/pair_forces_coupling.h"
 #include "tests/cuda/host_search.h"
 #include "tests/solver/scenes.h"
 
@@ -79,7 +79,7 @@ akinci2013::KernelTable view_of(const akinci2013::KernelSum& sum) { return {sum.
 
 Result by_bodies(const Scene& scene, const std::vector<Vec3d>& x, double time) {
     Result out;
-    for_each_particle_force(scene, [&]<class Method>(const Method& method) {
+    for_each_pair_force(scene, [&]<class Method>(const Method& method) {
         if constexpr (std::is_same_v<Method, BoundaryParticles2013>) {
             const HostSurfaces surfaces(scene, method, time);
             const akinci2013::KernelSum sum(akinci2013::adhesion_kernel, method.h);
@@ -101,7 +101,7 @@ Result by_bodies(const Scene& scene, const std::vector<Vec3d>& x, double time) {
     return out;
 }
 Result by_reference(const Scene& scene, const std::vector<Vec3d>& x, double time) {
-    const auto forces = make_particle_forces(scene);
+    const auto forces = make_pair_forces(scene);
     Result out;
     forces->evaluate(x, time, out.force);
     out.stiffness = forces->stiffness() ? *forces->stiffness() : std::vector<double>(x.size(), 0);

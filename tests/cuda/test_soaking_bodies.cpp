@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "cuda/soaking_setup.h"
-#include "solver/chain_state.h"
+#include "cuda/water/soaking_setup.h"
+#include "solver/chain/chain_state.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "learn/strand_kernels.h"
+#include "learn/codec/strand_kernels.h"
 #include "tests/learn/hair.h"
 
 namespace wetcurl {

@@ -1,8 +1,8 @@
 // The device's steps run on the host by a team of one, against the reference passes.
 
-#include "cuda/adhesion_bodies.h"
-#include "cuda/chain_setup.h"
-#include "solver/chain_state.h"
+#include "cuda/adhesion/adhesion_kernel_body.h"
+#include "cuda/chain/chain_setup.h"
+#include "solver/chain/chain_state.h"
 #include "tests/cuda/dense_adhesion.h"
 #include "tests/cuda/host_team.h"
 #include "tests/solver/one_strand.h"
@@ -26,23 +26,15 @@ struct OnHost {
 
     OnHost(const Scene& s, int frames)
         : scene(s), state(s), constants(chain_constants<T>(s, 1 / (s.fps * s.integrator.substeps))) {
-        auto of = [](auto& buffer) { return buffer.empty() ? nullptr : buffer.data(); };
         memory.n = state.n, memory.strands = state.strands;
-        memory.x = of(state.x), memory.x_before = of(state.x_before);
-        memory.v = of(state.v), memory.v_before = of(state.v_before);
-        memory.touching = of(state.touching), memory.pushed = of(state.pushed),
-        memory.frame = of(state.frame);
-        memory.root = of(state.root), memory.target = of(state.target), memory.push = of(state.push);
-        memory.mass = of(state.mass), memory.rest_length = of(state.rest_length);
-        memory.rest_core = of(state.rest_core), memory.saturation = of(state.saturation);
-        memory.rest_depth = of(state.rest_depth);
+        for_each_strand_array([](auto, auto& to, auto& array) { to = array.data(); }, memory, state);
         const size_t substeps = size_t(frames * scene.integrator.substeps);
         const double dt = 1 / (scene.fps * scene.integrator.substeps);
         for (const auto& solid : scene.solids) shapes.push_back(view_of(solid.shape));
         solids.resize(substeps * shapes.size());
         for (size_t k = 0; k < substeps; ++k) {
             DeviceSolid<T>* const of_substep = solids.data() + k * shapes.size();
-            motion.push_back(substep_motion(placement_at<T>(scene, double(k + 1) * dt, dt), shapes.data(),
+            motion.push_back(substep_motion(posed_scene_at<T>(scene, double(k + 1) * dt, dt), shapes.data(),
                                             nullptr, of_substep));
             motion[k].solids = of_substep;
         }
@@ -64,12 +56,13 @@ void step(OnHost<T>& host, const Set& set, size_t begin, size_t end, Who who = {
     struct alignas(32) Aligned {
         T numbers[32 / sizeof(T)];
     };
-    std::vector<Aligned> room(StrandStep<T, Alone>::room(m.n, together, limits) * sizeof(T) / 32 + 1);
+    std::vector<Aligned> workspace(StrandStep<T, Alone>::workspace(m.n, together, limits) * sizeof(T) / 32 +
+                                   1);
     for (int first = 0; first < m.strands; first += together)
-        as_a_team(who, [&]<class Meeting>(const Team<Meeting>& team) {
-            StrandStep<T, Meeting> strands(m, host.constants, team, first,
-                                           std::min(together, m.strands - first), limits, room[0].numbers,
-                                           flags.data());
+        as_a_team(who, [&]<class Barrier>(const ThreadTeam<Barrier>& team) {
+            StrandStep<T, Barrier> strands(m, host.constants, team, first,
+                                           std::min(together, m.strands - first), limits,
+                                           workspace[0].numbers, flags.data());
             strands.load(set);
             for (size_t k = begin; k < end; ++k) strands.step(set, host.motion[k], k == 0);
             strands.store(set);
@@ -93,13 +86,13 @@ Strands stepped_with(const DenseLayers& network, const Scene& scene, int frames)
     std::vector<float> before(count);
     m.given_adhesion = answer.data(), m.given_phi = phi.data();
     m.given_normal = normal.data(), m.given_surface_velocity = velocity.data();
-    const AdhesionBodies<T> bodies{AdhesionQuestion(*scene.term<Adhesion>()),
-                                   network.view(network.numbers().data()),
-                                   {phi.data(), normal.data(), velocity.data(), m.touching},
-                                   answer.data(),
-                                   before.data()};
+    const AdhesionKernelBody<T> bodies{AdhesionFeatures(*scene.term<Adhesion>()),
+                                       network.view(network.numbers().data()),
+                                       {phi.data(), normal.data(), velocity.data(), m.touching},
+                                       answer.data(),
+                                       before.data()};
     std::vector<DeviceSolid<T>> solids(host.shapes.size());
-    SubstepMotion<T> motion = substep_motion(placement_at<T>(scene, 0, double(host.constants.dt)),
+    SubstepMotion<T> motion = substep_motion(posed_scene_at<T>(scene, 0, double(host.constants.dt)),
                                              host.shapes.data(), nullptr, solids.data());
     motion.solids = solids.data();
     for (size_t k = 0; k < host.motion.size(); ++k) {
@@ -147,8 +140,8 @@ TEST(StrandSystem, solves_every_length) {
             double numbers[4];
         };
         const size_t particles = size_t(n), numbers = size_t(StrandSystem<double>::numbers_of(n, 2));
-        std::vector<Aligned> room(numbers / 4, Aligned{1e300, 1e300, 1e300, 1e300});
-        const StrandSystem<double> system(n, room[0].numbers);
+        std::vector<Aligned> workspace(numbers / 4, Aligned{1e300, 1e300, 1e300, 1e300});
+        const StrandSystem<double> system(n, workspace[0].numbers);
         std::vector<Element<double>> elements(particles);
         for (int j = 2; j < n; ++j)
             for (int l = 0; l < 3; ++l) {
@@ -179,7 +172,7 @@ TEST(StrandSystem, solves_every_length) {
             if (i > 1) system.add_diagonal(1, i, identity_times(0.1));
         }
         const Vec3d untouched = system.right(0, n - 1);
-        system.solve(Team<Alone>(Alone(), 0, 1), 2, [](int strand) { return strand == 1; });
+        system.solve(ThreadTeam<Alone>(Alone(), 0, 1), 2, [](int strand) { return strand == 1; });
         EXPECT_EQ(norm(system.right(0, n - 1) - untouched), 0);
         for (int i = 0; i < n; ++i) x[size_t(i)] = system.right(1, i);
         for (int i = 2; i < n; ++i) left[size_t(i)] = 0.1 * x[size_t(i)];

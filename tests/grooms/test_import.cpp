@@ -1,7 +1,7 @@
 // Reading real and made-up strand files: points, units, axes, dropped strands, and writing them again.
 #include <algorithm>
 
-#include "base/geometry/strands.h"
+#include "base/strands.h"
 #include "solver/grooms/import.h"
 #include "strand_files.h"
 

@@ -1,9 +1,9 @@
 // Turns of curls: counted on helices and grooms, and the particles that are asked for.
 #include <numbers>
 
+#include "solver/chain/one_strand.h"
 #include "solver/grooms/groom.h"
 #include "solver/grooms/procedural.h"
-#include "solver/one_strand.h"
 #include "strand_files.h"
 
 namespace wetcurl {

@@ -3,11 +3,11 @@
 #include <numeric>
 
 #include "base/geometry/kernels.h"
-#include "learn/core_detail.h"
-#include "learn/dct.h"
-#include "learn/edge_lengths.h"
-#include "learn/root_codec.h"
-#include "learn/root_frame.h"
+#include "learn/codec/core_detail.h"
+#include "learn/codec/dct.h"
+#include "learn/codec/edge_lengths.h"
+#include "learn/codec/root_codec.h"
+#include "learn/codec/root_frame.h"
 #include "tests/learn/hair.h"
 
 namespace wetcurl::testing {

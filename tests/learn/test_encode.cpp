@@ -1,8 +1,8 @@
 // Runs to pairs files and back; the features that training and inference see.
-#include "learn/encode_runs.h"
-#include "learn/interpolate.h"
-#include "learn/root_codec.h"
-#include "learn/strand_codec.h"
+#include "learn/codec/encode_runs.h"
+#include "learn/codec/interpolate.h"
+#include "learn/codec/root_codec.h"
+#include "learn/codec/strand_codec.h"
 #include "tests/learn/hair.h"
 
 namespace wetcurl::testing {

@@ -1,6 +1,6 @@
 // Interpolation of a low-resolution run, without a network.
-#include "learn/core_detail.h"
-#include "learn/interpolate.h"
+#include "learn/codec/core_detail.h"
+#include "learn/codec/interpolate.h"
 #include "tests/learn/hair.h"
 
 namespace wetcurl::testing {

@@ -1,6 +1,6 @@
 // Eq 18 and 19 in paper mode and in Form V+.
-#include "learn/core_detail.h"
-#include "learn/quad_transform.h"
+#include "learn/codec/core_detail.h"
+#include "learn/codec/quad_transform.h"
 #include "tests/learn/hair.h"
 
 namespace wetcurl::testing {

@@ -1,8 +1,8 @@
 // The bound of Eq 18: weights known beforehand are found, and no colours come nearer.
 #include <limits>
 
-#include "learn/quad_transform.h"
-#include "learn/transform_bound.h"
+#include "learn/codec/quad_transform.h"
+#include "learn/codec/transform_bound.h"
 #include "tests/learn/hair.h"
 
 namespace wetcurl::testing {

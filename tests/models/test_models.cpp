@@ -9,7 +9,7 @@
 
 #include <cstring>
 
-#include "learn/strand_codec.h"
+#include "learn/codec/strand_codec.h"
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "models/strand_mlp.h"

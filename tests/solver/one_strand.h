@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solver/one_strand.h"
+#include "solver/chain/one_strand.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl::testing {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/geometry/shapes.h"
-#include "solver/scene.h"
-#include "solver/simulation.h"
+#include "solver/run/simulation.h"
+#include "solver/scene/scene.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl::testing {

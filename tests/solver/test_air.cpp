@@ -3,7 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "solver/plan.h"
+#include "solver/air/air_field.h"
+#include "solver/chain/scene_checks.h"
 #include "tests/base/threads.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"

@@ -35,7 +35,7 @@ namespace {
 
 using namespace testing;
 
-long asked_in_frames(const std::string& text, int before, int frames, AdhesionModel* model = nullptr,
+long asked_in_frames(const std::string& text, int before, int frames, AdhesionPredictor* model = nullptr,
                      const std::vector<std::string>& set = {}, const std::string& precision = "float") {
     const Scene scene = scene_of(text, set);
     const auto simulation = make_simulation(scene, precision);
@@ -52,7 +52,7 @@ TEST(Allocations, are_counted) {
     EXPECT_EQ(asked - before, 1) << some.size();
 }
 
-struct NoPull final : AdhesionModel {
+struct NoPull final : AdhesionPredictor {
     long asked = 0;
     void evaluate(const float*, size_t rows, float* out) override {
         std::fill_n(out, rows, 0.f);

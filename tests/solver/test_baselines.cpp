@@ -2,8 +2,8 @@
 // and to dry strands, what they stand in the place of. Akinci 2013; the paper, Fig 41.
 #include <algorithm>
 
-#include "solver/couplings/forces_on_strands.h"
-#include "solver/plan.h"
+#include "solver/chain/scene_checks.h"
+#include "solver/pair_forces/pair_forces_coupling.h"
 #include "tests/base/threads.h"
 #include "tests/solver/scenes.h"
 
@@ -106,7 +106,7 @@ Scene tuft(const string& method) {
 }
 std::vector<Vec3d> forces_on(const Scene& scene) {
     std::vector<Vec3d> force;
-    make_particle_forces(scene)->evaluate(positions_of(scene), 0, force);
+    make_pair_forces(scene)->evaluate(positions_of(scene), 0, force);
     return force;
 }
 double largest(const std::vector<Vec3d>& force) {
@@ -119,7 +119,7 @@ double largest(const std::vector<Vec3d>& force) {
 // across a step, and the table's.
 double off_gradient(Scene scene) {
     std::vector<Vec3d> x = positions_of(scene), force = forces_on(scene);
-    const auto forces = make_particle_forces(scene);
+    const auto forces = make_pair_forces(scene);
     double off = 0;
     for (size_t i = 0; i < x.size(); i += 40) {
         Vec3d difference{0, 0, 0};
@@ -138,7 +138,7 @@ double off_gradient(Scene scene) {
     EXPECT_GT(largest(force), 1e-12);
     return off / largest(force);
 }
-TEST(StrandForces, are_their_potential_s_gradient_but_for_the_area_s) {
+TEST(KernelPairForces, are_their_potential_s_gradient_but_for_the_area_s) {
     EXPECT_LT(off_gradient(tuft("lin")), 0.02);
     Scene kim = tuft("kim");
     EXPECT_GT(off_gradient(kim), 0.05);
@@ -146,7 +146,7 @@ TEST(StrandForces, are_their_potential_s_gradient_but_for_the_area_s) {
     EXPECT_LT(off_gradient(kim), 0.02);
 }
 
-TEST(StrandForces, of_a_pair_are_opposite_and_along_their_line) {
+TEST(KernelPairForces, of_a_pair_are_opposite_and_along_their_line) {
     Random random(1);
     const Lin2015 lin{1e4, h};
     const Kim2016 kim{200, 0.2, h};
@@ -166,7 +166,7 @@ TEST(StrandForces, of_a_pair_are_opposite_and_along_their_line) {
     EXPECT_EQ(norm(kim.pair_force({0, 0, 0}, {0, 0, 0}, 1e-8, 1e-8, 1)), 0);
 }
 
-TEST(StrandForces, sum_to_zero_over_the_hair) {
+TEST(KernelPairForces, sum_to_zero_over_the_hair) {
     for (const char* method : {"lin", "kim"}) {
         const auto force = forces_on(tuft(method));
         Vec3d sum{0, 0, 0};
@@ -177,7 +177,7 @@ TEST(StrandForces, sum_to_zero_over_the_hair) {
     }
 }
 
-TEST(StrandForces, are_those_of_all_pairs_on_different_strands) {
+TEST(KernelPairForces, are_those_of_all_pairs_on_different_strands) {
     const Scene scene = tuft("lin");
     const auto x = positions_of(scene), force = forces_on(scene);
     const auto mass = particle_masses(scene);
@@ -192,7 +192,7 @@ TEST(StrandForces, are_those_of_all_pairs_on_different_strands) {
     }
 }
 
-TEST(StrandForces, are_the_same_bits_for_one_and_three_threads) {
+TEST(KernelPairForces, are_the_same_bits_for_one_and_three_threads) {
     for (const char* method : {"lin", "kim"}) {
         const auto [one, three] = with_one_and_three_threads([&] { return forces_on(tuft(method)); });
         EXPECT_GT(largest(one), 0);
@@ -201,7 +201,7 @@ TEST(StrandForces, are_the_same_bits_for_one_and_three_threads) {
     }
 }
 
-TEST(StrandForces, draw_wet_strands_together_and_leave_dry_and_distant_ones) {
+TEST(KernelPairForces, draw_wet_strands_together_and_leave_dry_and_distant_ones) {
     for (const char* method : {"lin", "kim"}) {
         SCOPED_TRACE(method);
         const double gap = 0.75 * h;
@@ -219,12 +219,12 @@ TEST(StrandForces, draw_wet_strands_together_and_leave_dry_and_distant_ones) {
     }
 }
 
-TEST(StrandForces, of_kim_push_apart_strands_that_are_too_near) {
+TEST(KernelPairForces, of_kim_push_apart_strands_that_are_too_near) {
     const Scene near = two_strands("kim", 0.05 * h, "[wetness]\n", {"baseline.area=0"});
     EXPECT_LT(forces_on(near)[6].x, 0);
 }
 
-TEST(StrandForces, of_area_draw_in_what_stands_out_of_a_clump) {
+TEST(KernelPairForces, of_area_draw_in_what_stands_out_of_a_clump) {
     Scene scene =
         scene_of(hair + "[wetness]\n[baseline]\nmethod = \"kim\"\nstrength = 0\n", {"groom.grid=[5, 5]"});
     for (int s = 0; s < 25; ++s)
@@ -354,7 +354,7 @@ TEST(Iben, is_the_printed_forms_with_explicit_steps_and_a_limit_on_velocities) {
     const auto a = after(iben, 4), b = after(same, 4);
     EXPECT_GT(farthest(a.positions, iben.groom.rest), 1e-3);
     EXPECT_TRUE(same_bits(a.positions, b.positions));
-    EXPECT_EQ(make_particle_forces(iben), nullptr);
+    EXPECT_EQ(make_pair_forces(iben), nullptr);
 }
 
 TEST(Iben, limits_velocities_from_root_to_tip) {
@@ -468,7 +468,7 @@ TEST(Baselines, compose_in_every_way) {
         EXPECT_EQ(has("iben"), chain);
         EXPECT_EQ(has("lin"), cohesion);
         EXPECT_EQ(has("boundary_particles"), boundary);
-        EXPECT_EQ(make_particle_forces(scene) != nullptr, cohesion || boundary);
+        EXPECT_EQ(make_pair_forces(scene) != nullptr, cohesion || boundary);
 
         const auto simulation = make_simulation(scene, "double");
         for (int f = 0; f < 3; ++f) simulation->advance();
@@ -496,7 +496,7 @@ TEST(Baselines, that_act_at_once_sum_their_forces_and_potentials) {
     ASSERT_GT(largest(a), 1e-9);
     ASSERT_GT(largest(b), 1e-9);
     for (size_t i = 0; i < sum.size(); ++i) EXPECT_EQ(norm(sum[i] - (a[i] + b[i])), 0) << i;
-    auto potential = [](const Scene& of) { return make_particle_forces(of)->potential(positions_of(of), 0); };
+    auto potential = [](const Scene& of) { return make_pair_forces(of)->potential(positions_of(of), 0); };
     EXPECT_LT(potential(first), 0);
     EXPECT_LT(potential(second), 0);
     EXPECT_EQ(potential(both), potential(first) + potential(second));

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "base/geometry/kernels.h"
-#include "solver/passes/cohesion.h"
+#include "solver/cohesion/cohesion_pass.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl {

@@ -1,6 +1,6 @@
 // Cohesion inside the solve: its forces against its potential, and strands that it draws. Sec. VI.A.2.
 #include "base/geometry/kernels.h"
-#include "solver/passes/cohesion_forces.h"
+#include "solver/pair_forces/cohesion_forces.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {

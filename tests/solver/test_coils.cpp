@@ -2,8 +2,8 @@
 // their shape.
 #include <numbers>
 
+#include "solver/chain/one_strand.h"
 #include "solver/grooms/turns.h"
-#include "solver/one_strand.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {

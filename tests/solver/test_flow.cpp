@@ -4,9 +4,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "solver/passes/cohesion.h"
-#include "solver/passes/flow.h"
-#include "solver/plan.h"
+#include "solver/chain/scene_checks.h"
+#include "solver/cohesion/cohesion_pass.h"
+#include "solver/water/flow_pass.h"
 #include "tests/base/threads.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"

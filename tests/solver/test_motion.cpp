@@ -1,7 +1,7 @@
 // Prescribed motion: through its keys, without jumps of place or velocity.
 #include <cmath>
 
-#include "solver/motion.h"
+#include "solver/motion/motion.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl {

@@ -1,5 +1,6 @@
 // The rest state of strands: forces that vanish on the drawn shape, or balance its weight.
-#include "solver/rest_state.h"
+#include "solver/scene/rest_state.h"
+#include "solver/solids/rest_depths.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
 

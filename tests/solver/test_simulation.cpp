@@ -4,8 +4,8 @@
 #include <Eigen/SVD>
 #include <numeric>
 
-#include "solver/plan.h"
-#include "solver/simulation.h"
+#include "solver/chain/scene_checks.h"
+#include "solver/run/simulation.h"
 #include "tests/base/threads.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
@@ -233,7 +233,7 @@ TEST(Simulation, wet_weight_makes_hair_droop) {
 }
 
 // A network in Eq 11's place.
-struct GivenAdhesion : AdhesionModel {
+struct GivenAdhesion : AdhesionPredictor {
     double answer;
     size_t asked = 0;
     explicit GivenAdhesion(double answer) : answer(answer) {}

@@ -1,9 +1,9 @@
 // Solids that deform, and many of them: against analytic spheres, the work that they do, the plain loop.
 #include <cstring>
 
-#include "solver/deforming_solids.h"
-#include "solver/display.h"
-#include "solver/placement.h"
+#include "solver/cohesion/display.h"
+#include "solver/solids/deforming_solids.h"
+#include "solver/solids/posed_scene.h"
 #include "solver/stability/trial.h"
 #include "tests/base/threads.h"
 #include "tests/solver/scenes.h"
@@ -337,7 +337,7 @@ TEST(FarFromSolids, are_those_whose_gaps_stay_open) {
     for (int count : {1, 4, 12}) {
         auto solids = random_solids<float>(count, random);
         std::erase_if(solids.posed, [](const auto& s) { return std::holds_alternative<Plane>(*s.shape); });
-        Placement<float> p{};
+        PosedScene<float> p{};
         p.solids = solids.posed, p.dt = dt;
         FarFromSolids<S> far(n);
         std::vector<Vec3<S>> x(n), v(n);
@@ -384,8 +384,8 @@ TEST(SolidTree, stands_where_solids_are_many) {
     std::string few = dry_scene, many;
     for (size_t k = 0; k < most_solids_in_a_loop; ++k) few += "[[solid]]\nradius = 0.02\n";
     many = few + "[[solid]]\nradius = 0.02\n";
-    EXPECT_FALSE(placement_at<float>(scene_of(few), 0, 0.01).tree);
-    EXPECT_TRUE(placement_at<float>(scene_of(many), 0, 0.01).tree);
+    EXPECT_FALSE(posed_scene_at<float>(scene_of(few), 0, 0.01).tree);
+    EXPECT_TRUE(posed_scene_at<float>(scene_of(many), 0, 0.01).tree);
 }
 
 // --- what is seen

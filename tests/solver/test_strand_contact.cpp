@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solver/passes/strand_contact.h"
-#include "solver/plan.h"
+#include "solver/chain/scene_checks.h"
+#include "solver/strand_contact/strand_contact_pass.h"
 #include "tests/base/threads.h"
 #include "tests/solver/scenes.h"
 

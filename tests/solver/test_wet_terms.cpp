@@ -3,7 +3,7 @@
 
 #include "base/geometry/shapes.h"
 #include "solver/grooms/procedural.h"
-#include "solver/passes/contact.h"
+#include "solver/solids/contact.h"
 #include "solver/terms/wetness.h"
 #include "tests/solver/one_strand.h"
 

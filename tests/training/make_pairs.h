@@ -5,8 +5,8 @@
 #include <random>
 #include <string>
 
-#include "learn/dct.h"
-#include "learn/pairs.h"
+#include "learn/codec/dct.h"
+#include "learn/codec/pairs.h"
 
 namespace wetcurl::testing {
 

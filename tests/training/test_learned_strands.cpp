@@ -3,8 +3,8 @@
 #include <torch/cuda.h>
 #include <torch/utils.h>
 
-#include "learn/inference.h"
-#include "learn/learned_strands.h"
+#include "learn/codec/learned_strands.h"
+#include "learn/inference/inference.h"
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "tests/learn/hair.h"
@@ -12,7 +12,7 @@
 #include <c10/cuda/CUDACachingAllocator.h>
 
 #include "base/device_buffer.h"
-#include "learn/device_strands.h"
+#include "learn/inference/device_strands.h"
 #endif
 
 namespace wetcurl {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "learn/network_module.h"
+#include "learn/codec/network_module.h"
 #include "tests/base/scratch.h"
 #include "tests/training/make_pairs.h"
 

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "base/interrupt.h"
-#include "learn/inference.h"
-#include "learn/strand_codec.h"
+#include "learn/codec/strand_codec.h"
+#include "learn/inference/inference.h"
 #include "models/adhesion_mlp.h"
 #include "models/model_file.h"
 #include "models/registry.h"

@@ -1,0 +1,187 @@
+// Scenes of a data set, picked and drawn.
+#include "app/commands/dataset_recipe.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "base/config.h"
+#include "base/strands.h"
+
+namespace wetcurl {
+
+namespace {
+
+struct Draw {
+    std::string key, where;
+    Table::Ranges ranges;
+};
+struct Entry {
+    std::string name, only, text, where;  // of the text
+    long weight;
+    std::vector<Draw> draws;
+};
+struct List {
+    std::string name, where;
+    std::vector<Entry> entries;
+};
+
+std::vector<Draw> draws_of(const Table& table) {
+    std::vector<Draw> out;
+    for (const auto& key : table.keys()) out.push_back({key, table.where(key), table.ranges(key)});
+    return out;
+}
+
+// In [0, 1), of a scene's name and what is drawn for it.
+double uniform(long seed, const std::string& scene, const std::string& what) {
+    const std::string all = fmt::format("{}/{}/{}", seed, scene, what);
+    unsigned long long h = std::stoull(hash_bytes(all.data(), all.size()), nullptr, 16);
+    // FNV leaves names that differ in their last letter close together (splitmix64's end).
+    h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
+    h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
+    return double((h ^ (h >> 31)) >> 11) * 0x1p-53;
+}
+
+class Members {
+  public:
+    Members(const Table& root, const Config& base) : base_(std::make_shared<const Config>(base.copy())) {
+        seed_ = root.integer("seed", 1, 0, largest_seed), seed_line_ = root.where("seed");
+        all_ = draws_of(root.table("draw")), test_ = draws_of(root.table("test_draw"));
+        const Table pick = root.table("pick");
+        for (const auto& name : pick.keys()) {
+            List list{name, pick.where(name), {}};
+            for (const Table& t : pick.tables(name))
+                list.entries.push_back({t.text("name", fmt::format("{}", list.entries.size())),
+                                        t.choice("only", "", {"", "test", "train"}), t.text("text", ""),
+                                        t.where("text"), t.integer("weight", 1, 1, 1000),
+                                        draws_of(t.table("draw"))});
+            lists_.push_back(list);
+        }
+    }
+    DatasetMember make(const std::string& split, long index) const {
+        DatasetMember m;
+        m.name = fmt::format("{}-{:04d}", split, index), m.split = split;
+        m.base = base_;
+        Config scene = base_->copy();
+        std::map<std::string, Draw> draws;
+        auto add = [&](const std::vector<Draw>& more) {
+            for (const auto& d : more) draws[d.key] = d;
+        };
+        add(all_);
+        for (const auto& list : lists_) {
+            const Entry& entry = picked(list, split, m.name);
+            m.picked[list.name] = entry.name;
+            m.replacements.push_back({entry.text, entry.where});
+            scene.replace(entry.text, entry.where);
+            add(entry.draws);
+        }
+        m.text = scene.text();
+        if (split == "test") add(test_);
+        m.set.push_back(fmt::format("seed={}", long(uniform(seed_, m.name, "seed") * 1e9)));
+        m.set_by.push_back(seed_line_);
+        for (const auto& [key, draw] : draws) {
+            const Table::Ranges& ranges = draw.ranges;
+            std::vector<double> values;
+            for (size_t k = 0; k < ranges.each.size(); ++k) {
+                const auto [low, high] = ranges.each[k];
+                values.push_back(low + (high - low) * uniform(seed_, m.name, fmt::format("{}/{}", key, k)));
+            }
+            m.set.push_back(key + "=" + ranges.with(values));
+            m.set_by.push_back(draw.where);
+        }
+        return m;
+    }
+
+    // What scenes name, and the hash of each.
+    std::map<std::string, std::string> files() const {
+        std::map<std::string, std::string> out;
+        auto add = [&](const Config& config) {
+            for (const auto& file : config.named_files()) out[file] = hash_of_file(file);
+        };
+        add(*base_);
+        for (const auto& list : lists_)
+            for (const auto& entry : list.entries)
+                add(Config::parse(entry.text, entry.where, base_->folder()));
+        return out;
+    }
+
+  private:
+    const Entry& picked(const List& list, const std::string& split, const std::string& name) const {
+        const std::string side = split == "test" ? "test" : "train";
+        std::vector<const Entry*> own, open;
+        for (const auto& e : list.entries)
+            if (e.only == side)
+                own.insert(own.end(), size_t(e.weight), &e);
+            else if (e.only.empty())
+                open.insert(open.end(), size_t(e.weight), &e);
+        // Where something is kept for the test, it is tested on that alone.
+        std::vector<const Entry*> allowed = own;
+        if (side == "train" || own.empty()) allowed.insert(allowed.end(), open.begin(), open.end());
+        if (allowed.empty())
+            throw Misuse(fmt::format("{}: no entry is left for the split {}", list.where, split));
+        return *allowed[size_t(uniform(seed_, name, "pick " + list.name) * double(allowed.size()))];
+    }
+
+    std::shared_ptr<const Config> base_;
+    std::string seed_line_;
+    long seed_ = 1;
+    std::vector<Draw> all_, test_;
+    std::vector<List> lists_;
+};
+
+}  // namespace
+
+Config DatasetMember::scene() const {
+    Config config = base->copy();
+    for (const auto& [text, where] : replacements) config.replace(text, where);
+    for (size_t k = 0; k < set.size(); ++k) config.set(set[k], set_by[k]);
+    return config;
+}
+
+DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std::string>& set) {
+    Config config = Config::load(path);
+    for (const auto& assignment : set) config.set(assignment);
+    const Table root = config.root();
+    DatasetRecipe r;
+    root.text("title", "");
+    const std::string codecs = root.choice("codecs", "strand", {"strand", "root", "both"});
+    r.strand = codecs != "root", r.root = codecs != "strand";
+    r.low_is_wet = root.choice("low", "dry", {"dry", "wet"}) == "wet";
+    r.low_substeps = int(root.integer("low_substeps", 0, 0, 1'000'000));
+    r.displayed = root.boolean("displayed", true);
+    r.first = int(root.integer("first", 0, 0, 1 << 20)), r.every = int(root.integer("every", 1, 1, 1 << 20));
+    r.together = int(root.integer("together", 1, 1, r.every));
+    r.runs = root.choice("runs", "", {"", "train", "validation", "test"});
+    const auto lower = root.numbers("box_lower", {-0.6, -0.6, -0.6}, -100, 100),
+               upper = root.numbers("box_upper", {0.6, 0.6, 0.6}, -100, 100);
+    for (size_t axis = 0; axis < 3; ++axis)
+        if (lower[axis] >= upper[axis])
+            root.fail(root.has("box_lower") ? "box_lower" : "box_upper",
+                      fmt::format("found {} to {} along {}, allowed is a lower end below the upper one",
+                                  lower[axis], upper[axis], "xyz"[axis]));
+    r.box = {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
+    const std::string scene = root.path("scene");
+    if (scene.empty()) throw Misuse(path + ": scene: names the scene that all others start from");
+    if (!std::filesystem::exists(scene)) root.fail("scene", scene + " cannot be read (no such file)");
+    r.scene_line = root.where("scene"), r.first_line = root.where("first"),
+    r.low_substeps_line = root.where("low_substeps");
+    const Config base = Config::load(scene);
+    const Members members(root, base);
+    const Table splits = root.table("splits");
+    for (const auto& split : dataset_splits)
+        for (long k = splits.integer(split, 0, 0, 9999), i = 0; i < k; ++i)
+            r.members.push_back(members.make(split, i));
+    if (r.members.empty())
+        throw Misuse(path + ": [splits] train, validation and test are 0: there is no scene");
+    config.require_all_used();
+    r.folder = std::filesystem::path(scene).parent_path().string();
+    if (r.folder.empty()) r.folder = ".";
+    const std::string text = base.text();
+    r.text = config.text() + "# base scene " + hash_bytes(text.data(), text.size()) + "\n";
+    r.files = config.files();
+    for (const auto& [file, hash] : members.files())
+        r.text += "# " + std::filesystem::relative(file, r.folder).string() + " " + hash + "\n";
+    return r;
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,112 @@
+// `wetcurl import`: reads strands of another program, reports on them, writes them in metres, Y up.
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/commands/commands.h"
+#include "app/files/results.h"
+#include "solver/grooms/groom.h"
+
+namespace wetcurl {
+namespace {
+
+struct Extent {
+    Vec3d low, high;       // of all points [m]
+    double median_length;  // [m]
+    size_t points = 0;
+};
+
+Extent extent_of(const StrandPoints& strands) {
+    Extent out{strands[0][0], strands[0][0], 0};
+    std::vector<double> lengths;
+    for (const auto& strand : strands) {
+        out.points += strand.size();
+        lengths.push_back(arc_length(strand.data(), int(strand.size())));
+        for (const auto& x : strand) {
+            out.low = {std::min(out.low.x, x.x), std::min(out.low.y, x.y), std::min(out.low.z, x.z)};
+            out.high = {std::max(out.high.x, x.x), std::max(out.high.y, x.y), std::max(out.high.z, x.z)};
+        }
+    }
+    std::sort(lengths.begin(), lengths.end());
+    out.median_length = lengths[lengths.size() / 2];
+    return out;
+}
+
+Json vector_json(const Vec3d& x) { return {x.x, x.y, x.z}; }
+
+// Lengths in metres.
+Json report(const ImportOptions& options, const ImportedStrands& in, const Extent& extent,
+            const RootDepth* depth, const RootLayout& layout) {
+    Json json{
+        {"file", options.input},
+        {"output", options.output},
+        {"strands", in.strands.size()},
+        {"points", extent.points},
+        {"strands_in_file", in.found},
+        {"dropped", {{"no_points", in.no_points}, {"one_point", in.one_point}, {"no_length", in.no_length}}},
+        {"repeated_points", in.repeated_points},
+        {"units", in.units},
+        {"units_guessed", in.guessed},
+        {"up", options.up},
+        {"bounds", {{"low", vector_json(extent.low)}, {"high", vector_json(extent.high)}}},
+        {"median_length", extent.median_length},
+        {"grid",
+         {{"width", layout.grid.width},
+          {"height", layout.grid.height},
+          {"roots_left_out", layout.quality.roots - layout.quality.pixels},
+          {"neighbour_distance_mean", layout.quality.neighbour_mean},
+          {"nearest_distance_mean", layout.quality.nearest_mean},
+          {"parameterisation", layout.parameterisation},
+          {"assignment", layout.assignment}}}};
+    if (depth)
+        json["below_scalp"] = {
+            {"roots", depth->below}, {"median_depth", depth->median}, {"deepest", depth->deepest}};
+    return json;
+}
+
+void print(const ImportOptions& options, const ImportedStrands& in, const Extent& extent,
+           const RootDepth* depth, const RootLayout& layout) {
+    const Vec3d a = extent.low, b = extent.high;
+    std::printf("%s: %zu strands, %zu points\n", options.input.c_str(), in.strands.size(), extent.points);
+    std::printf("dropped   %zu of %zu strands: %zu without points, %zu of one point, %zu without length\n",
+                in.dropped(), in.found, in.no_points, in.one_point, in.no_length);
+    std::printf("left out  %zu points that repeat the one before\n", in.repeated_points);
+    std::printf("units     %s%s, %s up\n", in.units.c_str(), in.guessed ? " (not given: assumed)" : "",
+                options.up.c_str());
+    std::printf("bounds    x %.3f to %.3f, y %.3f to %.3f, z %.3f to %.3f m\n", a.x, b.x, a.y, b.y, a.z, b.z);
+    std::printf("length    %.3f m in the median\n", extent.median_length);
+    if (depth) std::printf("scalp     %s\n", described(*depth).c_str());
+    std::printf("grid      %s\n", described(layout).c_str());
+    if (!options.output.empty()) std::printf("written   %s, metres, Y up\n", options.output.c_str());
+}
+
+}  // namespace
+
+int import_command(const ImportOptions& options) {
+    const FileUnits meant{options.units, options.up};
+    if (options.resample == 1)
+        throw Misuse("--resample: found 1, allowed 0 (as it is) or 2 particles and more");
+    const bool writes = !options.output.empty();
+    refuse_scene_options(options, "import");
+    refuse_device(options, "import");
+    check_files(options, options.output, {options.input, options.scalp});
+    if (writes) require_writable(options.output, options.overwrite);
+    ResultFile results(options);
+    ImportedStrands in = import_strands(options.input, meant);
+    if (options.resample) in.strands = resampled_strands(in.strands, options.resample);
+
+    std::optional<ScalpMesh> scalp;
+    std::optional<RootDepth> depth;
+    if (!options.scalp.empty()) {
+        scalp.emplace(import_mesh(options.scalp, meant));
+        depth = root_depth(in.strands, *scalp);
+    }
+    const RootLayout layout = lay_on_grid(roots_of(in.strands), scalp ? &*scalp : nullptr);
+    const Extent extent = extent_of(in.strands);
+    if (writes) write_strands(options.output, in.strands, options.overwrite);
+    if (options.json != "-") print(options, in, extent, depth ? &*depth : nullptr, layout);
+    results.write_json(report(options, in, extent, depth ? &*depth : nullptr, layout));
+    return 0;
+}
+
+}  // namespace wetcurl

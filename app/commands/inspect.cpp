@@ -1,0 +1,273 @@
+// `wetcurl inspect`: what a file holds, and what a scene names and leaves out.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <omp.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "app/commands/commands.h"
+#include "app/engine/device.h"
+#include "app/engine/run_solids.h"
+#include "app/files/results.h"
+#include "app/measures/axial_extent.h"
+#include "app/measures/fall.h"
+#include "base/provenance.h"
+#include "learn/codec/core_detail.h"
+#include "learn/codec/network_module.h"
+#include "learn/codec/pairs.h"
+#include "solver/chain/scene_checks.h"
+#include "solver/run/simulation.h"
+
+namespace wetcurl {
+
+namespace {
+
+// Results go to one place: JSON where it is asked for, a table otherwise.
+void show(const InspectOptions& o, const Json& json) {
+    if (!o.json.empty()) return ResultFile(o).write_json(json);
+    std::string text;
+    for (const auto& [key, value] : json.items()) {
+        if (value.is_array() && !value.empty() && value[0].is_object()) {
+            text += key + ":\n";
+            for (const auto& row : value) {
+                std::string line;
+                for (const auto& [k, v] : row.items())
+                    line += fmt::format("  {} {}", k, v.is_string() ? v.get<std::string>() : json_text(v));
+                text += "  " + line + "\n";
+            }
+        } else if (value.is_array()) {
+            std::vector<std::string> words;
+            for (const auto& v : value) words.push_back(v.is_string() ? v.get<std::string>() : json_text(v));
+            text += fmt::format("{}: {}\n", key, fmt::join(words, ", "));
+        } else {
+            text +=
+                fmt::format("{}: {}\n", key, value.is_string() ? value.get<std::string>() : json_text(value));
+        }
+    }
+    std::fputs(text.c_str(), stdout);
+}
+
+Json scene_json(const InspectOptions& o) {
+    const Scene scene = load_scene(
+        o.file, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 0});
+    check_files(o, "", scene.files);
+    const auto simulation = make_simulation(scene, "float");
+    const Presence p = presence_of(scene);
+    Json json{{"title", scene.title},
+              {"strands", scene.groom.rest.count},
+              {"particles_per_strand", scene.groom.rest.particles},
+              {"present", p.present},
+              {"absent", p.absent},
+              {"buffers", Json::array()},
+              {"stages", simulation->stages}};
+    size_t sum = 0;
+    for (const auto& b : simulation->buffers()) {
+        json["buffers"].push_back({{"name", b.name}, {"bytes", b.bytes}});
+        sum += b.bytes;
+    }
+    json["bytes"] = sum;
+    json["bytes_per_particle"] = double(sum) / double(scene.groom.rest.points.size());
+    json["stiffness_number"] = stiffness_number(scene);
+    return json;
+}
+
+// [s] of each frame but frame 0, a state that nothing was computed for.
+std::vector<double> run_times_of(const RunReader& run) {
+    auto seconds = run.seconds();
+    if (!seconds.empty()) seconds.erase(seconds.begin());
+    return seconds;
+}
+
+// A hash of what is added so far, in this order: equal runs, and equal weights, have equal ones.
+class Hash {
+  public:
+    template <class T>
+    void add(const std::vector<T>& values) {
+        const std::string next = so_far_ + hash_bytes(values.data(), values.size() * sizeof(T));
+        so_far_ = hash_bytes(next.data(), next.size());
+    }
+    const std::string& text() const { return so_far_; }
+
+  private:
+    std::string so_far_;
+};
+
+double mean_of(const std::vector<float>& values) {
+    return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+Json run_json(const InspectOptions& o) {
+    const RunReader run(o.file);
+    const RunHeader& h = run.header();
+    Json json{{"method", h.method},
+              {"frames", run.frames()},
+              {"fps", h.fps},
+              {"strands", h.groom.rest.count},
+              {"particles_per_strand", h.groom.rest.particles},
+              {"grid", {h.groom.grid.width, h.groom.grid.height}},
+              {"stride", h.stride},
+              {"seed", h.seed},
+              {"device", h.device},
+              {"wetness_recorded", !h.saturation.empty()},
+              {"terms_present", h.terms_present},
+              {"terms_absent", h.terms_absent},
+              {"seconds_per_frame", time_statistics(run_times_of(run))}};
+    if (run.frames() > 0) {
+        const auto solid = solid_distance_of(h, true);
+        double extent = 0;
+        Bounce bounce;
+        Hash hash;                                              // of displayed particles, frame by frame
+        std::vector<double> stage_seconds(h.stages.size(), 0);  // summed over frames but frame 0
+        for (int f = 0; f < run.frames(); ++f) {
+            const RunFrame frame = run.frame(f);
+            for (size_t k = 0; k < h.stages.size() && f > 0; ++k)
+                stage_seconds[k] += double(frame.stage_seconds[k]);
+            hash.add(frame.seen().points);
+            const double extent_now = 1000 * axial_extent(frame.seen());
+            extent += extent_now / run.frames();
+            const Fall fall = fall_of(frame.seen(), solid, frame.head, f / h.fps);
+            if (solid) {
+                std::vector<float> distance;
+                for (const Vec3f& x : frame.seen().points)
+                    distance.push_back(solid(x, frame.head, f / h.fps));
+                bounce.add(std::move(distance));
+            }
+            json["fall"].push_back({{"time", f / h.fps},
+                                    {"width_mm", 1000 * fall.width},
+                                    {"height_mm", 1000 * fall.height},
+                                    {"drop_mm", 1000 * fall.drop},
+                                    {"axial_extent_mm", extent_now},
+                                    {"curl_radius_mm", 1000 * mean_of(curl_radii(frame.seen()))},
+                                    {"angle_degrees", fall.angle ? Json(*fall.angle) : Json(nullptr)}});
+        }
+        json["hash"] = hash.text();
+        json["axial_extent_mm"] = extent;
+        if (const auto value = bounce.value()) json["bounce_mm"] = 1000 * *value;
+        // (frame) [J] of each kind, and their sum: what VI.I plots.
+        for (int f = 0; f < run.frames() && !h.energy_kinds.empty(); ++f) {
+            const auto energy = run.frame(f).energy;
+            Json row{{"time", f / h.fps}};
+            double sum = 0;
+            for (size_t k = 0; k < h.energy_kinds.size(); ++k)
+                row[h.energy_kinds[k]] = energy[k], sum += energy[k];
+            row["sum"] = sum;
+            json["energy_joule"].push_back(row);
+        }
+        const RunFrame last = run.frame(run.frames() - 1);
+        json["displayed"] = last.displayed.count > 0;
+        for (size_t k = 0; k < h.energy_kinds.size(); ++k)
+            json["last_energy_joule"][h.energy_kinds[k]] = last.energy[k];
+        const char* water[] = {"held", "taken", "dripped", "dried"};
+        for (size_t k = 0; k < last.water.size(); ++k) json["last_water_kg"][water[k]] = last.water[k];
+        for (size_t k = 0; k < h.stages.size(); ++k)
+            json["last_stage_seconds"][h.stages[k]] = last.stage_seconds[k];
+        for (size_t k = 0; k < h.stages.size() && run.frames() > 1; ++k)
+            json["mean_stage_seconds"][h.stages[k]] = stage_seconds[k] / (run.frames() - 1);
+    }
+    return json;
+}
+
+Json pairs_json(const InspectOptions& o) {
+    const H5Reader file(o.file, pairs_format, pairs_version);
+    Json json{{"codec", file.text("codec")},
+              {"particles_per_strand", file.number("particles")},
+              {"runs", Json::array()}};
+    for (const auto& run : file.list("runs")) {
+        Json one{{"name", run}};
+        for (const auto& name : file.list("runs/" + run)) one[name] = file.shape("runs/" + run + "/" + name);
+        json["runs"].push_back(one);
+    }
+    return json;
+}
+
+Json model_json(const InspectOptions& o) {
+    const ModelCard card = network_module().card(o.file);
+    const H5Reader file(o.file, model_format, model_version);
+    Json weights = Json::array();  // of each layer, by name
+    Hash hash;
+    for (const auto& name : file.list("weights")) {
+        weights.push_back({{"name", name}, {"shape", file.shape("weights/" + name)}});
+        hash.add(file.read<float>("weights/" + name));
+    }
+    return {{"codec", card.codec},
+            {"architecture", card.architecture},
+            {"width", card.width},
+            {"parameters", card.parameters},
+            {"inputs", card.input_channels},
+            {"outputs", card.output_channels},
+            {"upscale", card.upscale},
+            {"particles_per_strand", card.particles},
+            {"target", card.codec == "strand" ? Json(card.target) : Json()},
+            {"low", card.low},
+            {"low_substeps", card.low_substeps ? Json(card.low_substeps) : Json()},
+            {"numbers", card.numbers},
+            {"trained_on", card.inputs},
+            {"recipe", card.recipe},
+            {"hash", hash.text()},
+            {"weights", weights}};
+}
+
+template <class Term>
+void add_rows(Json& rows) {
+    for (const auto& p : Term::parameters)
+        rows.push_back({{"key", std::string(Term::table) + "." + p.key},
+                        {"unit", p.unit},
+                        {"default", p.fallback},
+                        {"minimum", p.minimum},
+                        {"maximum", p.maximum},
+                        {"meaning", p.meaning}});
+}
+
+Json terms_json() {
+    Json rows = Json::array();
+    const ChainTerms none;
+    std::apply([&](const auto&... term) { (add_rows<std::decay_t<decltype(*term)>>(rows), ...); }, none);
+    add_rows<Wetness>(rows);
+    add_rows<Flow>(rows);
+    add_rows<WaterSource>(rows);
+    add_rows<Curl>(rows);
+    add_rows<Cohesion>(rows);
+    add_rows<StrandContact>(rows);
+    add_rows<Air>(rows);
+    add_rows<AirSource>(rows);
+    for_each_baseline([&](const auto& method) { add_rows<std::decay_t<decltype(method)>>(rows); });
+    return {{"parameters", rows}};
+}
+
+Json device_json() {
+    Json json{{"processors", omp_get_num_procs()},
+              {"lanes_float", lanes_of<float>},
+              {"lanes_double", lanes_of<double>},
+              {"cuda_devices", names_of_cuda_devices()}};
+    for (const auto& [name, text] : provenance())
+        if (name != "gpu") json[name] = text;
+    return json;
+}
+
+}  // namespace
+
+int inspect_command(const InspectOptions& o) {
+    if (!o.output.empty())
+        throw Misuse(
+            "inspect: -o " + o.output +
+            ": it writes no pictures; `wetcurl render --image PAIRS.h5 -o out.png` draws the geometry "
+            "images of pairs, --json FILE writes what inspect says");
+    const bool needs_file = o.what != "terms" && o.what != "device";
+    if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
+    if (!needs_file && !o.file.empty())
+        throw Misuse("inspect " + o.what + ": found the file " + o.file + ", none is needed");
+    if (o.what != "scene") refuse_scene_options(o, "inspect " + o.what);
+    refuse_device(o, "inspect");
+    check_files(o, "", {o.file});
+    if (o.what == "scene") show(o, scene_json(o));
+    if (o.what == "run") show(o, run_json(o));
+    if (o.what == "pairs") show(o, pairs_json(o));
+    if (o.what == "model") show(o, model_json(o));
+    if (o.what == "terms") show(o, terms_json());
+    if (o.what == "device") show(o, device_json());
+    return 0;
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,184 @@
+// `wetcurl render`: runs side by side, or (--image) geometry images, as a picture of one frame or a video of
+// all.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "app/commands/commands.h"
+#include "app/drawing/geometry_film.h"
+#include "app/drawing/image_file.h"
+#include "app/drawing/picture.h"
+#include "app/engine/run_solids.h"
+#include "app/files/results.h"
+#include "base/interrupt.h"
+#include "base/log.h"
+#include "base/progress.h"
+#include "base/run_cache.h"
+
+namespace wetcurl {
+
+namespace {
+
+// What is drawn, frame by frame.
+class Reel {
+  public:
+    virtual ~Reel() = default;
+    virtual int frames() const = 0;
+    virtual double fps() const = 0;
+    // Settles what the pictures of these frames share.
+    virtual void settle(int first, int last) = 0;
+    virtual Image draw(int frame) = 0;
+};
+
+// The runs of one picture, their common frames and the camera that they share.
+class RunReel final : public Reel {
+  public:
+    explicit RunReel(const RenderOptions& options) : options_(options) {
+        for (const std::string& path : options.runs) {
+            runs_.push_back(std::make_unique<RunReader>(path));
+            const int n = runs_.back()->frames();
+            if (n == 0) throw Error(path + ": there is no frame in it to draw");
+            frames_ = runs_.size() == 1 ? n : std::min(frames_, n);
+        }
+    }
+
+    int frames() const override { return frames_; }
+    double fps() const override { return runs_[0]->header().fps; }
+    void settle(int first, int last) override { fit_camera(first, last, 9); }
+
+    Image draw(int f) override {
+        std::vector<Image> panels;
+        for (const auto& run : runs_) panels.push_back(draw_run(*run, f));
+        if (options_.saturation) draw_saturation_legend(panels.back());
+        return side_by_side(panels);
+    }
+
+  private:
+    // Makes the camera see all runs at `count` frames spread evenly over first..last.
+    void fit_camera(int first, int last, int count) {
+        Extent extent;
+        count = std::min(count, last - first + 1);
+        for (int k = 0; k < count; ++k) {
+            const int f = count == 1 ? first : first + int(long(last - first) * k / (count - 1));
+            for (const auto& run : runs_) {
+                const RunFrame frame = run->frame(f);
+                extent.add(frame.seen());
+                for (const PosedMesh& solid : solids_of(run->header(), frame, f / run->header().fps))
+                    extent.add(solid);
+            }
+        }
+        camera_ = fitted_camera(extent, options_.yaw, options_.width, options_.height);
+    }
+
+    Image draw_run(const RunReader& run, int f) const {
+        const RunHeader& header = run.header();
+        const RunFrame frame = run.frame(f);
+        // A dry run records its wetness as well; only the colours asked for show it.
+        const bool wet = !header.saturation.empty() &&
+                         (options_.saturation || !header.method.starts_with("simulated dry"));
+        Panel panel;
+        panel.layers.push_back({&frame.seen(), wet ? &frame.wetness(header) : nullptr});
+        panel.solids = solids_of(header, frame, f / header.fps);
+        Image image = draw_panel(panel, camera_, options_.saturation);
+        if (options_.labels)
+            draw_label(image, header.method + ", " + std::to_string(frame.seen().count) + " strands, frame " +
+                                  std::to_string(f));
+        return image;
+    }
+
+    const RenderOptions& options_;
+    std::vector<std::unique_ptr<RunReader>> runs_;
+    int frames_ = 0;
+    Camera camera_;
+};
+
+// Geometry images side by side.
+class ImageReel final : public Reel {
+  public:
+    explicit ImageReel(const RenderOptions& o)
+        : film_(geometry_film(o.runs, o.run, o.threads)), least_(o.pixels) {}
+    int frames() const override { return film_->frames(); }
+    double fps() const override { return film_->fps(); }
+    void settle(int first, int last) override { film_->settle(first, last); }
+    Image draw(int f) override { return draw_geometry(film_->panels(f), least_); }
+
+  private:
+    std::unique_ptr<GeometryFilm> film_;
+    int least_;
+};
+
+std::unique_ptr<Reel> reel_of(const RenderOptions& o) {
+    if (o.image) return std::make_unique<ImageReel>(o);
+    return std::make_unique<RunReel>(o);
+}
+
+void check(const RenderOptions& o, const std::string& extension) {
+    if (o.runs.empty())
+        throw Misuse("render: no run is named; wetcurl render RUN.h5... -o out.png|out.mp4|out.webm");
+    if (extension != ".png" && extension != ".mp4" && extension != ".webm")
+        throw Misuse("render: " + (o.output.empty() ? "no output" : o.output) +
+                     ": allowed are .png, .mp4 and .webm");
+    for (int size : {o.width, o.height})
+        if (size < 16 || size > 8192)
+            throw Misuse("render: a panel of " + std::to_string(o.width) + " x " + std::to_string(o.height) +
+                         " pixels; allowed are 16 to 8192 each way");
+    constexpr long widest = 16383;  // of VP8, and about what H.264 takes
+    const long width = long(o.width) * long(o.runs.size());
+    if (extension != ".png" && width > widest)
+        throw Misuse("render: " + std::to_string(o.runs.size()) + " panels make a video " +
+                     std::to_string(width) + " pixels wide, allowed are " + std::to_string(widest) +
+                     "; a --width of " + std::to_string(widest / long(o.runs.size())) + " fits");
+    if (extension != ".png" && o.frame >= 0)
+        throw Misuse("render: --frame picks one frame for a .png; " + o.output + " takes all of them");
+    if (o.image && (o.pixels < 16 || o.pixels > 8192))
+        throw Misuse("render: --pixels " + std::to_string(o.pixels) + ": allowed are 16 to 8192");
+    if (o.image && o.run < 0)
+        throw Misuse("render: --run " + std::to_string(o.run) + ": allowed is 0 or more");
+    if (!(std::abs(o.yaw) <= 360))
+        throw Misuse("render: --yaw " + std::to_string(o.yaw) + ": allowed are -360 to 360 degrees");
+    refuse_scene_options(o, "render");
+    refuse_device(o, "render");
+    check_files(o, o.output, o.runs);
+}
+
+}  // namespace
+
+int render_command(const RenderOptions& options) {
+    const std::string extension = std::filesystem::path(options.output).extension().string();
+    check(options, extension);
+    const std::unique_ptr<Reel> reel = reel_of(options);
+    const int last = reel->frames() - 1;
+    std::string written = options.output;
+    if (extension == ".png") {
+        if (options.frame > last)
+            throw Misuse("render: --frame " + std::to_string(options.frame) + ": " + options.runs[0] +
+                         (last == 0 ? " has frame 0 alone"
+                                    : (options.runs.size() > 1 ? " and what is beside it have frames 0 to "
+                                                               : " has frames 0 to ") +
+                                          std::to_string(last)));
+        const int f = options.frame < 0 ? last : options.frame;
+        reel->settle(f, f);
+        write_png(options.output, reel->draw(f), options.overwrite);
+    } else {
+        reel->settle(0, last);
+        InterruptGuard guard;
+        Image image = reel->draw(0);
+        VideoFile video(options.output, image.width, image.height, reel->fps(), options.overwrite);
+        Progress progress("render", last + 1, "frame");
+        for (int f = 0; f <= last; ++f) {
+            // One frame is always in it, so that what is left can be played.
+            if (f > 0 && guard.asked())
+                throw Interrupted("interrupted: " + std::to_string(f) + " frames are kept in " +
+                                  video.leave());
+            if (f > 0) image = reel->draw(f);
+            video.append(image);
+            progress.update(f + 1);
+        }
+        written = video.commit();
+    }
+    log_info("wrote " + written);
+    return 0;
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,188 @@
+// `wetcurl report`: learned beside simulated hair, as one HTML file to open and as JSON.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "app/commands/commands.h"
+#include "app/drawing/chart.h"
+#include "app/measures/comparison.h"
+#include "app/report/report_page.h"
+#include "app/report/report_player.h"
+#include "base/config.h"
+#include "base/log.h"
+#include "base/run_cache.h"
+
+namespace wetcurl {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void check(const ReportOptions& o) {
+    if (o.output.empty() && o.json.empty())
+        throw Misuse("report: nothing to write, -o report.html or --json FILE is needed");
+    if (o.runs.empty() && o.table.empty() && o.trainings.empty())
+        throw Misuse(
+            "report: nothing to report on, REFERENCE.h5 OTHER.h5, --table FOLDER or --training "
+            "MODEL.h5.jsonl "
+            "is needed");
+    if (o.runs.size() == 1)
+        throw Misuse("report: found " + o.runs[0] +
+                     " alone, a reference and one run or more beside it are needed");
+    if (!o.output.empty() && fs::path(o.output).extension() != ".html")
+        throw Misuse("report: " + o.output + ": allowed is .html");
+    if (o.first_frame > 0 && o.runs.empty())
+        throw Misuse("--first-frame: there is no run to leave frames out of");
+    refuse_scene_options(o, "report");
+    refuse_device(o, "report");
+    auto inputs = o.runs;
+    inputs.push_back(o.stability);
+    inputs.insert(inputs.end(), o.trainings.begin(), o.trainings.end());
+    check_files(o, o.output, inputs);
+}
+
+// What `stability --json` wrote, as far as it is shown.
+Json read_stability(const std::string& path) {
+    if (path.empty()) return nullptr;
+    std::ifstream in(path);
+    if (!in) throw Error(path + ": cannot be read");
+    const Json json = Json::parse(in, nullptr, false);
+    const auto fail = [&](const std::string& found, const std::string& needed) {
+        throw Error(path + ": found " + found + ", " + needed +
+                    " is needed; `wetcurl stability --json` writes it");
+    };
+    if (!json.is_object() || !json.contains("cases") || !json["cases"].is_array() || json["cases"].empty())
+        fail("no cases", "a list of cases");
+    for (size_t k = 0; k < json["cases"].size(); ++k) {
+        const Json& c = json["cases"][k];
+        for (const char* key : {"id", "method", "integrator"})
+            if (!c.is_object() || !c.contains(key) || !c[key].is_string())
+                fail(fmt::format("cases[{}] without a text '{}'", k, key), "one");
+        if (!c.contains("passed") || !c["passed"].is_boolean())
+            fail(fmt::format("cases[{}] without 'passed'", k), "true or false");
+    }
+    return json;
+}
+
+std::string title_of(const RunHeader& header) {
+    return Config::parse(header.scene, scene_name(header), header.scene_folder).root().text("title", "");
+}
+
+ReportPage::Facts facts_of(const std::string& path) {
+    const RunReader run(path);
+    const RunHeader& h = run.header();
+    return {{"hash", hash_of_file(path)},
+            {"method", h.method},
+            {"scene", title_of(h)},
+            {"frames", fmt::format("{} at {:g} a second", run.frames(), h.fps)},
+            {"strands", fmt::format("{} of {} particles", h.groom.rest.count, h.groom.rest.particles)},
+            {"groom", h.groom.hash()},
+            {"seed", std::to_string(h.seed)},
+            {"device", h.device},
+            {"build", h.build},
+            {"made from", fmt::format("{}", fmt::join(h.inputs, ", "))},
+            {"terms", h.terms_present}};
+}
+
+// What is the same for most rows.
+int scenes_of(const Rows& rows) {
+    for (const Row& row : rows.all)
+        if (row.of_all_scenes()) return int(row.scenes.size());
+    return 1;
+}
+
+std::vector<ErrorCurve> curves_of(const Rows& rows) {
+    std::vector<ErrorCurve> out;
+    for (const Row& row : rows.all)
+        out.push_back({row.name, row.kind, row.means.at("position_mm_per_frame").get<std::vector<double>>()});
+    return out;
+}
+
+Json json_of(const TrainingLog& log) {
+    Json out{{"file", log.path}, {"quantity", log.quantity}, {"unit", log.unit}, {"epochs", log.epochs}};
+    for (const auto& s : log.series)
+        out["series"].push_back({{"name", s.name}, {"epoch", s.epoch}, {"value", s.value}});
+    return out;
+}
+
+void describe_runs(const ReportOptions& o, const std::vector<Comparison>& others, const Rows& rows,
+                   ReportPage& page) {
+    const RunReader reference(o.runs[0]);
+    const RunHeader& h = reference.header();
+    page.curves = curves_of(rows);
+    page.curve_start = o.first_frame / h.fps, page.curve_step = 1 / h.fps, page.curve_unit = "time [s]";
+    double most = 0;
+    std::vector<std::string> names{fs::path(o.runs[0]).stem().string()};
+    for (const auto& other : others) {
+        most = std::max(most, other.position_mm.p95);
+        names.push_back(fs::path(other.file).stem().string());
+    }
+    page.player = player_of(o.runs, names, o.first_frame, round_above(most));
+    for (const auto& path : o.runs) page.sources.emplace_back(path, facts_of(path));
+    const std::string title = title_of(h);
+    page.title = title.empty() ? fs::path(o.runs[0]).stem().string() : title;
+    page.compared = fmt::format("{} {} against {} ({}): frames {} to {}, {} strands of {} particles.",
+                                others.size(), others.size() == 1 ? "run" : "runs", o.runs[0], h.method,
+                                o.first_frame, o.first_frame + page.player["of"]["frames"].get<int>() - 1,
+                                h.groom.rest.count, h.groom.rest.particles);
+}
+
+}  // namespace
+
+int report_command(const ReportOptions& o) {
+    check(o);
+    ResultFile html(o.output, o.overwrite), results(o);
+    ReportPage page;
+    page.stability = read_stability(o.stability);
+    std::vector<std::string> files;
+    std::optional<Rows> of_table, of_runs;
+    if (!o.table.empty()) of_table = rows_of(read_table(o.table, &files));
+    std::vector<Comparison> others;
+    if (!o.runs.empty()) {
+        others = compare_runs(o.runs[0], {o.runs.begin() + 1, o.runs.end()}, o.first_frame);
+        of_runs = rows_of(entries_of(o.runs[0], others));
+    }
+    for (const auto& path : o.trainings) page.trainings.push_back(read_training_log(path));
+    const Rows rows = of_table ? *of_table : of_runs ? *of_runs : Rows();
+
+    Json json{{"reference", o.runs.empty() ? Json() : Json(o.runs[0])}};
+    if (of_table) json["table"] = o.table;
+    json.update(json_of(rows));
+    if (of_table && of_runs) json["shown"] = json_of(*of_runs)["rows"];
+    json["stability"] = page.stability;
+    for (const auto& log : page.trainings) json["trainings"].push_back(json_of(log));
+
+    if (!o.output.empty()) {
+        page.scenes = scenes_of(rows);
+        if (of_runs) describe_runs(o, others, *of_runs, page);
+        if (of_table) {
+            const std::string many =
+                fmt::format("{} rows over {} {}, each scene against its own reference ({}).", rows.all.size(),
+                            page.scenes, page.scenes == 1 ? "scene" : "scenes", o.table);
+            page.compared = of_runs ? many + " Side by side: " + page.compared : many;
+            if (!of_runs) {
+                page.title = "Learned beside simulated hair";
+                page.curves = curves_of(rows);
+                page.curve_unit = "compared frame";
+            }
+            if (of_runs) page.shown = of_runs;
+        }
+        if (rows.all.empty()) {
+            page.title = "Trainings";
+            page.compared = fmt::format("{} {}.", page.trainings.size(),
+                                        page.trainings.size() == 1 ? "training" : "trainings");
+        }
+        if (!o.stability.empty()) files.push_back(o.stability);
+        files.insert(files.end(), o.trainings.begin(), o.trainings.end());
+        for (const auto& file : files) page.files.emplace_back(file, hash_of_file(file));
+        page.rows = rows;
+        html.write(html_of(page));
+        log_info("wrote " + o.output);
+    }
+    results.write_json(json);
+    return 0;
+}
+
+}  // namespace wetcurl

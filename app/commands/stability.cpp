@@ -1,0 +1,188 @@
+// `wetcurl stability`: the battery S1-S9 on every way of stepping, as a table and as JSON.
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "app/commands/commands.h"
+#include "app/files/results.h"
+#include "base/interrupt.h"
+#include "base/log.h"
+#include "base/progress.h"
+#include "solver/scene/scene.h"
+#include "solver/stability/battery.h"
+
+namespace wetcurl {
+
+namespace {
+
+std::vector<StabilityMethod> chosen(const std::vector<std::string>& names) {
+    std::vector<std::string> known;
+    for (const auto& m : stability_methods())
+        if (std::find(known.begin(), known.end(), m.name) == known.end()) known.push_back(m.name);
+    for (const auto& name : names)
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw Misuse(fmt::format("--method: found '{}', allowed: {}{}", name, fmt::join(known, ", "),
+                                     did_you_mean(name, known)));
+    std::vector<StabilityMethod> out;
+    for (const auto& m : stability_methods())
+        if (names.empty() || std::find(names.begin(), names.end(), m.name) != names.end()) out.push_back(m);
+    return out;
+}
+
+// JSON has no infinity and no NaN.
+Json number(double a) { return std::isfinite(a) ? Json(a) : Json(nullptr); }
+Json figures(const Figures& all) {
+    Json json = Json::object();
+    for (const auto& [name, value] : all) json[name] = number(value);
+    return json;
+}
+Json json_of(const StabilityCase& c) {
+    Json parameters{{"case", c.what}};
+    parameters.update(figures(c.parameters));
+    return {{"id", c.id},
+            {"method", c.method->name},
+            {"integrator", c.method->integrator},
+            {"parameters", parameters},
+            {"finite", c.finite},
+            {"gain", number(c.gain)},
+            {"energy_ratio", number(c.energy_ratio)},
+            {"kinetic_ratio", number(c.kinetic_ratio)},
+            {"rest_error", number(c.rest_error)},
+            {"measured", figures(c.measured)},
+            {"passed", c.passed}};
+}
+
+Json json_of(const SweepPoint& p, bool best) {
+    return {{"method", p.method->name},   {"parameters", figures(p.at)},
+            {"finite", p.finite},         {"effect", number(p.effect)},
+            {"jitter", number(p.jitter)}, {"energy_ratio", number(p.energy_ratio)},
+            {"holds", p.holds()},         {"best", best}};
+}
+
+std::string cell(double a) { return std::isnan(a) ? "-" : fmt::format("{:.2g}", a); }
+std::string words(const Figures& all) {
+    std::string text;
+    for (const auto& [name, value] : all)
+        text += fmt::format("{}{} {:.3g}", text.empty() ? "" : ", ", name, value);
+    return text;
+}
+void print_row(const StabilityCase& c) {
+    fmt::print("{:4} {:18} {:16} {:6} {:6} {:>8} {:>8} {:>8} {:>8}  {} ({}){}\n", c.id, c.method->name,
+               c.method->integrator, c.passed ? "passed" : "FAILED", c.finite ? "finite" : "NaN",
+               cell(c.gain), cell(c.energy_ratio), cell(c.kinetic_ratio), cell(c.rest_error), c.what,
+               words(c.parameters), c.measured.empty() ? "" : "; " + words(c.measured));
+}
+
+// S9 waits for hair to come to rest.
+void require_rest(const Scene& scene, const std::string& name) {
+    const Vec3d far{0.1, 0.2, 0.3};
+    const double longest = 60;  // [s] that it waits
+    // Two moments that are a whole period of no usual swing apart.
+    const double moved = norm(scene.motion.at(longest)(far) - scene.motion.at(longest + 0.37)(far));
+    if (moved > 1e-9)
+        throw Misuse(
+            fmt::format("{}: its head still moves after {} s; for S9 it must come to rest before, as by "
+                        "[[motion.keyframe]]",
+                        name, longest));
+}
+
+}  // namespace
+
+int stability_command(const StabilityCommandOptions& o) {
+    refuse_device(o, "stability");
+    if (o.scene.empty()) refuse_scene_options(o, "stability without a scene");
+    check_files(o, "", {o.scene});
+    const auto as_listed = chosen(o.methods);
+    ResultFile results_file(o);
+    StabilityOptions options;
+    options.quick = o.quick, options.scene = o.scene, options.set = o.set, options.only = o.only;
+    if (o.seed) options.set.push_back(fmt::format("seed={}", *o.seed));
+    // What is wrong with it is said now, not when S9's turn comes.
+    if (!o.scene.empty()) {
+        SceneOptions as_asked;
+        as_asked.set = options.set;
+        require_rest(load_scene(o.scene, as_asked), o.scene);
+    }
+
+    InterruptGuard guard;
+    const auto go_on = [&] {
+        if (guard.asked()) throw Interrupted("interrupted: the battery is judged whole, nothing is kept");
+    };
+    std::vector<std::vector<SweepPoint>> sweeps;
+    auto methods = as_listed;  // compared ones at the best of their sweeps
+    for (size_t k = 0; k < as_listed.size(); ++k)
+        if (as_listed[k].compared()) {
+            log_info(as_listed[k].name + ": a sweep over its own parameters");
+            methods[k] = method_at(best_of(sweeps.emplace_back(swept(as_listed[k], options))));
+            go_on();
+        }
+    std::vector<StabilityJob> jobs;
+    for (const auto& m : methods)
+        for (auto& job : stability_jobs(m, options)) jobs.push_back(job);
+    std::vector<std::vector<StabilityCase>> results(jobs.size());
+    Progress progress("stability", long(jobs.size()), "group");
+    std::exception_ptr error;
+    long done = 0;
+    // Groups side by side: a strand is too little for two threads.
+#pragma omp parallel for schedule(dynamic)
+    for (size_t k = 0; k < jobs.size(); ++k) {
+        if (guard.asked()) continue;
+        std::exception_ptr mine;
+        try {
+            results[k] = jobs[k].run();
+        } catch (...) {
+            mine = std::current_exception();
+        }
+#pragma omp critical
+        {
+            if (mine) error = mine;
+            progress.update(++done);
+        }
+    }
+    if (error) std::rethrow_exception(error);
+    go_on();
+
+    Json json{{"cases", Json::array()}, {"summary", Json::object()}, {"sweep", Json::array()}};
+    bool ours_passed = true;
+    if (o.json != "-")
+        fmt::print("{:4} {:18} {:16} {:6} {:6} {:>8} {:>8} {:>8} {:>8}  case\n", "id", "method", "integrator",
+                   "", "", "gain", "energy", "kinetic", "rest");
+    for (const auto& group : results)
+        for (const auto& c : group) {
+            json["cases"].push_back(json_of(c));
+            Json& sum = json["summary"][c.method->name];
+            if (sum.is_null()) sum = {{"passed", 0}, {"failed", 0}};
+            Json& count = sum[c.passed ? "passed" : "failed"];
+            count = count.get<int>() + 1;
+            if (c.method->name == "ours") ours_passed = ours_passed && c.passed;
+            if (o.json != "-") print_row(c);
+        }
+    if (o.json != "-")
+        for (const auto& [name, sum] : json["summary"].items())
+            fmt::print("{}: {} passed, {} failed\n", name, sum["passed"].get<int>(),
+                       sum["failed"].get<int>());
+    for (const auto& points : sweeps) {
+        const SweepPoint& best = best_of(points);
+        if (o.json != "-")
+            fmt::print("\n{} on a still wet head, best of its own: {}{}\n{:32} {:>8} {:>8} {:>8}\n",
+                       best.method->name, words(best.at), best.holds() ? "" : ", though it does not hold", "",
+                       "effect", "jitter", "energy");
+        for (const auto& p : points) {
+            json["sweep"].push_back(json_of(p, &p == &best));
+            if (o.json != "-")
+                fmt::print("{:32} {:>8} {:>8} {:>8}{}\n", words(p.at), cell(p.effect), cell(p.jitter),
+                           cell(p.energy_ratio), p.holds() ? "  holds" : "");
+        }
+    }
+    results_file.write_json(json);
+    return ours_passed ? 0 : 1;
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,94 @@
+// A strand network on the hair of a scene.
+#include "app/engine/learned_hair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/engine/device.h"
+#include "base/error.h"
+#include "learn/codec/network_module.h"
+#include "solver/chain/scene_checks.h"
+#include "solver/scene/rest_state.h"
+#include "solver/solids/rest_depths.h"
+
+namespace wetcurl {
+
+void require_solids_for(const ModelCard& card, const Scene& scene, const std::string& file) {
+    if (card.target != "displayed") return;
+    for (const Solid& solid : scene.solids)
+        if (!solid.attached || solid.deformation)
+            throw Error(
+                file + ": solid '" + solid.name + "' " +
+                (solid.deformation ? "deforms" : "is not attached to the head") +
+                ", allowed for a network of displayed strands is what moves with the head; one trained "
+                "with target = \"strands\" is kept out of every solid");
+}
+
+double reach_of(const Scene& scene) { return scene.cohesion ? scene.cohesion->h_c : 0; }
+
+int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
+
+std::vector<uint8_t> wet_strands_of(const Scene& scene) {
+    std::vector<uint8_t> wet(size_t(scene.groom.rest.count), 0);
+    const size_t particles = size_t(scene.groom.rest.particles);
+    for (size_t k = 0; k < scene.saturation.size(); ++k)
+        if (scene.saturation[k] > 0) wet[k / particles] = 1;
+    return wet;
+}
+
+// Offsets from the roots, in the head's frame.
+static Strands at_rest(Scene scene, const std::string& device) {
+    leave_out_display(scene);
+    constexpr double long_enough = 1.5;  // [s]
+    scene.integrator.settle = std::max(scene.integrator.settle, long_enough);
+    RunFrame frame;
+    make_simulation_on(device, scene, trusted_precision(scene, "float"))->snapshot(frame);
+    Strands& p = frame.positions;
+    const Quatf to_head = cast<float>(conjugate(frame.head.rotation));
+    for (int s = 0; s < p.count; ++s)
+        for (int i = p.particles - 1; i >= 0; --i) p.at(s, i) = rotate(to_head, p.at(s, i) - p.at(s, 0));
+    return p;
+}
+
+Settled settled_of(const Scene& scene, const std::string& scene_file, int dry_substeps,
+                   const std::string& where) {
+    // A program built without the solver's CUDA backend may still have a network there.
+    const std::string device = names_of_cuda_devices().empty() ? "cpu" : where;
+    SceneOptions options;
+    options.stride = 2 * scene.stride;
+    auto low = [&] { return parse_scene(scene.text, scene_file, scene.folder, options); };
+    const Scene wet = low();
+    if (!acts_wet(wet))
+        throw Error(scene_file +
+                    ": nothing in it acts on wet hair, needed is [wetness] to know where that rests");
+    options.set.push_back(fmt::format("integrator.substeps={}", dry_substeps));
+    Scene dry = low();
+    make_dry(dry);
+    return settled_between(at_rest(std::move(dry), device), at_rest(wet, device));
+}
+
+std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
+                                                   const std::string& scene_file, const Groom& low,
+                                                   const std::string& device, int threads,
+                                                   const Settled* settled) {
+    const ModelCard card = network_module().card(model);
+    if (card.codec != "strand")
+        throw Error(model + ": found a model of codec " + card.codec + ", allowed is one of codec strand");
+    require_solids_for(card, scene, scene_file);
+    const Strands shape = shape_at_rest(scene);
+    auto learned = network_module().load_strands(
+        model,
+        StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet", reach_of(scene), settled),
+        low, device, threads);
+    if (card.target == "displayed" && scene.has_attached_solid()) {
+        HeadShapes head;
+        for (const Solid& solid : scene.solids) head.shapes.push_back(solid.shape);
+        head.depth = rest_depths_of(scene);
+        learned->keep_outside(head);
+    }
+    return learned;
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,39 @@
+// A strand network on the hair of a scene: what `infer`, `bench` and the library for other programs share.
+#pragma once
+
+#include "learn/codec/learned_strands.h"
+#include "solver/scene/scene.h"
+
+namespace wetcurl {
+
+// Throws Error, naming `file`, where the model (its card) predicts displayed strands, which run without Eq
+// 10, and a solid of the scene is not attached to the head or deforms: nothing would keep strands out of it.
+void require_solids_for(const ModelCard& card, const Scene& scene, const std::string& file);
+
+// Reach of Eq 10 on what is displayed of the scene [m], 0 without it.
+double reach_of(const Scene& scene);
+
+// Of a scene's passes of Eq 10 those that displayed strands want yet. They hang together already, only too
+// little: 8 in 14 give as many neighbours within 4 mm as the reference has, all of them half as many again on
+// the demo.
+int passes_after_displayed(int passes);
+
+// Whether there is water on a strand, (strand).
+std::vector<uint8_t> wet_strands_of(const Scene& scene);
+
+// Where the low-resolution strands of a scene would be, were they wet. They are simulated wet and dry until
+// they come to rest, for as long as the scene settles, but 1.5 s or longer; dry ones in so many substeps a
+// frame. Throws Error where nothing in the scene acts on wet hair.
+Settled settled_of(const Scene& scene, const std::string& scene_file, int dry_substeps,
+                   const std::string& device);
+
+// The model of that file with the codec of the scene's hair, kept out of what is attached to the head where
+// it predicts displayed strands. scene: of `scene_file`, at the resolution to predict, its saturation known;
+// low: the groom of the low-resolution run; settled: as of a StrandCodec, for a dry run where the model
+// learned from wet ones. Throws Error where these do not fit, Misuse for a device's name.
+std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
+                                                   const std::string& scene_file, const Groom& low,
+                                                   const std::string& device, int threads,
+                                                   const Settled* settled = nullptr);
+
+}  // namespace wetcurl

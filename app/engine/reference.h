@@ -1,0 +1,28 @@
+// What runs of a scene are judged against: the same scene in double precision, in far shorter steps.
+#pragma once
+
+#include <memory>
+
+#include "solver/run/simulation.h"
+
+namespace wetcurl {
+
+class Reference {
+  public:
+    static constexpr int substeps = 160;  // a frame
+    // On `device`, as of --device.
+    explicit Reference(const Scene& scene, const std::string& device = "cpu");
+    // The first call gives the state at time 0, each other one the frame after.
+    const RunFrame& next();
+
+  private:
+    Scene scene_;
+    std::unique_ptr<Simulation> simulation_;
+    RunFrame frame_;
+    bool begun_ = false;
+};
+
+// Mean distance of what is seen of the same strands [mm].
+double distance_mm(const Strands& a, const Strands& b);
+
+}  // namespace wetcurl

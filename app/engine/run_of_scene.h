@@ -1,0 +1,22 @@
+// Between scenes and run caches.
+#pragma once
+
+#include "base/run_cache.h"
+#include "solver/run/simulation.h"
+
+namespace wetcurl {
+
+// What a run cache says of the scene it was made from.
+RunHeader header_of(const Scene& scene, const Simulation& simulation, const std::string& method);
+
+// The scene of a file: TOML, or that of a run (.h5), with its relative paths where they were. Throws as
+// load_scene and RunReader do.
+Scene scene_of_file(const std::string& path, const SceneOptions& options);
+
+// Of a frame of the run's scene.
+int substeps_of(const RunHeader& run);
+
+// h of Eq 16 [m]: the cohesion radius of the run's scene, or its default where the scene has no cohesion.
+float support_radius_of(const RunHeader& run);
+
+}  // namespace wetcurl

@@ -1,0 +1,31 @@
+// The level sets of a scene's deforming solids in a device's memory, a schedule's Surfaces.
+#pragma once
+
+#include "cuda/device/cuda_owners.h"
+#include "cuda/solids/level_set_kernel.h"
+#include "solver/solids/deforming_solids.h"
+
+namespace wetcurl {
+
+class DeformingSolidsOnDevice : public DeformingSolidsOf<MovingLevelSetDevice> {
+  public:
+    template <class Hair>
+    DeformingSolidsOnDevice(const Scene& scene, const Hair& hair) : DeformingSolidsOf(scene, hair.stream()) {}
+
+    // The host finds the trees; the rest is queued for the hair's frame.
+    template <class Hair>
+    void advance(Hair& hair, double begin, double span, int substeps) {
+        DeformingSolidsOf::advance(hair, begin, span, substeps);
+        hair.queue([this](cudaStream_t stream) {
+            begin_.record(stream);
+            for (const auto& level_set : level_sets()) level_set.launch_advance(stream);
+            end_.record(stream);
+        });
+    }
+    void finish() { seconds += end_.since(begin_); }
+
+  private:
+    Event begin_, end_;
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,124 @@
+// A strand's own rest shape, carried by how the low-resolution strands around it have moved from theirs: the
+// base that a strand network starts from, and the best way without one.
+// All in the strand's root frame (learn/codec/root_frame.h), offsets from the root, so that neither the
+// head's pose nor the place on the scalp is in them.
+//
+// Where hair parts, a strand goes with those that are drawn as it is: of the strands around it each counts
+// by the inverse square of how far their cores lie apart at rest (Shepard 1968). What then is its own, it
+// keeps as far as low-resolution strands keep what those beside them do not have.
+#pragma once
+
+#include <vector>
+
+#include "base/pack.h"
+#include "learn/codec/core_detail.h"
+#include "learn/codec/root_frame.h"
+#include "learn/codec/stencil.h"
+
+namespace wetcurl {
+
+// What a rest shape says of one particle; of edges: the one to the next particle, 0 for the tip's.
+template <class S>
+struct RestParticle {
+    Vec3<S> edge;    // of the drawn strand's core, as long as the curled strand's core is there [m]
+    S length;        // of the curled strand's core's edge over that of the drawn one's
+    Vec3<S> curled;  // of the curled strand's core [m]
+    Vec3<S> detail;  // of the curled strand around its core [m]
+    Vec3<S> own;     // of `edge`, what the strands around do not have [m]
+};
+
+// One strand of `n` particles, or a strand a lane: the drawn core, moved, its edges as much shorter as the
+// curled core's are, less what it does not keep of its own, and the curled detail around it. `rest(i)` gives
+// a RestParticle, `moved(i)` how far the core's particle i has moved [m], `store(i, offset)` takes the result
+// in order; `lost`: share of its own, 0 to 1.
+template <class S, class Rest, class Moved, class Store>
+WETCURL_HD void carry_rest(int n, const S& lost, Rest rest, Moved moved, Store store) {
+    CarriedTurn<S> turn;
+    Vec3<S> at{S(0), S(0), S(0)}, before = moved(0);
+    for (int i = 0; i < n; ++i) {
+        const RestParticle<S> p = rest(i);
+        Vec3<S> edge{S(0), S(0), S(0)};
+        if (i + 1 < n) {
+            const Vec3<S> next = moved(i + 1);
+            edge = p.edge + p.length * (next - before) - lost * p.own;
+            before = next;
+            turn.follow(p.curled, edge);
+        }
+        store(i, at + rotate(turn.turn, p.detail));  // the tip takes the last edge's turn
+        at += edge;
+    }
+}
+
+// The low-resolution strands beside one on the grid of roots, -1 where there is none.
+struct Beside {
+    int strand[4] = {-1, -1, -1, -1};
+};
+
+// How much an edge of a low-resolution strand has lost of `own`, by which it differs at rest from the mean of
+// those beside it [m^2]. `step(strand)` gives how far that edge of a strand has moved [m].
+template <class Step>
+WETCURL_HD float lost_of_edge(const Vec3f& own, int strand, const Beside& beside, Step step) {
+    Vec3f sum{0, 0, 0};
+    int count = 0;
+    for (int other : beside.strand)
+        if (other >= 0) sum += step(other), ++count;
+    return count > 0 ? dot(own, (1.f / float(count)) * sum - step(strand)) : 0.f;
+}
+
+// Where dry low-resolution strands would be, were they wet: `share` (low strands) of their offsets from the
+// root, and `more` (low strands, particles) [m], both in the head's frame.
+struct Settled {
+    std::vector<float> share;
+    Strands more;
+};
+// Of how strands come to rest dry and wet, offsets in the head's frame: at rest they are where wet ones are.
+// Where these are far from the dry ones, on another side of the head, they move less with them.
+Settled settled_between(const Strands& dry, const Strands& wet);
+
+class RestCarrier {
+  public:
+    // `shape` (high strands): how they lie at rest in the head's frame, null: as drawn. Throws Error where it
+    // does not fit.
+    // `low_is_wet`: the low-resolution strands are curled and shortened by their water too, and are kept as
+    // they are. `settled`: they are dry ones, and taken for wet where it puts them.
+    RestCarrier(Stencil stencil, const Groom& high, const Groom& low, const Strands* shape,
+                bool low_is_wet = false, const Settled* settled = nullptr);
+    // low (low strands): world positions [m]; out (high strands): offsets in the root frames [m]. Throws
+    // Error for other strands.
+    void apply(const Strands& low, const Pose& head, Strands& out);
+
+    // The strands around each, weighed.
+    const Stencil& around() const { return around_; }
+    bool low_is_wet() const { return low_is_wet_; }
+    RestParticle<float> rest(int strand, int particle) const;
+    const std::vector<Beside>& beside() const { return beside_; }  // (low strand)
+    const Strands& own() const { return own_; }                    // (low strand, edge) in the head's frame
+    const Settled& settled() const { return settled_; }            // empty: as they are
+    // (high strand, width) [1/m^2]: what a strand loses of its own is the sum of these by what low-resolution
+    // strands lose of theirs, but at least 0 and at most 1.
+    const std::vector<float>& lost_weight() const { return lost_weight_; }
+
+  private:
+    using S = Pack<float>;
+    void weigh(const Strands& drawn_cores);
+    void find_own(const Groom& low, const Strands& drawn_cores);
+    void start_from(const Settled& settled);
+
+    int particles_;
+    bool low_is_wet_;
+    Stencil around_;
+    std::vector<Beside> beside_;
+    std::vector<float> lost_weight_;
+    std::vector<RestParticle<S>> rest_;  // (block of lanes, particle)
+    std::vector<Quat<S>> to_root_;       // (block): head's frame to the root frames
+    Strands low_rest_cores_;             // less those of Settled::more
+    Strands own_;
+    Settled settled_;
+    Strands moved_;            // (low strands) how far their cores are from rest, in the head's frame [m]
+    std::vector<float> lost_;  // (low strands) of their own [m^2]
+};
+
+// Offsets in the root frames to world positions at a head pose; `world` may be `offsets`.
+void place_in_world(const RootFrames& roots, const Strands& offsets, const Pose& head, Strands& world);
+
+}  // namespace wetcurl

@@ -1,0 +1,62 @@
+// Frames of a run with the head's motion.
+#include "learn/codec/frame_window.h"
+
+#include <cmath>
+#include <utility>
+
+#include "base/config.h"
+
+namespace wetcurl {
+
+Vec3d HeadWindow::angular_velocity() const {
+    if (!inner) return {0, 0, 0};
+    const Quatd q = normalized(after.rotation * conjugate(before.rotation));
+    const Vec3d v{q.x, q.y, q.z};
+    const double sine = norm(v), sign = q.w < 0 ? -1 : 1;
+    if (sine < 1e-15) return {0, 0, 0};
+    const double angle = 2 * std::atan2(sine, std::abs(q.w));
+    return (sign * angle * fps / 2 / sine) * v;
+}
+
+Vec3d HeadWindow::acceleration(const Vec3d& x) const {
+    if (!inner) return {0, 0, 0};
+    return fps * fps * (after(x) - 2.0 * now(x) + before(x));
+}
+
+Vec3d gravity_of(const RunHeader& header) {
+    constexpr double most = 1e4;
+    const auto g = Config::parse(header.scene, scene_name(header), header.scene_folder)
+                       .root()
+                       .table("integrator")
+                       .numbers("gravity", {0, -9.81, 0}, -most, most);
+    return {g[0], g[1], g[2]};
+}
+
+FrameWindow::FrameWindow(const RunReader& run) : run_(run) {
+    heads_.fps = run.header().fps;
+    heads_.gravity = gravity_of(run.header());
+}
+
+Pose gone_on(const Pose& before, const Pose& now) {
+    return {normalized(now.rotation * conjugate(before.rotation) * now.rotation),
+            2.0 * now.translation - before.translation};
+}
+
+bool FrameWindow::advance() {
+    if (index_ + 1 >= run_.frames()) return false;
+    ++index_;
+    const bool first = index_ == 0, last = index_ + 1 == run_.frames();
+    heads_.before = heads_.now;
+    now_ = first ? run_.frame(0) : std::move(next_);
+    heads_.now = now_.head;
+    if (!last) {
+        next_ = run_.frame(index_ + 1);
+        heads_.after = next_.head;
+    } else if (!first) {
+        heads_.after = gone_on(heads_.before, heads_.now);
+    }
+    heads_.inner = !first;
+    return true;
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,72 @@
+// Learned wet strands, frame by frame: load, bind input and output, run. What a program includes that runs a
+// strand network beside its own simulation; no torch here.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/device_stream.h"
+#include "base/geometry/shapes.h"
+#include "learn/codec/edge_lengths.h"
+#include "learn/codec/network.h"
+#include "learn/codec/strand_codec.h"
+
+namespace wetcurl {
+
+// What is attached to the head, in its frame, and how deep each particle may lie in it, 0 or as deep as at
+// rest, below 0: (high strand, particle) [m].
+struct HeadShapes {
+    std::vector<Shape> shapes;
+    std::vector<float> depth;
+};
+
+class LearnedStrands {
+  public:
+    virtual ~LearnedStrands() = default;
+    virtual const ModelCard& card() const = 0;
+    // From now on strands are moved out of these and led around them, edges of more than about twice their
+    // length shortened to that; roots stay. For networks of displayed strands: after others Eq 10 follows,
+    // and does the same. Throws Error where depths are not one a particle.
+    virtual void keep_outside(const HeadShapes& head) = 0;
+    // From now on edges are led toward their lengths at rest in so many rounds (learn/codec/edge_lengths.h),
+    // 0 to most_length_rounds; until then in length_rounds_of(card()). Throws Error on other numbers.
+    virtual void lead_edges(int rounds) = 0;
+    // From now on the network is asked for the smallest rectangle of the root grid alone that holds the
+    // strands wanted, (high strands) 0 or 1; beyond it strands are `base`. In it nothing changes: it still
+    // sees what is around. Throws Error for a network that looks at the whole grid.
+    virtual void crop(const std::vector<uint8_t>& wanted) = 0;
+    // Where the frames lie: low (low strands, particles) world positions of the dry low-resolution strands
+    // [m], out (high strands, particles) the wet ones; both in the host's memory, or both in that of the CUDA
+    // device it runs on, where nothing is copied then. Throws Error where the device is another's.
+    virtual void bind(const Vec3f* low, Vec3f* out, bool on_device = false) = 0;
+    // One frame, from `low` to `out`; returns when it is there. For every frame of a run, in order, at the
+    // rate that the network learned from. Throws Error where `low` is not finite in the host's memory; on a
+    // device what writes it must be through. Nothing is allocated from the third frame on (CUDA; on the CPU
+    // LibTorch keeps what it needs for itself).
+    virtual void run(const HeadWindow& heads) = 0;
+    // The same begun, where they are bound on a device: what follows on this stream finds the strands there.
+    // Throws Error where they are bound in the host's memory.
+    virtual DeviceStream begin(const HeadWindow& heads) = 0;
+    // The next frame is the first of another run.
+    virtual void restart() = 0;
+    // The frame run last, had the network said nothing, wherever the head is: (high strands, particles),
+    // world [m].
+    virtual Strands base(const Pose& head) = 0;
+};
+
+// On the CPU; the network alone may run elsewhere. Throws Error where network and codec do not fit.
+std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec);
+
+// All there are, but one for displayed strands: their edges are shorter than at rest, if Eq 10 does not
+// follow.
+int length_rounds_of(const ModelCard& card);
+// Throws Error unless there are so many rounds.
+void require_rounds(int rounds);
+// Throws Error unless there is a depth for each of so many particles.
+void require_each(const HeadShapes& head, size_t particles);
+// Throws Error unless the card's network takes what the codec gives.
+void require_fit(const ModelCard& card, const StrandCodec& codec);
+// Throws Error, naming strand and particle, where one of `count` positions is not finite.
+void require_finite(const Vec3f* low, size_t count, int particles);
+
+}  // namespace wetcurl

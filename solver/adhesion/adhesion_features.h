@@ -1,0 +1,50 @@
+// What a network in Eq 11's place is asked of a particle, and when its answer holds: for any device.
+#pragma once
+
+#include <cmath>
+
+#include "solver/terms/adhesion.h"
+
+namespace wetcurl {
+
+// A particle as its own question and its neighbours' see it.
+template <class T>
+struct AdhesionParticle {
+    T touching, phi;  // phi [m] of the surface nearest to it
+    Vec3<T> v;        // [m/s]
+    float answer;     // F.n / (sigma m a_max) of the step before
+};
+
+struct AdhesionFeatures {
+    static constexpr int inputs = 12;
+    double range, speed;  // h_a [m], 1 / sqrt(a_max h_a) [s/m]
+    explicit AdhesionFeatures(const Adhesion& term)
+        : range(term.h_a), speed(1 / std::sqrt(term.a_max * term.h_a)) {}
+
+    // Only wet particles near a surface are asked about.
+    template <class T>
+    WETCURL_HD bool concerns(const T& saturation, const T& phi) const {
+        return saturation > 0 && !(phi > 2 * range);
+    }
+    // {contact, v.n / sqrt(a_max h), phi / h, F.n / (sigma m a_max)} of particles i-1, i, i+1 of a strand of
+    // n, of the last one twice at its end -> to (inputs). `normal` and `surface_velocity` of the surface
+    // nearest to i; seen(j) -> AdhesionParticle.
+    template <class T, class Seen>
+    WETCURL_HD void ask(int i, int n, const Vec3<T>& normal, const Vec3<T>& surface_velocity, Seen seen,
+                        float* to) const {
+        for (int side = -1; side <= 1; ++side) {
+            const AdhesionParticle<T> p = seen(i + side < n ? i + side : i);
+            *to++ = float(p.touching);
+            *to++ = float(dot(p.v - surface_velocity, normal) * speed);
+            *to++ = float(minimum(T(4), p.phi / T(range)));
+            *to++ = p.answer;
+        }
+    }
+    // Whether the answer holds; where not, nothing pulls.
+    template <class T>
+    WETCURL_HD static bool in_contact(const T& touching) {
+        return touching > 0;
+    }
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,213 @@
+// The strands of a scene as the stepper holds them: strand-interleaved, a lane a strand; on a device, which
+// has them one after the other, in plain numbers of one lane.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/buffer_list.h"
+#include "solver/scene/rest_state.h"
+#include "solver/scene/scene.h"
+#include "solver/solids/rest_depths.h"
+
+namespace wetcurl {
+
+// Calls f(info, array) for those that the scene needs.
+template <class Holder, class F>
+void for_each_needed_array(const Scene& scene, Holder& holder, F f) {
+#define WETCURL_ROW(name, type, extent, part, use, label, needed) \
+    if (needed) f(StrandArrayInfo{label, ArrayExtent::extent, StrandPart::part, BufferUse::use}, holder.name);
+    WETCURL_STRAND_ARRAYS(WETCURL_ROW)
+#undef WETCURL_ROW
+}
+
+// Arrays of (block, particle) (terms/strand_arrays.h). S is a plain number, or S::lanes of them; the last
+// block is filled up with copies of the last strand.
+template <class S>
+struct ChainState : StrandArrays<S, HostArray> {
+    using Arrays = StrandArrays<S, HostArray>;
+    using Arrays::mass, Arrays::saturation, Arrays::rest_core, Arrays::target, Arrays::push, Arrays::x,
+        Arrays::x_before, Arrays::root, Arrays::rest_depth, Arrays::rest_length, Arrays::frame,
+        Arrays::touching;
+    static constexpr bool plain = std::is_arithmetic_v<S>;
+    static constexpr int lanes = [] {
+        if constexpr (plain)
+            return 1;
+        else
+            return S::lanes;
+    }();
+    int strands, n, blocks;
+
+    size_t at(int block, int i) const { return size_t(block) * size_t(n) + size_t(i); }
+    // The strand that a lane holds or copies; a block's strands, copies left out.
+    int strand_of(int block, int lane) const { return std::min(block * lanes + lane, strands - 1); }
+    int strands_in(int block) const { return std::min(lanes, strands - block * lanes); }
+
+    // At rest on the head's first pose.
+    explicit ChainState(const Scene& scene)
+        : strands(scene.groom.rest.count),
+          n(scene.groom.rest.particles),
+          blocks((strands + lanes - 1) / lanes) {
+        for_each_needed_array(scene, *this, [&](const StrandArrayInfo& info, auto& array) {
+            array.resize(size_t(blocks) * info.entries(n));
+        });
+        const std::vector<float> depth = rest_depths_of(scene);
+#pragma omp parallel for schedule(dynamic)
+        for (int block = 0; block < blocks; ++block)
+            for (int lane = 0; lane < lanes; ++lane) place(scene, depth, block, lane, strand_of(block, lane));
+    }
+
+    // One lane of a number, a vector, a rotation.
+    static void put(S& to, int lane, double a) {
+        if constexpr (plain)
+            to = S(a);
+        else
+            to.set(lane, Plain<S>(a));
+    }
+    static void put(Vec3<S>& to, int lane, const Vec3d& p) {
+        put(to.x, lane, p.x), put(to.y, lane, p.y), put(to.z, lane, p.z);
+    }
+    static void put(Quat<S>& to, int lane, const Quatd& q) {
+        put(to.w, lane, q.w), put(to.x, lane, q.x), put(to.y, lane, q.y), put(to.z, lane, q.z);
+    }
+    template <class U>
+    static U lane_of(const S& a, int lane) {
+        if constexpr (plain)
+            return U(a);
+        else
+            return U(a[lane]);
+    }
+    template <class U>
+    static Vec3<U> lane_of(const Vec3<S>& a, int lane) {
+        return {lane_of<U>(a.x, lane), lane_of<U>(a.y, lane), lane_of<U>(a.z, lane)};
+    }
+    template <class U>
+    static Quat<U> lane_of(const Quat<S>& a, int lane) {
+        return {lane_of<U>(a.w, lane), lane_of<U>(a.x, lane), lane_of<U>(a.y, lane), lane_of<U>(a.z, lane)};
+    }
+
+    // Calls f(particle, cell, lane) for each particle: its index in arrays (strand, particle), and where the
+    // buffers here have it. A block is one thread's, so that f may write its lane of a cell.
+    template <class F>
+    void for_each_particle(F f) const {
+        visit([&](int block) { return strands_in(block); }, f);
+    }
+    // For the copies too.
+    template <class F>
+    void for_each_lane(F f) const {
+        visit([](int) { return lanes; }, f);
+    }
+    // A buffer (block, particle) as numbers U (strand, particle); empty where it is empty. And back.
+    template <class U, class V, class To>
+    void unpack(const std::vector<V>& from, std::vector<To>& to) const {
+        to.resize(from.empty() ? 0 : size_t(strands) * size_t(n));
+        if (!from.empty())
+            for_each_particle([&](size_t id, size_t k, int lane) { to[id] = lane_of<U>(from[k], lane); });
+    }
+    template <class From, class V>
+    void pack(const std::vector<From>& from, std::vector<V>& to) const {
+        for_each_lane([&](size_t id, size_t k, int lane) { put(to[k], lane, from[id]); });
+    }
+    // All that a simulation goes on from, (strand, particle). What is empty in `from` stays as it is.
+    void save(StateArrays<double, HostArray>& to) const {
+        for_each_state_array([&](auto, const auto& array, auto& out) { unpack<double>(array, out); }, *this,
+                             to);
+    }
+    void restore(const StateArrays<double, HostArray>& from) {
+        for_each_state_array(
+            [&](auto, auto& array, const auto& values) {
+                if (!array.empty() && !values.empty()) pack(values, array);
+            },
+            *this, from);
+    }
+    // (strand, particle), 1 in contact; empty without adhesion.
+    std::vector<uint8_t> contacts() const {
+        std::vector<uint8_t> out;
+        unpack<uint8_t>(touching, out);
+        return out;
+    }
+
+    // What follows the water of one strand: `rest` at the saturation (n), null where the scene has none. What
+    // is empty in `rest` stays.
+    void put_water(const Scene& scene, int block, int lane, const StrandRest& rest, const float* sigma) {
+        for (int i = 0; i < n; ++i) {
+            const size_t k = at(block, i);
+            put(mass[k], lane, rest.mass[size_t(i)]);
+            if (!saturation.empty()) put(saturation[k], lane, sigma[i]);
+            if (i + 1 == n) continue;
+            if (!rest.rest_core.empty()) put(rest_core[k], lane, rest.rest_core[size_t(i)]);
+            if (!target.empty() && !rest.target.empty()) put(target[k], lane, rest.target[size_t(i)]);
+            if (!push.empty())
+                put(push[k], lane,
+                    scene.curl->w_h * sigma[i] * printed_edge(*scene.curl, rest.rest_length[size_t(i)], i));
+        }
+    }
+
+    // Where the arrays of a block begin.
+    StrandArrays<S, ConstPointer> pointers(int block) const {
+        StrandArrays<S, ConstPointer> whole;
+        for_each_strand_array([](auto, auto& to, const auto& array) { to = array.data(); }, whole, *this);
+        return arrays_of(whole, size_t(block), n);
+    }
+    void list(BufferList& to) const {
+        for_each_strand_array([&](const StrandArrayInfo& info,
+                                  const auto& array) { add_buffer(to, info.label, array, info.use); },
+                              *this);
+    }
+
+  private:
+    template <class Lanes, class F>
+    void visit(Lanes lanes_in, F f) const {
+#pragma omp parallel for schedule(static)
+        for (int block = 0; block < blocks; ++block)
+            for (int lane = 0; lane < lanes_in(block); ++lane) {
+                const size_t first = size_t(strand_of(block, lane)) * size_t(n);
+                for (int i = 0; i < n; ++i) f(first + size_t(i), at(block, i), lane);
+            }
+    }
+    void place(const Scene& scene, const std::vector<float>& depth, int block, int lane, int s) {
+        const Pose head = scene.motion.at(0);
+        const StrandRest rest = rest_state_of(scene, s);
+        for (int i = 0; i < n; ++i) {
+            const Vec3d p = rest.start[size_t(i)];
+            const size_t k = at(block, i), drawn = size_t(s) * size_t(n) + size_t(i);
+            const Vec3d world = head(p);
+            put(x[k], lane, world);
+            put(x_before[k], lane, world);
+            if (i < 2) put(root[size_t(block) * 2 + size_t(i)], lane, p);
+            if (!rest_depth.empty()) put(rest_depth[k], lane, depth[drawn]);
+            if (i + 1 == n) continue;
+            put(rest_length[k], lane, rest.rest_length[size_t(i)]);
+            if (!frame.empty()) put(frame[k], lane, head.rotation * rest.frame[size_t(i)]);
+        }
+        const size_t first = size_t(s) * size_t(n);
+        put_water(scene, block, lane, rest, scene.saturation.empty() ? nullptr : &scene.saturation[first]);
+    }
+};
+
+// A run that blew up has no neighbours to find; the caller asks `divergence` next. p [m].
+template <class U>
+bool is_finite(const std::vector<Vec3<U>>& p) {
+    return std::all_of(p.begin(), p.end(), [](const Vec3<U>& x) {
+        return std::abs(x.x) + std::abs(x.y) + std::abs(x.z) < U(1e6);
+    });
+}
+
+// Over the first `lanes` lanes.
+template <class S>
+double sum_of_lanes(const S& a, int lanes) {
+    double sum = 0;
+    for (int lane = 0; lane < lanes; ++lane) sum += double(a[lane]);
+    return sum;
+}
+
+// Why a run cannot go on.
+struct Divergence {
+    int strand;
+    std::string largest_term;  // the kind of energy that grew most
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,286 @@
+// A frame's schedule, on whichever device the strands are: what a scene names that acts on all strands at
+// once, and in what order.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "solver/air/air_coupling.h"
+#include "solver/chain/chain_stepper.h"
+#include "solver/pair_forces/pair_forces_coupling.h"
+#include "solver/run/simulation.h"
+#include "solver/solids/deforming_solids.h"
+#include "solver/strand_contact/strand_contact_coupling.h"
+#include "solver/water/water_coupling.h"
+
+namespace wetcurl {
+
+// Of the frame at hand, in the hair's own stages.
+struct StageSeconds {
+    double chain = 0, lists = 0, cohesion = 0;
+};
+
+// Hair is the strands of a scene on a device, and what is seen of them: CpuHair says what that is. Couplings
+// read and write its `state`, the host's view, between fetch and give.
+template <class Hair>
+class SimulationOf final : public Simulation {
+    using T = typename Hair::Number;
+    using S = typename Hair::S;
+
+  public:
+    template <class... OfHair>
+    explicit SimulationOf(const Scene& scene, const OfHair&... of_hair);
+    void advance(bool shown = true) override;
+    void begin_snapshot(RunFrame& frame) override;
+    void finish_snapshot(RunFrame& frame) const override;
+    std::optional<Divergence> divergence() const override { return hair_.divergence(); }
+    BufferList buffers() const override;
+    double neighbours_mean() const override {
+        return scene_.cohesion    ? hair_.neighbours_mean()
+               : forces_          ? forces_->neighbours_mean()
+               : between_strands_ ? between_strands_->neighbours_mean()
+                                  : 0;
+    }
+    const Vec3f* positions_on_device() const override { return hair_.positions_on_device(); }
+    long limited_edges() const override { return hair_.limited_edges(); }
+    std::optional<WaterBalance> water() const override {
+        return water_ ? std::optional(water_->balance()) : std::nullopt;
+    }
+    void use_adhesion_model(AdhesionPredictor* model) override {
+        if (model || network_) network().model = model, hair_.take_network(network_->layers());
+    }
+    void record_adhesion(std::vector<AdhesionRecord>* records) override {
+        if (records || network_) network().records = records, hair_.take_network(network_->layers());
+    }
+    SimulationState state() const override;
+    void restore(const SimulationState& state) override;
+    void count_work() override;
+    Work work() const override;
+    std::vector<double> energy() const override;
+
+  private:
+    AdhesionNetworkCoupling<S>& network() { return network_ ? *network_ : network_.emplace(); }
+    // Where all is at a time [s] when `done` substeps of a frame are.
+    PosedScene<T> posed_scene(double time, int done, bool moving = true, PosedScene<T> room = {}) const {
+        return posed_scene_at<T>(scene_, time, dt_, moving, surfaces_ ? surfaces_->after(done) : nullptr,
+                                 std::move(room));
+    }
+    // Who answers on the host for all strands at once needs them at the same substep.
+    bool alone() const { return (Hair::couples || (!forces_ && !between_strands_)) && !host_asks(); }
+    bool host_asks() const { return network_ && network_->asked() && !hair_.asks_network(); }
+    void pull_strands(GivenToChain<S>& given);
+    void ask_network(int done);
+    void run(const std::vector<PosedScene<T>>& path, bool ends_frame);
+    void follow_water();
+    void touch_strands();
+    // Calls f(name, seconds in the frame at hand) for each stage, in the order of their columns.
+    template <class Self, class F>
+    static void for_each_stage(Self& s, F f) {
+        f("chain", s.hair_.seconds.chain);
+        if (s.scene_.cohesion)
+            f("neighbours", s.hair_.seconds.lists), f("cohesion", s.hair_.seconds.cohesion);
+        if (s.water_) f("saturation", s.water_->seconds);
+        if (s.air_) f("air", s.air_->seconds);
+        if (s.surfaces_) f("level set", s.surfaces_->seconds);
+        if (s.forces_) f(s.forces_->name(), s.forces_->seconds);
+        if (s.between_strands_) f(StrandContact::name, s.between_strands_->seconds);
+    }
+
+    const Scene& scene_;
+    const double dt_;
+    double time_ = 0;
+    Hair hair_;
+    // What the scene names.
+    std::optional<typename Hair::Water> water_;
+    std::optional<typename Hair::Air> air_;
+    std::optional<typename Hair::Surfaces> surfaces_;
+    std::optional<typename Hair::Forces> forces_;
+    std::optional<typename Hair::Touching> between_strands_;
+    std::optional<AdhesionNetworkCoupling<S>> network_;  // once it is asked for
+    std::vector<PosedScene<T>> path_;                    // of the substeps at hand
+    PosedScene<T> now_;                                  // where a network is asked
+    double frame_seconds_ = 0;
+};
+
+template <class Hair>
+template <class... OfHair>
+SimulationOf<Hair>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
+    : scene_(scene), dt_(1 / (scene.fps * scene.integrator.substeps)), hair_(scene, of_hair...) {
+    if (scene.flow) water_.emplace(scene, hair_);
+    if (scene.cohesion && water_)
+        hair_.begin_display(water_->saturation(), scene.flow->reach);
+    else if (scene.cohesion)
+        hair_.begin_display(scene.saturation, 0);
+    if (scene.air) air_.emplace(scene, hair_);
+    if (scene.has_deforming_solid()) surfaces_.emplace(scene, hair_);
+    if (has_pair_forces(scene)) forces_.emplace(scene, hair_.state);
+    if (scene.strand_contact) between_strands_.emplace(scene, hair_.state);
+    hair_.take_couplings(forces_ ? &*forces_ : nullptr, between_strands_ ? &*between_strands_ : nullptr);
+    for_each_stage(*this, [&](const char* name, double) { stages.push_back(name); });
+    energy_kinds = kinds_of_energy(scene.chain);
+    if (forces_) energy_kinds.push_back(forces_->name());
+
+    if (const long steps = std::lround(scene.integrator.settle / dt_); steps > 0) {
+        const std::vector<PosedScene<T>> held(alone() ? size_t(steps) : 1, posed_scene(0, 0, false));
+        for (long k = 0; k < steps; k += long(held.size())) run(held, false);
+    }
+    hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+    hair_.seconds.chain = 0;  // frame 0 has no substeps
+}
+
+template <class Hair>
+void SimulationOf<Hair>::advance(bool shown) {
+    shown = shown || water_;
+    for_each_stage(*this, [](const char*, double& seconds) { seconds = 0; });
+    frame_seconds_ = 0;
+    const StageTimer timer(frame_seconds_);
+    if (water_) water_->advance(hair_, time_), follow_water();
+    if (air_) air_->advance(hair_, time_);
+    const int substeps = scene_.integrator.substeps;
+    if (surfaces_) surfaces_->advance(hair_, time_, substeps * dt_, substeps);
+    for (int done = 0; done < substeps;) {
+        ask_network(done);
+        path_.resize(alone() ? size_t(substeps) : 1);
+        double time = time_;
+        for (auto& p : path_) {
+            time += dt_;
+            p = posed_scene(time, ++done, true, std::move(p));
+        }
+        run(path_, shown && done == substeps);
+        time_ = time;
+    }
+    if (shown) hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+    if (air_) air_->finish();
+    if (water_) water_->finish();
+    if (surfaces_) surfaces_->finish();
+}
+
+// From the state as it is; what a network answers holds for the substep that follows.
+template <class Hair>
+void SimulationOf<Hair>::ask_network(int done) {
+    if (!hair_.asks_network() && !host_asks()) return;
+    now_ = posed_scene(time_, done, true, std::move(now_));
+    if (hair_.asks_network()) return hair_.ask_from(now_);
+    const StageTimer timer(hair_.seconds.chain);
+    hair_.fetch();
+    hair_.find_nearest(now_);
+    network_->evaluate(*scene_.term<Adhesion>(), hair_.state, hair_.nearest());
+}
+
+// Substeps from the time as it is: one where strands do not go alone.
+template <class Hair>
+void SimulationOf<Hair>::run(const std::vector<PosedScene<T>>& path, bool ends_frame) {
+    GivenToChain<S> given;
+    if constexpr (!Hair::couples) pull_strands(given);
+    if (host_asks()) given.adhesion = network_->given();
+    hair_.run(path, given, ends_frame);
+    if constexpr (!Hair::couples) touch_strands();
+}
+
+template <class Hair>
+void SimulationOf<Hair>::pull_strands(GivenToChain<S>& given) {
+    if (!forces_) return;
+    hair_.fetch(), hair_.fetch_history();
+    forces_->evaluate(hair_.state, hair_.scheme(), time_, dt_, hair_.counts_work());
+    given.force = forces_->force(), given.stiffness = forces_->stiffness();
+}
+
+template <class Hair>
+void SimulationOf<Hair>::touch_strands() {
+    if (!between_strands_) return;
+    const StageTimer timer(between_strands_->seconds);
+    hair_.fetch(), hair_.fetch_history();
+    if (!between_strands_->look(hair_.state)) return;
+    hair_.count_change(between_strands_->work, [&] { between_strands_->push(hair_.state, dt_); });
+    hair_.give_velocities();
+}
+
+// What beside the strands themselves follows the water in them; who comes within `run` reads their masses.
+template <class Hair>
+void SimulationOf<Hair>::follow_water() {
+    if (!Hair::couples && between_strands_) hair_.fetch(), between_strands_->weigh(hair_.state);
+}
+
+template <class Hair>
+std::vector<double> SimulationOf<Hair>::energy() const {
+    auto sum = hair_.energy();
+    if (forces_) sum.push_back(forces_->potential(hair_, time_));
+    return sum;
+}
+
+template <class Hair>
+void SimulationOf<Hair>::count_work() {
+    hair_.count_work();
+    if (water_) water_->work = 0;
+    if (forces_) forces_->work = 0;
+    if (between_strands_) between_strands_->work = 0;
+}
+
+template <class Hair>
+Work SimulationOf<Hair>::work() const {
+    Work sum = hair_.work();
+    if (water_) sum.water = water_->work;
+    if (forces_) sum.solids += forces_->work;
+    if (between_strands_) sum.strands = between_strands_->work;
+    return sum;
+}
+
+template <class Hair>
+SimulationState SimulationOf<Hair>::state() const {
+    hair_.fetch(), hair_.fetch_history();
+    SimulationState out;
+    out.time = time_, out.first = hair_.first;
+    if (water_) out.saturation = water_->exact();
+    hair_.state.save(out);
+    return out;
+}
+
+template <class Hair>
+void SimulationOf<Hair>::restore(const SimulationState& from) {
+    time_ = from.time, hair_.first = from.first || hair_.always_first();
+    hair_.head = scene_.motion.at(time_);
+    if (surfaces_) surfaces_->hold(time_);
+    hair_.fetch(), hair_.fetch_history();
+    hair_.state.restore(from);
+    hair_.give_state();
+    if (water_ && !from.saturation.empty()) water_->restore(from.saturation, hair_), follow_water();
+    hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+}
+
+template <class Hair>
+void SimulationOf<Hair>::begin_snapshot(RunFrame& frame) {
+    frame.head = hair_.head;
+    frame.saturation.clear(), frame.water.clear();
+    hair_.begin_record(frame);
+    if (water_) water_->begin_record(frame);
+    if (forces_) forces_->begin_record(hair_, time_);
+    frame.seconds = frame_seconds_;
+    frame.stage_seconds.clear();
+    for_each_stage(*this,
+                   [&](const char*, double seconds) { frame.stage_seconds.push_back(float(seconds)); });
+}
+
+template <class Hair>
+void SimulationOf<Hair>::finish_snapshot(RunFrame& frame) const {
+    hair_.finish_record(frame);
+    if (water_) water_->finish_record(frame);
+    if (forces_) frame.energy.push_back(float(forces_->recorded()));
+}
+
+template <class Hair>
+BufferList SimulationOf<Hair>::buffers() const {
+    BufferList list;
+    hair_.list(list);
+    if (network_) network_->list(list);
+    if (forces_) forces_->list(list);
+    if (between_strands_) between_strands_->list(list);
+    if (water_) water_->list(list);
+    if (air_) air_->list(list);
+    for (const auto& solid : scene_.solids)
+        if (const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape))
+            list.push_back({"level set of " + solid.name, (*level_set)->bytes()});
+    if (surfaces_) surfaces_->list(list);
+    return list;
+}
+
+}  // namespace wetcurl

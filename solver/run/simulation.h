@@ -1,0 +1,76 @@
+// A running simulation: what the scene names, stepped frame by frame.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/run_cache.h"
+#include "solver/adhesion/adhesion_network_coupling.h"
+#include "solver/chain/work_meter.h"
+#include "solver/scene/scene.h"
+#include "solver/water/flow_pass.h"
+
+namespace wetcurl {
+
+// All that a simulation goes on from, in double whatever it is kept in; arrays (strand, particle). Another
+// simulation may take it over: one of the same strands with another step, another mass or other terms.
+struct SimulationState : StateArrays<double, HostArray> {
+    double time = 0;
+    bool first = true;  // no history: the next substep is backward Euler
+    std::vector<double>
+        saturation;  // empty without flow; a simulation that takes it over counts its water anew
+};
+
+class Simulation {
+  public:
+    virtual ~Simulation() = default;
+    // One frame: the substeps, then the displayed positions. Where a frame is not `shown`, and nothing in the
+    // scene reads them, these stay as they were, and a snapshot or `divergence` may be of the last one shown.
+    virtual void advance(bool shown = true) = 0;
+    // The state as it is; `frame` is filled whole.
+    void snapshot(RunFrame& frame) { begin_snapshot(frame), finish_snapshot(frame); }
+    // The same in two halves: the second may wait for what comes from a device, on another thread, while the
+    // next frame is computed. One frame at a time.
+    virtual void begin_snapshot(RunFrame& frame) = 0;
+    virtual void finish_snapshot(RunFrame& frame) const = 0;
+    // The first strand that is not finite or has left the scene (ten strand lengths from its root).
+    virtual std::optional<Divergence> divergence() const = 0;
+    virtual BufferList buffers() const = 0;
+    virtual double neighbours_mean() const = 0;
+    // Where a device keeps the positions (strand, particle) [m] of the frame shown last, the same place as
+    // long as the simulation lives: whoever reads them there must be through when the next frame begins.
+    // null: on the CPU.
+    virtual const Vec3f* positions_on_device() const { return nullptr; }
+    virtual long limited_edges() const = 0;  // by the strain limiter, so far
+    virtual void use_adhesion_model(AdhesionPredictor* model) = 0;
+    // Of the flow, where the scene has one.
+    virtual std::optional<WaterBalance> water() const { return std::nullopt; }
+    // From now on every substep's particles near solids are appended to `records` (null: stop).
+    virtual void record_adhesion(std::vector<AdhesionRecord>* records) = 0;
+    // These throw Error where the device does not offer them.
+    virtual SimulationState state() const { return not_here<SimulationState>(); }
+    // What `state` leaves empty, or holds for what this scene does not name, stays as it is.
+    virtual void restore(const SimulationState&) { not_here<int>(); }
+    // From now on the work done on the hair is counted; it costs some time.
+    virtual void count_work() { not_here<int>(); }
+    virtual Work work() const { return not_here<Work>(); }
+    // [J] of each kind, in double.
+    virtual std::vector<double> energy() const { return not_here<std::vector<double>>(); }
+
+    std::vector<std::string> energy_kinds;  // columns of RunFrame::energy
+    std::vector<std::string> stages;        // columns of RunFrame::stage_seconds
+
+  private:
+    template <class Value>
+    [[noreturn]] static Value not_here() {
+        throw Error("state, energy and work of a simulation are read on the CPU alone");
+    }
+};
+
+// `precision`: "float" or "double". The scene must outlive the simulation.
+std::unique_ptr<Simulation> make_simulation(const Scene& scene, const std::string& precision);
+std::unique_ptr<Simulation> make_simulation(Scene&&, const std::string&) = delete;
+
+}  // namespace wetcurl

@@ -1,0 +1,142 @@
+// A scene: what a TOML file names, as values. A table that is not written is not there.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/config.h"
+#include "base/geometry/shapes.h"
+#include "base/strands.h"
+#include "solver/compared/list.h"
+#include "solver/motion/deformation.h"
+#include "solver/motion/motion.h"
+#include "solver/terms/air.h"
+#include "solver/terms/cohesion.h"
+#include "solver/terms/curl.h"
+#include "solver/terms/flow.h"
+#include "solver/terms/list.h"
+#include "solver/terms/strand_contact.h"
+#include "solver/terms/wetness.h"
+
+namespace wetcurl {
+
+struct Integrator {
+    // implicit: BDF2; backward_euler: implicit, of order one; explicit: symplectic Euler, the paper's
+    std::string kind = "implicit";
+    int substeps = 10;           // a frame
+    int max_linearisations = 4;  // in a substep (key `looks`)
+    double relinearise_angle =
+        0.002;          // [rad] rotation of an edge above which a substep is linearised again (key `turn`)
+    double settle = 0;  // [s] simulated before frame 0 with everything held at its first pose
+    Vec3d gravity{0, -9.81, 0};
+    bool is_implicit() const { return kind != "explicit"; }
+};
+
+struct Solid {
+    std::string name;
+    Shape shape;                                     // of a rigid one
+    std::shared_ptr<const Deformation> deformation;  // in its place; null: rigid
+    double spacing = 0;                              // [m] of a mesh's level set; 0: the usual one
+    Motion motion;
+    bool attached = false;  // to the head
+    double friction = 0.3;  // Coulomb
+    Pose at(double time, const Pose& head) const { return attached ? head : motion.at(time); }
+};
+
+// The network that `infer` runs in place of the physics; the solver knows its name alone.
+struct Learned {
+    std::string model;        // file; trained or not yet
+    std::string reconstruct;  // paper | core; "": the model's own
+    // Of Eq 18, for models of the root codec.
+    std::optional<double> gain;  // kappa; none: the model's own
+    std::string units;           // length | printed; "": the model's own
+};
+
+struct Scene {
+    std::string title;
+    int frames = 100;
+    double fps = 24;
+    unsigned long long seed = 1;
+    double linear_density = 6.5e-6;  // [kg/m] of dry hair: 1300 kg/m^3, 80 um across
+    double volume_density = 1300;    // rho [kg/m^3]
+    std::string rest = "drawn";      // drawn | sag_free
+    Integrator integrator;
+    ChainTerms chain;
+    Slot<Wetness> wetness;
+    Slot<Flow> flow;  // of the water
+    Slot<Curl> curl;
+    Slot<Cohesion> cohesion;
+    Slot<StrandContact> strand_contact;
+    Slot<Air> air;
+    std::string adhesion_model;  // file of a network in Eq 11's place; "": Eq 11
+    Baselines baselines;         // compared methods in place of ours, part by part
+    std::optional<Learned> learned;
+    Motion motion;
+    std::vector<Solid> solids;
+
+    Groom groom;  // of this run: the full groom, thinned by `stride`
+    int stride = 1;
+    std::vector<float> saturation;   // (strand, particle) at the start; empty without wetness
+    std::string text, folder;        // the resolved TOML, and where its relative paths start
+    std::vector<std::string> files;  // what it was read from: scene, includes, hair, meshes, networks
+
+    template <class Term>
+    Slot<Term>& term() {
+        return std::get<Slot<Term>>(chain);
+    }
+    template <class Term>
+    const Slot<Term>& term() const {
+        return std::get<Slot<Term>>(chain);
+    }
+    template <class Method>
+    const Slot<Method>& baseline() const {
+        return std::get<Slot<Method>>(baselines);
+    }
+    bool names_baseline() const {
+        bool any = false;
+        for_each_present(baselines, [&](const auto&) { any = true; });
+        return any;
+    }
+    bool has_deforming_solid() const {
+        for (const auto& s : solids)
+            if (s.deformation) return true;
+        return false;
+    }
+    bool has_attached_solid() const {
+        for (const auto& s : solids)
+            if (s.attached) return true;
+        return false;
+    }
+};
+
+struct SceneOptions {
+    std::vector<std::string> set;        // key.path=value
+    std::optional<int> frames, strands;  // --frames, --strands
+    std::optional<long> seed;
+    std::string groom;  // a hair file in place of the scene's groom
+    int stride = 0;     // exactly this stride of the full grid, where above 0
+};
+
+// Reads and checks a scene; builds its groom, wetness and level sets. Throws Misuse (a wrong key or value,
+// with file and line) or Error (bad data).
+Scene load_scene(const std::string& path, const SceneOptions& options = {});
+Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder,
+                  const SceneOptions& options = {});
+Scene parse_scene(const Config& config, const SceneOptions& options = {});
+
+// The scene as a dry one: no wet weight, curl, cohesion, adhesion, nor a compared method of them; its
+// saturation is kept as a record.
+void make_dry(Scene& scene);
+// The scene before cohesion: without Eq 10, which moves what is displayed alone. Strands move the same. A
+// scene whose cohesion acts in the solve too stays as it is.
+void leave_out_display(Scene& scene);
+
+// Whether anything of the scene acts on wet hair.
+bool acts_wet(const Scene& scene);
+
+// Of a run of it: "simulated dry", "simulated wet", and the compared methods that it names.
+std::string method_of(const Scene& scene);
+
+}  // namespace wetcurl

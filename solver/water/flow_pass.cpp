@@ -1,0 +1,143 @@
+// The flow of water on the CPU.
+#include "solver/water/flow_pass.h"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "solver/scene/rest_state.h"
+
+namespace wetcurl {
+
+// Where segments have no length there is next to no hair, but no division by nothing.
+FlowHair::FlowHair(const Strands& rest, double density) : length(rest.points.size()) {
+    const size_t n = size_t(rest.particles);
+    for (int s = 0; s < rest.count; ++s) {
+        const auto p = points_of(rest, s);
+        for (double m : dry_masses(p, density)) mass.push_back(std::max(m, 1e-30));
+        for (size_t i = 0; i + 1 < n; ++i) length[size_t(s) * n + i] = std::max(norm(p[i + 1] - p[i]), 1e-9);
+    }
+}
+
+WaterBalance water_balance(double absorbed, double start, double held,
+                           const std::vector<FlowLedger>& ledger) {
+    WaterBalance out{absorbed * start, absorbed * held, 0, 0, 0};
+    for (const auto& l : ledger)
+        out.taken += absorbed * l.taken, out.dripped += absorbed * l.dripped, out.dried += absorbed * l.dried;
+    return out;
+}
+
+FlowPass::FlowPass(const Flow& flow, const Strands& rest, double density, double absorbed,
+                   const std::vector<float>& saturation)
+    : flow_(flow),
+      strands_(rest.count),
+      n_(rest.particles),
+      density_(density),
+      absorbed_(absorbed),
+      hair_(rest, density),
+      next_(rest.points.size()),
+      limit_(rest.points.size()),
+      shown_(rest.points.size()) {
+    restore({saturation.begin(), saturation.end()});
+}
+
+FlowKernelBody FlowPass::bodies() {
+    return {
+        flow_,         density_,      n_, hair_.mass.data(), hair_.length.data(), sigma_.data(), next_.data(),
+        limit_.data(), ledger_.data()};
+}
+
+void FlowPass::restore(const std::vector<double>& saturation) {
+    sigma_ = saturation;
+    ledger_.assign(size_t(strands_), FlowLedger{});
+    start_ = held();
+    show();
+}
+
+void FlowPass::show() { std::copy(sigma_.begin(), sigma_.end(), shown_.begin()); }
+
+double FlowPass::held() const { return water_held(hair_.mass.data(), sigma_.data(), sigma_.size()); }
+
+WaterBalance FlowPass::water() const { return water_balance(absorbed_, start_, held(), ledger_); }
+
+void FlowPass::wet(const Strands& p, double time, double dt) {
+    const FlowKernelBody b = bodies();
+    for (const auto& source : flow_.sources) {
+        const FlowingSource now = source.over(time, dt);
+        if (now.taken == 0) continue;
+#pragma omp parallel for schedule(static)
+        for (int s = 0; s < strands_; ++s) b.wet(s, now, p.points.data());
+    }
+}
+
+void FlowPass::run_along(const Strands& p, double dt, const Vec3d& gravity) {
+    const FlowKernelBody b = bodies();
+    const Vec3d down = flow_.down(gravity);
+    rows_.resize(size_t(omp_get_max_threads()));
+#pragma omp parallel
+    {
+        auto& rows = rows_[size_t(omp_get_thread_num())];
+        rows.assign(size_t(n_), FlowRow{});
+#pragma omp for schedule(static)
+        for (int s = 0; s < strands_; ++s) b.run_along(s, p.points.data(), dt, down, rows.data());
+    }
+}
+
+void FlowPass::search(const Strands& p) {
+    const size_t count = p.points.size(), padded = count + NeighborList::padding;
+    grid_.build(p.points.data(), count, float(flow_.reach));
+    any_source_.assign(padded, 1.f);
+    for (size_t k = 0; k < count; ++k) grid_.points().set_group(k, grid_.order()[k] / uint32_t(n_));
+    list_.build(grid_, any_source_, float(flow_.reach));
+}
+
+void FlowPass::exchange(double dt, const NeighborGrid& grid, const NeighborList& list) {
+    const FlowKernelBody b = bodies();
+    const auto& id = grid.order();
+    const PointQuads& x = grid.points();
+    const float square = float(flow_.reach * flow_.reach);
+    auto for_each_contact = [&](size_t k, auto visit) {
+        const Vec3f own = x.at(k);
+        list.visit_neighbours(k, [&](size_t j) {
+            // The lists may hold neighbours much further away.
+            const Vec3f d = x.at(j) - own;
+            if (const float r = dot(d, d); r < square) visit(size_t(id[j]), std::sqrt(double(r)));
+        });
+    };
+    const long count = long(grid.size());
+#pragma omp parallel for schedule(static)
+    for (long k = 0; k < count; ++k)
+        b.find_limit(id[size_t(k)], dt, [&](auto visit) { for_each_contact(size_t(k), visit); });
+#pragma omp parallel for schedule(static)
+    for (long k = 0; k < count; ++k)
+        b.pass_on(id[size_t(k)], dt, [&](auto visit) { for_each_contact(size_t(k), visit); });
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < strands_; ++s) b.shed_excess(s, b.next);
+}
+
+void FlowPass::dry(double dt) {
+    const FlowKernelBody b = bodies();
+    const double share = flow_.dried(dt);
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < strands_; ++s) b.dry(s, share);
+}
+
+void FlowPass::step(const Strands& p, double time, double dt, const Vec3d& gravity, const NeighborGrid* grid,
+                    const NeighborList* list) {
+    wet(p, time, dt);
+    run_along(p, dt, gravity);
+    if (!grid) search(p), grid = &grid_, list = &list_;
+    exchange(dt, *grid, *list);
+    dry(dt);
+    show();
+}
+
+size_t FlowPass::bytes() const {
+    const size_t doubles = sigma_.capacity() + next_.capacity() + hair_.mass.capacity() +
+                           hair_.length.capacity() + limit_.capacity() + 3 * ledger_.capacity();
+    return doubles * sizeof(double) + (shown_.capacity() + any_source_.capacity()) * sizeof(float) +
+           grid_.bytes() + list_.bytes();
+}
+
+}  // namespace wetcurl

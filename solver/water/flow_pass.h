@@ -1,0 +1,60 @@
+// The flow of water over a frame: sources, along each strand, between strands in contact, drying.
+// Gathers only; each particle and each strand writes its own slot, so the result is the same for any number
+// of threads, and what leaves one particle reaches another to rounding.
+#pragma once
+
+#include <vector>
+
+#include "base/geometry/neighbor_list.h"
+#include "solver/water/flow_kernel_body.h"
+
+namespace wetcurl {
+
+class FlowPass {
+  public:
+    // `rest`: strands whose segments keep their length [m]; `density`: their dry mass a length [kg/m];
+    // `absorbed`: m_absorbed; `saturation` (strand, particle) at the start, in [0, 1].
+    FlowPass(const Flow& flow, const Strands& rest, double density, double absorbed,
+             const std::vector<float>& saturation);
+
+    // dt [s] from `time` on, strands at p, under `gravity` [m/s²]. `grid` and `list` hold p and every
+    // neighbour within `reach`; null: they are searched here.
+    void step(const Strands& p, double time, double dt, const Vec3d& gravity, const NeighborGrid* grid,
+              const NeighborList* list);
+
+    // Its stages.
+    void wet(const Strands& p, double time, double dt);
+    void run_along(const Strands& p, double dt, const Vec3d& gravity);
+    void exchange(double dt, const NeighborGrid& grid, const NeighborList& list);
+    void dry(double dt);
+
+    const std::vector<double>& exact() const { return sigma_; }         // (strand, particle)
+    const std::vector<float>& saturation() const { return shown_; }     // the same, as others read it
+    const std::vector<double>& dry_mass() const { return hair_.mass; }  // (strand, particle) [kg]
+    // Another saturation; the balance begins anew.
+    void restore(const std::vector<double>& saturation);
+    WaterBalance water() const;
+    size_t bytes() const;
+
+  private:
+    FlowKernelBody bodies();
+    double held() const;
+    void search(const Strands& p);
+    void show();
+
+    const Flow flow_;
+    const int strands_, n_;
+    const double density_, absorbed_;
+    double start_ = 0;
+    const FlowHair hair_;
+    std::vector<double> sigma_, next_, limit_;  // (strand, particle)
+    std::vector<float> shown_;
+    std::vector<FlowLedger> ledger_;          // (strand)
+    std::vector<std::vector<FlowRow>> rows_;  // (thread, particle)
+    // Where nobody else searches.
+    NeighborGrid grid_;
+    NeighborList list_;
+    std::vector<float> any_source_;
+};
+
+}  // namespace wetcurl
