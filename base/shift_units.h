@@ -15,6 +15,12 @@ inline const std::vector<std::string> shift_units_names{"length", "printed"};
 ShiftUnits shift_units_named(const std::string& name);
 std::string name_of(ShiftUnits units);
 
+// What the command line says of Eq 16's.
+inline constexpr const char* colour_units_help =
+    "how the shift of wet roots, which are the colours (Eq 16), is read: length (default), times the square "
+    "of the "
+    "support radius, or printed, SI numbers without it";
+
 // Of kappa, the gain of Eq 18, which is never negative.
 inline constexpr double largest_gain = 1e12;
 

@@ -6,10 +6,11 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/commands.h"
+#include "app/commands/bench.h"
 #include "app/engine/device.h"
 #include "app/files/results.h"
 #include "base/interrupt.h"
@@ -183,6 +184,13 @@ std::vector<Entry> chosen(const BenchOptions& o) {
 }  // namespace
 
 }  // namespace bench
+
+void add_options(CLI::App& app, BenchOptions& o) {
+    app.add_option("--filter", o.filter, "only entries whose name holds this text");
+    app.add_option("--model", o.models, "time learned frames of this model too (repeatable)")
+        ->expected(1)
+        ->take_all();
+}
 
 int bench_command(const BenchOptions& o) {
     using namespace bench;

@@ -1,12 +1,14 @@
 // `wetcurl compare`: how far runs are from a reference, and what a frame of each costs.
+#include "app/commands/compare.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/commands.h"
 #include "app/measures/comparison.h"
 
 namespace wetcurl {
@@ -122,6 +124,14 @@ std::string compare_columns() {
         out += fmt::format("  {:<9}{:<10}{}\n", name, column.unit, column.meaning);
     }
     return out;
+}
+
+void add_options(CLI::App& app, CompareOptions& o) {
+    app.add_option("reference", o.reference, "REFERENCE.h5")->required();
+    app.add_option("others", o.others, "OTHER.h5")->required();
+    app.footer(compare_columns());
+    app.add_option("--first-frame", o.first_frame, "leave out the frames before this one")
+        ->check(CLI::NonNegativeNumber);
 }
 
 int compare_command(const CompareOptions& options) {

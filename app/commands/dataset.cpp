@@ -1,8 +1,11 @@
 // `wetcurl dataset`: many scenes, dry at low and wet at high resolution, to pairs in shards.
+#include "app/commands/dataset.h"
+
 #include <fmt/format.h>
 #include <omp.h>
 
 #include <atomic>
+#include <CLI/CLI.hpp>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -12,7 +15,6 @@
 #include <set>
 #include <sstream>
 
-#include "app/commands/commands.h"
 #include "app/commands/dataset_recipe.h"
 #include "app/engine/device.h"
 #include "app/engine/learned_hair.h"
@@ -373,6 +375,14 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
 }
 
 }  // namespace
+
+void add_options(CLI::App& app, DatasetOptions& o) {
+    app.add_option("recipe", o.recipe, "recipe (TOML): the scenes, picked and drawn")->required();
+    app.add_option("-o,--output", o.output, "folder")->required();
+    app.add_option("--part", o.part,
+                   "K/N: every N-th scene alone, to share the work; mpirun and srun say it themselves");
+    app.add_flag("--resume", o.resume, "make what is not there yet");
+}
 
 int dataset_command(const DatasetOptions& o) {
     require_device(o.device);

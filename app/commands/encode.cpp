@@ -1,12 +1,14 @@
 // `wetcurl encode`: runs, or for adhesion scenes, to what training reads.
+#include "app/commands/encode.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/commands.h"
 #include "app/engine/run_of_scene.h"
 #include "app/files/results.h"
 #include "base/interrupt.h"
@@ -172,6 +174,16 @@ std::string kept_of(const EncodeOptions& o) {
 }
 
 }  // namespace
+
+void add_options(CLI::App& app, EncodeOptions& o) {
+    app.add_option("runs", o.inputs, "DRY.h5 WET.h5, repeatable; for adhesion: scenes to run")->required();
+    app.add_option("-o,--output", o.output, "pairs file (HDF5)")->required();
+    app.add_option("--codec", o.codec, "root | strand | adhesion")
+        ->check(CLI::IsMember({"root", "strand", "adhesion"}))
+        ->capture_default_str();
+    app.add_option("--colour-units", o.colour_units, std::string("for the root codec: ") + colour_units_help)
+        ->check(CLI::IsMember(shift_units_names));
+}
 
 int encode_command(const EncodeOptions& o) {
     check_files(o, o.output, o.inputs);

@@ -1,9 +1,11 @@
 // `wetcurl import`: reads strands of another program, reports on them, writes them in metres, Y up.
+#include "app/commands/import.h"
+
 #include <algorithm>
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/commands.h"
 #include "app/files/results.h"
 #include "solver/grooms/groom.h"
 
@@ -81,6 +83,18 @@ void print(const ImportOptions& options, const ImportedStrands& in, const Extent
 }
 
 }  // namespace
+
+void add_options(CLI::App& app, ImportOptions& o) {
+    app.add_option("input", o.input, ".hair .data .bin .ply .tfx")->required();
+    app.add_option("output", o.output, ".hair or .data; none: report only");
+    app.add_option("--units", o.units, "of the file")
+        ->check(CLI::IsMember({"m", "cm", "mm", "auto"}))
+        ->capture_default_str();
+    app.add_option("--up", o.up, "axis")->check(CLI::IsMember({"y", "z"}))->capture_default_str();
+    app.add_option("--resample", o.resample, "particles a strand; 0: as it is")->check(CLI::Range(0, 100000));
+    app.add_option("--scalp", o.scalp,
+                   "head mesh in the units of the hair: depth of roots, and the grid laid on it");
+}
 
 int import_command(const ImportOptions& options) {
     const FileUnits meant{options.units, options.up};

@@ -1,13 +1,15 @@
 // `wetcurl inspect`: what a file holds, and what a scene names and leaves out.
+#include "app/commands/inspect.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <omp.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "app/commands/commands.h"
 #include "app/engine/device.h"
 #include "app/engine/run_solids.h"
 #include "app/files/results.h"
@@ -247,6 +249,15 @@ Json device_json() {
 }
 
 }  // namespace
+
+void add_options(CLI::App& app, InspectOptions& o) {
+    app.add_option("what", o.what, "scene | run | pairs | model | terms | device")
+        ->required()
+        ->check(CLI::IsMember({"scene", "run", "pairs", "model", "terms", "device"}));
+    app.add_option("file", o.file, "the file");
+    app.add_option("-o,--output", o.output)->group("");  // once images of pairs: said in the error
+    app.footer("`wetcurl render --image PAIRS.h5 -o out.png` draws the geometry images of pairs.");
+}
 
 int inspect_command(const InspectOptions& o) {
     if (!o.output.empty())

@@ -58,11 +58,22 @@ std::string beside(const std::string& model, const std::string& what) {
                             where, commands));
 }
 
+// Of a released model, which a checkout lacks: its training is no default one.
+void refer_to_card(const std::string& file, const std::string& where) {
+    const fs::path card = fs::path(file).replace_extension(".md");
+    if (fs::exists(card))
+        throw Error(fmt::format(
+            "{}: {} names it, and there is no such file; it is a released model, which comes with "
+            "the sources, and {} says how it was made",
+            shorter(file), where, shorter(card.string())));
+}
+
 }  // namespace
 
 void require_model_of_strands(const std::string& file, const std::string& where, const RunsToLearnFrom& runs,
                               const CommonOptions& o) {
     if (fs::exists(file)) return;
+    refer_to_card(file, where);
     const std::string model = shorter(file), scene = word(runs.scene), set = scene_options(o),
                       wet = beside(model, "wet"), pairs = beside(model, "pairs");
     std::string low = word(runs.low), commands;
@@ -83,6 +94,7 @@ void require_model_of_strands(const std::string& file, const std::string& where,
 void require_model_of_adhesion(const std::string& file, const std::string& where,
                                const std::string& scene_file, const CommonOptions& o) {
     if (fs::exists(file)) return;
+    refer_to_card(file, where);
     const std::string model = shorter(file), pairs = beside(model, "pairs");
     fail(file, where,
          fmt::format("  wetcurl encode {} --codec adhesion{} -o {}\n  wetcurl train adhesion {}{} -o {}",

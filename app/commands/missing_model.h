@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "app/commands/commands.h"
+#include "app/files/common_options.h"
 #include "solver/scene/scene.h"
 
 namespace wetcurl {
@@ -18,8 +18,9 @@ struct RunsToLearnFrom {
     std::string codec;      // strand | root
 };
 
-// Throws Error where `model`, which `where` names, is no file; the message lists the commands that make it.
-// Options of the command line that change the scene (--set, --seed) are repeated in them.
+// Throws Error where `model`, which `where` names, is no file; the message lists the commands that make it,
+// or names the card beside it, NAME.md, that says how it was made. Options of the command line that change
+// the scene (--set, --seed) are repeated in them.
 void require_model_of_strands(const std::string& model, const std::string& where, const RunsToLearnFrom& runs,
                               const CommonOptions& o);
 void require_model_of_adhesion(const std::string& model, const std::string& where,

@@ -1,9 +1,11 @@
 // `wetcurl plot`: the energy of runs over time (the paper, Sec. VI.I) or the time of their frames (Fig. 40),
 // the loss of trainings, an adhesion network beside Eq 11, or charts of JSON files.
+#include "app/commands/plot.h"
+
 #include <algorithm>
+#include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "app/commands/commands.h"
 #include "app/drawing/chart_file.h"
 #include "app/drawing/image_file.h"
 #include "app/drawing/plot_charts.h"
@@ -72,6 +74,24 @@ std::vector<Chart> charts_of(const PlotOptions& o) {
 }
 
 }  // namespace
+
+void add_options(CLI::App& app, PlotOptions& o) {
+    app.add_option(
+           "runs", o.runs,
+           "RUN.h5; logs of trainings: MODEL.h5.jsonl, each on its own logarithmic axis; PAIRS.h5 of codec "
+           "adhesion; or charts: CHART.json {\"title\", \"x_label\", \"y_label\", \"dx\", \"curves\": "
+           "[{\"name\", "
+           "\"values\"}]}")
+        ->required();
+    app.add_flag("--time", o.time,
+                 "of runs: the time of each frame by stage, in place of energy (as in Fig. 40)");
+    app.add_option("--model", o.model,
+                   "adhesion network to draw on PAIRS.h5: its answers against the targets, over phi/h beside "
+                   "Eq 11, and what each input is worth");
+    app.add_option("-o,--output", o.output, "out.png")->required();
+    app.add_option("--width", o.width, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
+    app.add_option("--height", o.height, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
+}
 
 int plot_command(const PlotOptions& o) {
     check(o);

@@ -1,11 +1,13 @@
 // `wetcurl render`: runs side by side, or (--image) geometry images, as a picture of one frame or a video of
 // all.
+#include "app/commands/render.h"
+
 #include <algorithm>
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 
-#include "app/commands/commands.h"
 #include "app/drawing/geometry_film.h"
 #include "app/drawing/image_file.h"
 #include "app/drawing/picture.h"
@@ -49,7 +51,7 @@ class RunReel final : public Reel {
 
     Image draw(int f) override {
         std::vector<Image> panels;
-        for (const auto& run : runs_) panels.push_back(draw_run(*run, f));
+        for (size_t k = 0; k < runs_.size(); ++k) panels.push_back(draw_run(k, f));
         if (options_.saturation) draw_saturation_legend(panels.back());
         return side_by_side(panels);
     }
@@ -71,7 +73,8 @@ class RunReel final : public Reel {
         camera_ = fitted_camera(extent, options_.yaw, options_.width, options_.height);
     }
 
-    Image draw_run(const RunReader& run, int f) const {
+    Image draw_run(size_t k, int f) const {
+        const RunReader& run = *runs_[k];
         const RunHeader& header = run.header();
         const RunFrame frame = run.frame(f);
         // A dry run records its wetness as well; only the colours asked for show it.
@@ -82,7 +85,8 @@ class RunReel final : public Reel {
         panel.solids = solids_of(header, frame, f / header.fps);
         Image image = draw_panel(panel, camera_, options_.saturation);
         if (options_.labels)
-            draw_label(image, header.method + ", " + std::to_string(frame.seen().count) + " strands, frame " +
+            draw_label(image, (options_.label.empty() ? header.method : options_.label[k]) + ", " +
+                                  std::to_string(frame.seen().count) + " strands, frame " +
                                   std::to_string(f));
         return image;
     }
@@ -135,6 +139,10 @@ void check(const RenderOptions& o, const std::string& extension) {
         throw Misuse("render: --pixels " + std::to_string(o.pixels) + ": allowed are 16 to 8192");
     if (o.image && o.run < 0)
         throw Misuse("render: --run " + std::to_string(o.run) + ": allowed is 0 or more");
+    if (!o.label.empty() && o.label.size() != o.runs.size())
+        throw Misuse("render: found --label " + std::to_string(o.label.size()) +
+                     " times, allowed is once for each of " + std::to_string(o.runs.size()) +
+                     " runs, in their order");
     if (!(std::abs(o.yaw) <= 360))
         throw Misuse("render: --yaw " + std::to_string(o.yaw) + ": allowed are -360 to 360 degrees");
     refuse_scene_options(o, "render");
@@ -143,6 +151,42 @@ void check(const RenderOptions& o, const std::string& extension) {
 }
 
 }  // namespace
+
+void add_options(CLI::App& app, RenderOptions& o) {
+    app.add_option("runs", o.runs,
+                   "RUN.h5; with --image: runs, PAIRS.h5 with any models of its codec, or models")
+        ->required();
+    app.add_option("-o,--output", o.output, "out.png, out.mp4 or out.webm")->required();
+    app.add_option("--frame", o.frame, "one frame (default: all for a video, the last for a picture)")
+        ->check(CLI::NonNegativeNumber);
+    CLI::Option* of_strands[] = {
+        app.add_option("--width", o.width, "of one panel, 16 to 8192 [pixels]")->capture_default_str(),
+        app.add_option("--height", o.height, "of one panel, 16 to 8192 [pixels]")->capture_default_str(),
+        app.add_option("--yaw", o.yaw, "of the camera around the head, -360 to 360 [degrees]")
+            ->capture_default_str(),
+        app.add_option("--label", o.label, "of a panel, in place of its run's method (repeatable, one a run)")
+            ->expected(1)
+            ->take_all(),
+        app.add_flag("--saturation", o.saturation, "colour by saturation (red wet, blue dry)"),
+        app.add_flag_callback(
+            "--no-labels", [&o] { o.labels = false; }, "no text under the panels")};
+    CLI::Option* image = app.add_flag(
+        "--image", o.image,
+        "geometry images, a strand a square: of a run its roots (Eq 14, wet ones after Eq 16); of pairs "
+        "input, target and residual; with models their predictions too; of a model its first layer");
+    for (CLI::Option* option : of_strands) image->excludes(option);
+    app.add_option("--run", o.run, "with --image: which of the runs in PAIRS.h5")
+        ->check(CLI::NonNegativeNumber)
+        ->needs(image)
+        ->capture_default_str();
+    app.add_option("--pixels", o.pixels, "with --image: least side of a panel, 16 to 8192")
+        ->needs(image)
+        ->capture_default_str();
+    app.footer(
+        "Geometry images: codec root shows its colours; codec strand the offset of the tip from the root in "
+        "the strand's root frame (red x, green y along the scalp's normal, blue z; grey: none). Pixels "
+        "without a strand are hatched.");
+}
 
 int render_command(const RenderOptions& options) {
     const std::string extension = std::filesystem::path(options.output).extension().string();

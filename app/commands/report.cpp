@@ -1,11 +1,13 @@
 // `wetcurl report`: learned beside simulated hair, as one HTML file to open and as JSON.
+#include "app/commands/report.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 
-#include "app/commands/commands.h"
 #include "app/drawing/chart.h"
 #include "app/measures/comparison.h"
 #include "app/report/report_page.h"
@@ -130,6 +132,21 @@ void describe_runs(const ReportOptions& o, const std::vector<Comparison>& others
 }
 
 }  // namespace
+
+void add_options(CLI::App& app, ReportOptions& o) {
+    app.add_option("runs", o.runs, "REFERENCE.h5 OTHER.h5...");
+    app.add_option(
+        "--table", o.table,
+        "comparisons over many scenes: FOLDER/ROW/SCENE.json, of compare --json; ROW@1, ROW@2: seeds of "
+        "one training");
+    app.add_option("--stability", o.stability, "what stability --json wrote");
+    app.add_option("--training", o.trainings, "log of a training, MODEL.h5.jsonl (repeatable)")
+        ->expected(1)
+        ->take_all();
+    app.add_option("--first-frame", o.first_frame, "leave out the frames before this one")
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("-o,--output", o.output, "o.html");
+}
 
 int report_command(const ReportOptions& o) {
     check(o);

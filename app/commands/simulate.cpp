@@ -1,13 +1,15 @@
 // `wetcurl simulate`: the physics of a scene into a run cache.
+#include "app/commands/simulate.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <omp.h>
 
+#include <CLI/CLI.hpp>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "app/commands/commands.h"
 #include "app/commands/missing_model.h"
 #include "app/engine/device.h"
 #include "app/engine/network_adhesion.h"
@@ -20,6 +22,28 @@
 #include "solver/chain/scene_checks.h"
 
 namespace wetcurl {
+
+void add_options(CLI::App& app, SimulateOptions& o) {
+    app.add_option("scene", o.scene,
+                   "scene file (TOML), or a run (HDF5): the scene it was made from, whole and wet unless "
+                   "other options "
+                   "say so")
+        ->required();
+    app.add_option("-o,--output", o.output, "run cache (HDF5)")->required();
+    app.add_option("--frames", o.frames, "frames in place of the scene's")->check(CLI::Range(1, 1000000));
+    app.add_option("--strands", o.strands,
+                   "at most this many strands: the largest grid that nests in the scene's")
+        ->check(CLI::Range(1, 100000000));
+    app.add_option("--groom", o.groom, "hair file in place of the scene's groom");
+    app.add_option("--precision", o.precision, "float | double")
+        ->check(CLI::IsMember({"float", "double"}))
+        ->capture_default_str();
+    app.add_flag("--dry", o.dry, "leave out all that acts on wet hair; the wetness is recorded");
+    app.add_flag("--before-cohesion", o.before_cohesion,
+                 "leave out Eq 10, which moves what is displayed alone: a low-resolution run to infer from");
+    app.add_flag("--reference", o.reference,
+                 "run in double with 160 substeps beside it and report the distance");
+}
 
 int simulate_command(const SimulateOptions& o) {
     require_device(o.device);

@@ -1,8 +1,11 @@
 // `wetcurl stability`: the battery S1-S9 on every way of stepping, as a table and as JSON.
+#include "app/commands/stability.h"
+
 #include <fmt/format.h>
 #include <omp.h>
 
 #include <algorithm>
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -10,7 +13,6 @@
 #include <set>
 #include <sstream>
 
-#include "app/commands/commands.h"
 #include "app/files/results.h"
 #include "base/interrupt.h"
 #include "base/log.h"
@@ -94,6 +96,17 @@ void require_rest(const Scene& scene, const std::string& name) {
 }
 
 }  // namespace
+
+void add_options(CLI::App& app, StabilityCommandOptions& o) {
+    app.add_option("scene", o.scene,
+                   "scene (TOML) whose head comes to rest, for S9 in place of the battery's own");
+    app.add_option("--method", o.methods, "by name (repeatable); none: all")->expected(1)->take_all();
+    app.add_option("--case", o.only, "S1 to S9 (repeatable); none: all")
+        ->expected(1)
+        ->take_all()
+        ->check(CLI::IsMember({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"}));
+    app.add_flag("--quick", o.quick, "fewer values of each parameter: under a minute");
+}
 
 int stability_command(const StabilityCommandOptions& o) {
     refuse_device(o, "stability");

@@ -1,11 +1,14 @@
 // `wetcurl train`: a network on pairs files, by the library that holds LibTorch.
+#include "app/commands/train.h"
+
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/commands.h"
+#include "app/engine/device.h"
 #include "app/files/results.h"
 #include "base/log.h"
 #include "base/progress.h"
@@ -13,6 +16,29 @@
 #include "learn/codec/network_module.h"
 
 namespace wetcurl {
+
+void add_options(CLI::App& app, TrainOptions& o) {
+    app.add_option("kind", o.kind, "sr | adhesion")->required()->check(CLI::IsMember({"sr", "adhesion"}));
+    app.add_option("pairs", o.pairs, "pairs files")->required();
+    app.add_option("-o,--output", o.output, "model (HDF5)")->required();
+    app.add_option("--validation", o.validation,
+                   "pairs files to hold out, in place of the last frames of each run");
+    app.add_option("--recipe", o.recipe, "recipe file (TOML)");
+    app.add_option(
+        "--arch", o.architecture,
+        "strand_mlp | strand_depthwise | strand_linear | strand_unet_vgg19 | strand_recursive_residual | "
+        "unet_vgg19 | recursive_residual | adhesion_mlp");
+    app.add_option("--width", o.width, "multiplier of the network's width");
+    app.add_option("--from", o.from,
+                   "model (HDF5) whose weights are begun with, of its architecture and width, in place of "
+                   "random ones");
+    app.add_flag("--resume", o.resume, "go on from OUTPUT.checkpoint");
+    app.footer(
+        "Several processes that mpirun, srun or torchrun starts (or RANK and WORLD_SIZE name) share each "
+        "batch; "
+        "--device cuda: a GPU for each. They meet at MASTER_ADDR (127.0.0.1), MASTER_PORT (29400), and wait "
+        "WETCURL_RENDEZVOUS_SECONDS (300) there. --threads counts for each.");
+}
 
 int train_command(const TrainOptions& o) {
     std::vector<std::string> inputs = o.pairs;
@@ -48,6 +74,7 @@ int train_command(const TrainOptions& o) {
             bar->update(done, note);
         };
     }
+    if (o.device != "cpu" && !names_of_cuda_devices().empty()) require_device(o.device);  // notes its name
     network_module().train(request);
     bar.reset();
     if (!request.ranks.first()) return 0;

@@ -1,4 +1,4 @@
-// The options that every command has.
+// The options that every command has. A command hides those that it refuses.
 #pragma once
 
 #include <optional>
@@ -8,6 +8,7 @@
 namespace wetcurl {
 
 struct CommonOptions {
+    static constexpr bool reads_scene = true, uses_device = true, writes_json = true;
     std::vector<std::string> set;  // key.path=value
     std::string device = "cpu";
     int threads = 0;  // 0: all

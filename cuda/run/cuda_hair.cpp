@@ -387,6 +387,7 @@ void CudaHair<T>::list(BufferList& out) const {
                                     given_surface_velocity_.bytes());
 }
 
+static_assert(Hair<CudaHair<float>> && Hair<CudaHair<double>>);
 template class CudaHair<float>;
 template class CudaHair<double>;
 

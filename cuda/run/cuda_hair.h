@@ -61,7 +61,7 @@ class AirAround {
     Event begin_, end_;
 };
 
-// The strands in a device's memory: a schedule's Hair, as CpuHair is one.
+// The strands in a device's memory.
 template <class T>
 class CudaHair {
   public:

@@ -6,4 +6,5 @@ trial fig2_lin scenes/compare_short_lin.toml "${dense[@]}"
 trial fig2_kim scenes/compare_short_kim.toml "${dense[@]}"
 trembling_of fig2 fig2_dry fig2_lin fig2_kim
 whole fig2_kim "(c) the simulation ultimately diverges"
-picture fig2 fig2_dry.h5 fig2_lin.h5 fig2_kim.h5 --frame "$(last_of fig2_lin fig2_kim)"
+picture fig2 --label "dry" --label "Lin on Iben's chain" --label "Kim on Iben's chain" \
+    fig2_dry.h5 fig2_lin.h5 fig2_kim.h5 --frame "$(last_of fig2_lin fig2_kim)"

@@ -51,4 +51,5 @@ water hair holds (wetness.absorbed, in its own mass), how much of Eq 9 it takes 
 are (bend and core stiffness). In scene 1, whose strands are a quarter shorter when wet, much water alone does not do it; \
 with less of Eq 9, or softer curls, wet hair hangs lower, and is still tighter curled than dry hair."
 picture fig21 --saturation scene01a.h5 scene01b.h5 --frame "$(frame 200)"
-picture fig21_droop fig21_dry.h5 fig21_wet.h5 --frame "$(frame 95)"
+picture fig21_droop --label "dry" --label "wet, softer springs" \
+    fig21_dry.h5 fig21_wet.h5 --frame "$(frame 95)"

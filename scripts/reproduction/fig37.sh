@@ -11,5 +11,7 @@ row "length along the curls' axes, wetness 0.5 / 0.2" "below 1: wetter" "$(value
 row "the same, wetness 1 / 0.5" "below 1: wettest" "$(value "$(extent fig37_level_1) / $(extent fig37_level_0.5)")" 0.7 0.99 "as above"
 row "particles of other strands within 4 mm of one, wetness 1 / 0.2" "above 1: clumped" "$(value "$(crowd fig37_level_1) / $(crowd fig37_level_0.2)")" 1.1 50 "as above"
 row "the same, range of neighbours 18 mm / 10 mm" "above 1: clumped" "$(value "$(crowd fig37_radius_0.018) / $(crowd fig37_radius_0.010)")" 1.1 50 "cohesion.radius, h"
-picture fig37 --saturation fig37_level_0.2.h5 fig37_level_0.5.h5 fig37_level_1.h5 --frame "$(frame 47)"
-picture fig37_range fig37_radius_0.010.h5 fig37_radius_0.018.h5 --frame "$(frame 47)"
+picture fig37 --label "wetness 0.2" --label "wetness 0.5" --label "wetness 1" \
+    --saturation fig37_level_0.2.h5 fig37_level_0.5.h5 fig37_level_1.h5 --frame "$(frame 47)"
+picture fig37_range --label "neighbours within 10 mm" --label "neighbours within 18 mm" \
+    fig37_radius_0.010.h5 fig37_radius_0.018.h5 --frame "$(frame 47)"

@@ -13,4 +13,5 @@ for steps in "4 0" "40 4"; do
 $(short "$(kinetic "$stiff" max)") and $(short "$(kinetic "$soft" max)")"
 done
 note "stiffness.wet [1/s] is -ln(Upsilon_0) / dt of the paper's factor a step; beside it 0 is no damping at all."
-picture fig39 fig39_0.h5 fig39_4.h5 fig39_40.h5 --frame "$(frame 132)"
+picture fig39 --label "stiffness.wet 0" --label "stiffness.wet 4 /s" --label "stiffness.wet 40 /s" \
+    fig39_0.h5 fig39_4.h5 fig39_40.h5 --frame "$(frame 132)"

@@ -4,4 +4,5 @@ long_still lin
 long_still kim
 few_turned kim
 trembling_of fig4 few_dry_still few_lin_still few_kim_still few_iben_still
-picture fig4 few_lin_still.h5 few_kim_still.h5 few_kim_turned.h5 --frame "$(last_of few_lin_still few_kim_still few_kim_turned)"
+picture fig4 --label "Lin on Iben's chain, still" --label "Kim on Iben's chain, still" --label "Kim on Iben's chain, turned" \
+    few_lin_still.h5 few_kim_still.h5 few_kim_turned.h5 --frame "$(last_of few_lin_still few_kim_still few_kim_turned)"

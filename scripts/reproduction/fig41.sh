@@ -22,4 +22,5 @@ row "bouncing, boundary particles 8 mm apart / level set" "above 1: no smooth mo
     "root mean square second difference over frames of the distance to the plate, of hair that lies on it"
 row "bouncing, boundary particles 4 mm apart / level set" "above 1: no smooth motion" "$(value "$(of boundary "bouncing [mm]") / $(of levelset "bouncing [mm]")")" 1.05 1000 \
     "smooth motion is a matter of spacing, which memory and time pay for. Contact is the level set's in both: boundary particles bring adhesion alone"
-picture fig41 compare_boundary.h5 compare_levelset.h5 --frame "$(frame 60)"
+picture fig41 --label "boundary particles" --label "level set (ours)" \
+    compare_boundary.h5 compare_levelset.h5 --frame "$(frame 60)"

@@ -9,4 +9,5 @@ row "length along the curls' axes, weak saturation / dry" "below 1: exaggerated"
 row "length along the curls' axes, strong saturation / weak" "below 1: more exaggerated" \
     "$(value "$(extent strong) / $(extent weak)")" 0.7 0.97 "tips saturated by 1: $(short "$(extent strong)") mm"
 note "The paper shows pictures without numbers."
-picture fig8 compare_curl_dry.h5 compare_curl_weak.h5 compare_curl_strong.h5 --frame "$(frame 95)"
+picture fig8 --label "dry" --label "wet, weak" --label "wet, strong" \
+    compare_curl_dry.h5 compare_curl_weak.h5 compare_curl_strong.h5 --frame "$(frame 95)"

@@ -135,20 +135,13 @@ learned_scene() {
         [$titles[] | .row as $row | named($held; $row) as $h | named($unseen; $row) as $u |
          {row: .title, "held out [mm]": $h.position_mm.mean, "unseen [mm]": $u.position_mm.mean, "of length": (100 * $u.position_rel), F1: $u.f1_3mm_30deg,
           "curl radius": $u.curl_radius_ratio, "tips": $u.tip_spread_ratio, locks: ($u.crowd / $u.crowd_reference), "ms a frame": (1000 * $h.seconds_per_frame)}]')
-    simulation_ms=$(jq '1000 * .seconds_per_frame.median' "$scene/wet.json")
+    simulation_ms=$(jq '1000 * .reference_seconds_per_frame' "$scene/held_out.json")
     table_of_rows=$(jq --argjson ms "$simulation_ms" '[{row: "wet simulation: the reference", "held out [mm]": 0, "unseen [mm]": 0, "of length": 0, F1: 1, "curl radius": 1, tips: 1, locks: 1, "ms a frame": $ms}] + .' <<<"$table_of_rows")
 
-    # A network wins where no row without one, the simulation among them, errs less in at most its time.
-    local verdict
-    verdict=$(jq -r '[.[] | select(.row | startswith("network:"))] as $with | [.[] | select(.row | startswith("network:") | not)] as $without |
-        [$with[] | . as $n | select([$without[] | select(."unseen [mm]" <= $n."unseen [mm]" and ."ms a frame" <= $n."ms a frame")] | length == 0)] as $win |
-        if ($win | length) == 0 then "**No network wins here**: beside each there is a row without one that errs less on unseen hair in no more time."
-        else "**Networks that win** (no row without a network, nor the simulation, errs less on unseen hair in no more time): " + ([$win[].row | ltrimstr("network: ")] | join("; ")) + "." end' <<<"$table_of_rows")
-    note "$verdict"
     note "$frames frames of the scene, of which training saw the first $held_out; unseen: $unseen_frames frames of other hair on a head that nods. The paper's networks were trained for $paper_epochs epochs. Errors are means of the distance of displayed particles from the wet simulation's; curl radius, tips and locks are shares of its own, on unseen hair, and F1 is the share of particles that have one of the other run within 3 mm and 30 degrees: of these numbers it tells best what the eye sees, since below about 0.9 locks lie elsewhere. The time counts the low-resolution run."
     numbers "Every row" "$table_of_rows"
     numbers "Trainings" "$(for name in "${trainings[@]}"; do
-        jq --arg name "$(basename "$name")" --argjson seconds "$(jq .seconds "$name.h5.made")" '{training: $name} + (del(.model) | del(.codec)) + {seconds: $seconds}' "$name.json"
+        jq --arg name "$(basename "$name")" --argjson seconds "$(jq .seconds "$name.h5.made")" '{training: $name} + del(.model, .codec, .provenance) + {seconds: $seconds}' "$name.json"
     done | jq -s .)"
 
     local best quad ratio

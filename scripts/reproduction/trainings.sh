@@ -13,7 +13,7 @@ for folder in "$results"/trainings/*/; do
         of_network=$(jq --arg network "$network" '[.[] | select(.training | contains($network))]' <<<"$trainings")
         row "$name, $network: worst seed's error on held-out images / interpolation's" "learns: below 1" \
             "$(jq '[.[] | ."held out, at best [mm]" / ."interpolation [mm]"] | max' <<<"$of_network")" 0 1 \
-            "$(jq -r '"\(length) trainings of \(map(.seconds) | min | round) to \(map(.seconds) | max | round) s"' <<<"$of_network")"
+            "$(jq -r --arg gpu "$(jq -r .made.gpu "$results/${name}_cuda.json" 2>/dev/null || true)" '"\(length) trainings of \(map(.seconds) | min | round) to \(map(.seconds) | max | round) s on one \($gpu)"' <<<"$of_network")"
     done
     chart "trainings_$name" "$folder"*@1.h5.jsonl
 done

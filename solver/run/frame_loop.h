@@ -1,5 +1,5 @@
-// A frame's schedule, on whichever device the strands are: what a scene names that acts on all strands at
-// once, and in what order.
+// The frame loop, on whichever device the strands are: what a scene names that acts on all strands at once,
+// and in what order.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include "solver/air/air_coupling.h"
 #include "solver/chain/chain_stepper.h"
 #include "solver/pair_forces/pair_forces_coupling.h"
+#include "solver/run/hair.h"
 #include "solver/run/simulation.h"
 #include "solver/solids/deforming_solids.h"
 #include "solver/strand_contact/strand_contact_coupling.h"
@@ -15,17 +16,11 @@
 
 namespace wetcurl {
 
-// Of the frame at hand, in the hair's own stages.
-struct StageSeconds {
-    double chain = 0, lists = 0, cohesion = 0;
-};
-
-// Hair is the strands of a scene on a device, and what is seen of them: CpuHair says what that is. Couplings
-// read and write its `state`, the host's view, between fetch and give.
-template <class Hair>
+// Couplings read and write the `state` of the hair, the host's view, between fetch and give.
+template <Hair H>
 class SimulationOf final : public Simulation {
-    using T = typename Hair::Number;
-    using S = typename Hair::S;
+    using T = typename H::Number;
+    using S = typename H::S;
 
   public:
     template <class... OfHair>
@@ -66,7 +61,7 @@ class SimulationOf final : public Simulation {
                                  std::move(room));
     }
     // Who answers on the host for all strands at once needs them at the same substep.
-    bool alone() const { return (Hair::couples || (!forces_ && !between_strands_)) && !host_asks(); }
+    bool alone() const { return (H::couples || (!forces_ && !between_strands_)) && !host_asks(); }
     bool host_asks() const { return network_ && network_->asked() && !hair_.asks_network(); }
     void pull_strands(GivenToChain<S>& given);
     void ask_network(int done);
@@ -89,22 +84,22 @@ class SimulationOf final : public Simulation {
     const Scene& scene_;
     const double dt_;
     double time_ = 0;
-    Hair hair_;
+    H hair_;
     // What the scene names.
-    std::optional<typename Hair::Water> water_;
-    std::optional<typename Hair::Air> air_;
-    std::optional<typename Hair::Surfaces> surfaces_;
-    std::optional<typename Hair::Forces> forces_;
-    std::optional<typename Hair::Touching> between_strands_;
+    std::optional<typename H::Water> water_;
+    std::optional<typename H::Air> air_;
+    std::optional<typename H::Surfaces> surfaces_;
+    std::optional<typename H::Forces> forces_;
+    std::optional<typename H::Touching> between_strands_;
     std::optional<AdhesionNetworkCoupling<S>> network_;  // once it is asked for
     std::vector<PosedScene<T>> path_;                    // of the substeps at hand
     PosedScene<T> now_;                                  // where a network is asked
     double frame_seconds_ = 0;
 };
 
-template <class Hair>
+template <Hair H>
 template <class... OfHair>
-SimulationOf<Hair>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
+SimulationOf<H>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
     : scene_(scene), dt_(1 / (scene.fps * scene.integrator.substeps)), hair_(scene, of_hair...) {
     if (scene.flow) water_.emplace(scene, hair_);
     if (scene.cohesion && water_)
@@ -128,8 +123,8 @@ SimulationOf<Hair>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
     hair_.seconds.chain = 0;  // frame 0 has no substeps
 }
 
-template <class Hair>
-void SimulationOf<Hair>::advance(bool shown) {
+template <Hair H>
+void SimulationOf<H>::advance(bool shown) {
     shown = shown || water_;
     for_each_stage(*this, [](const char*, double& seconds) { seconds = 0; });
     frame_seconds_ = 0;
@@ -156,8 +151,8 @@ void SimulationOf<Hair>::advance(bool shown) {
 }
 
 // From the state as it is; what a network answers holds for the substep that follows.
-template <class Hair>
-void SimulationOf<Hair>::ask_network(int done) {
+template <Hair H>
+void SimulationOf<H>::ask_network(int done) {
     if (!hair_.asks_network() && !host_asks()) return;
     now_ = posed_scene(time_, done, true, std::move(now_));
     if (hair_.asks_network()) return hair_.ask_from(now_);
@@ -168,25 +163,25 @@ void SimulationOf<Hair>::ask_network(int done) {
 }
 
 // Substeps from the time as it is: one where strands do not go alone.
-template <class Hair>
-void SimulationOf<Hair>::run(const std::vector<PosedScene<T>>& path, bool ends_frame) {
+template <Hair H>
+void SimulationOf<H>::run(const std::vector<PosedScene<T>>& path, bool ends_frame) {
     GivenToChain<S> given;
-    if constexpr (!Hair::couples) pull_strands(given);
+    if constexpr (!H::couples) pull_strands(given);
     if (host_asks()) given.adhesion = network_->given();
     hair_.run(path, given, ends_frame);
-    if constexpr (!Hair::couples) touch_strands();
+    if constexpr (!H::couples) touch_strands();
 }
 
-template <class Hair>
-void SimulationOf<Hair>::pull_strands(GivenToChain<S>& given) {
+template <Hair H>
+void SimulationOf<H>::pull_strands(GivenToChain<S>& given) {
     if (!forces_) return;
     hair_.fetch(), hair_.fetch_history();
     forces_->evaluate(hair_.state, hair_.scheme(), time_, dt_, hair_.counts_work());
     given.force = forces_->force(), given.stiffness = forces_->stiffness();
 }
 
-template <class Hair>
-void SimulationOf<Hair>::touch_strands() {
+template <Hair H>
+void SimulationOf<H>::touch_strands() {
     if (!between_strands_) return;
     const StageTimer timer(between_strands_->seconds);
     hair_.fetch(), hair_.fetch_history();
@@ -196,28 +191,28 @@ void SimulationOf<Hair>::touch_strands() {
 }
 
 // What beside the strands themselves follows the water in them; who comes within `run` reads their masses.
-template <class Hair>
-void SimulationOf<Hair>::follow_water() {
-    if (!Hair::couples && between_strands_) hair_.fetch(), between_strands_->weigh(hair_.state);
+template <Hair H>
+void SimulationOf<H>::follow_water() {
+    if (!H::couples && between_strands_) hair_.fetch(), between_strands_->weigh(hair_.state);
 }
 
-template <class Hair>
-std::vector<double> SimulationOf<Hair>::energy() const {
+template <Hair H>
+std::vector<double> SimulationOf<H>::energy() const {
     auto sum = hair_.energy();
     if (forces_) sum.push_back(forces_->potential(hair_, time_));
     return sum;
 }
 
-template <class Hair>
-void SimulationOf<Hair>::count_work() {
+template <Hair H>
+void SimulationOf<H>::count_work() {
     hair_.count_work();
     if (water_) water_->work = 0;
     if (forces_) forces_->work = 0;
     if (between_strands_) between_strands_->work = 0;
 }
 
-template <class Hair>
-Work SimulationOf<Hair>::work() const {
+template <Hair H>
+Work SimulationOf<H>::work() const {
     Work sum = hair_.work();
     if (water_) sum.water = water_->work;
     if (forces_) sum.solids += forces_->work;
@@ -225,8 +220,8 @@ Work SimulationOf<Hair>::work() const {
     return sum;
 }
 
-template <class Hair>
-SimulationState SimulationOf<Hair>::state() const {
+template <Hair H>
+SimulationState SimulationOf<H>::state() const {
     hair_.fetch(), hair_.fetch_history();
     SimulationState out;
     out.time = time_, out.first = hair_.first;
@@ -235,8 +230,8 @@ SimulationState SimulationOf<Hair>::state() const {
     return out;
 }
 
-template <class Hair>
-void SimulationOf<Hair>::restore(const SimulationState& from) {
+template <Hair H>
+void SimulationOf<H>::restore(const SimulationState& from) {
     time_ = from.time, hair_.first = from.first || hair_.always_first();
     hair_.head = scene_.motion.at(time_);
     if (surfaces_) surfaces_->hold(time_);
@@ -247,8 +242,8 @@ void SimulationOf<Hair>::restore(const SimulationState& from) {
     hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
 }
 
-template <class Hair>
-void SimulationOf<Hair>::begin_snapshot(RunFrame& frame) {
+template <Hair H>
+void SimulationOf<H>::begin_snapshot(RunFrame& frame) {
     frame.head = hair_.head;
     frame.saturation.clear(), frame.water.clear();
     hair_.begin_record(frame);
@@ -260,15 +255,15 @@ void SimulationOf<Hair>::begin_snapshot(RunFrame& frame) {
                    [&](const char*, double seconds) { frame.stage_seconds.push_back(float(seconds)); });
 }
 
-template <class Hair>
-void SimulationOf<Hair>::finish_snapshot(RunFrame& frame) const {
+template <Hair H>
+void SimulationOf<H>::finish_snapshot(RunFrame& frame) const {
     hair_.finish_record(frame);
     if (water_) water_->finish_record(frame);
     if (forces_) frame.energy.push_back(float(forces_->recorded()));
 }
 
-template <class Hair>
-BufferList SimulationOf<Hair>::buffers() const {
+template <Hair H>
+BufferList SimulationOf<H>::buffers() const {
     BufferList list;
     hair_.list(list);
     if (network_) network_->list(list);

@@ -7,7 +7,7 @@ namespace wetcurl {
 
 namespace {
 
-// The strands in the host's own memory: what a schedule's Hair is.
+// The strands in the host's own memory.
 template <class T>
 class CpuHair : public ChainStepper<T> {
   public:
@@ -20,13 +20,10 @@ class CpuHair : public ChainStepper<T> {
     struct Surfaces : DeformingSolids {
         Surfaces(const Scene& scene, const CpuHair&) : DeformingSolids(scene) {}
     };
-    // Whether forces, contact between strands and the answers of a network of dense layers come within `run`;
-    // else the host adds them between runs.
     static constexpr bool couples = false;
 
     explicit CpuHair(const Scene& scene) : ChainStepper<T>(scene), scene_(scene) {}
 
-    // For a scene with [cohesion], where `saturation` lives; others read neighbours up to `reach` [m].
     void begin_display(const std::vector<float>& saturation, double reach) {
         display_.emplace(scene_, saturation, reach);
     }
@@ -35,14 +32,12 @@ class CpuHair : public ChainStepper<T> {
     const Display* lent_neighbours() const { return display_ ? &*display_ : nullptr; }
     double neighbours_mean() const { return display_->neighbours_mean(); }
 
-    // The host's view of the strands as they are, and of what they were: it is always there. And back.
+    // The state is always there.
     void fetch() const {}
     void fetch_history() const {}
     void give_state() {}
     void give_velocities() {}
-    // What `run` lets act on the strands where it couples them; null: the scene has none.
     void take_couplings(Forces*, Touching*) {}
-    // The network that `run` asks, and where all is when its first substep begins; null: `run` asks none.
     void take_network(const DenseLayers*) {}
     bool asks_network() const { return false; }
     void ask_from(const PosedScene<T>&) {}
@@ -51,7 +46,6 @@ class CpuHair : public ChainStepper<T> {
         const StageTimer timer(seconds.chain);
         ChainStepper<T>::run(path, given);
     }
-    // A frame is over: what is seen of it.
     void show(double time, const MovingGrid* surfaces) {
         if (!display_) return;
         positions(seen_);
@@ -92,6 +86,7 @@ class CpuHair : public ChainStepper<T> {
     std::optional<Display> display_;
     mutable Strands seen_;
 };
+static_assert(Hair<CpuHair<float>> && Hair<CpuHair<double>>);
 
 }  // namespace
 

@@ -6,7 +6,7 @@
 #include "app/bench/bench.h"
 #include "app/bench/bench_operations.h"
 #include "app/bench/flop_counter.h"
-#include "app/commands/commands.h"
+#include "app/commands/bench.h"
 #include "app/files/results.h"
 #include "base/vec3.h"
 #include "solver/run/simulation.h"

@@ -7,7 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/commands/commands.h"
+#include "app/commands/compare.h"
+#include "app/commands/encode.h"
+#include "app/commands/infer.h"
+#include "app/commands/inspect.h"
+#include "app/commands/render.h"
+#include "app/commands/simulate.h"
 #include "app/engine/run_of_scene.h"
 #include "app/files/results.h"
 #include "base/interrupt.h"

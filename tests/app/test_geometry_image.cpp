@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "app/commands/commands.h"
+#include "app/commands/render.h"
 #include "app/drawing/geometry_film.h"
 #include "learn/codec/doubled_image.h"
 #include "learn/codec/encode_runs.h"

@@ -5,7 +5,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/commands.h"
+#include "app/commands/compare.h"
+#include "app/commands/infer.h"
+#include "app/commands/simulate.h"
 #include "app/engine/learned_hair.h"
 #include "base/run_cache.h"
 #include "learn/codec/edge_lengths.h"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/commands/commands.h"
+#include "app/commands/plot.h"
 #include "app/drawing/chart.h"
 #include "app/drawing/chart_file.h"
 #include "app/drawing/plot_charts.h"

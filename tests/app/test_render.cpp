@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/commands/commands.h"
+#include "app/commands/render.h"
 #include "base/error.h"
 #include "base/run_cache.h"
 

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/commands.h"
+#include "app/commands/infer.h"
+#include "app/commands/report.h"
+#include "app/commands/simulate.h"
 #include "app/measures/comparison.h"
 #include "app/report/markup.h"
 #include "app/report/report_charts.h"

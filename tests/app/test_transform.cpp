@@ -5,7 +5,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/commands.h"
+#include "app/commands/encode.h"
+#include "app/commands/infer.h"
+#include "app/commands/simulate.h"
+#include "app/commands/train.h"
 #include "app/measures/comparison.h"
 #include "base/run_cache.h"
 #include "learn/codec/pairs.h"

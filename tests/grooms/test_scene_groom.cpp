@@ -1,7 +1,7 @@
 // `[groom]` of a scene: files laid on a grid, thinning, roots under the scalp; the import command.
 #include <nlohmann/json.hpp>
 
-#include "app/commands/commands.h"
+#include "app/commands/import.h"
 #include "base/geometry/shapes.h"
 #include "solver/grooms/groom.h"
 #include "solver/grooms/procedural.h"

@@ -243,10 +243,13 @@ TEST(AirField, a_source_blows_in_its_ball_and_gusts_with_its_period) {
     Air box = still_air();
     AirSource source{};
     source.radius = 0.1, source.period = 2, source.velocity = {3, 0, 0};
-    EXPECT_EQ(source.share({0, 0, 0}, 0), 0);
-    EXPECT_NEAR(source.share({0, 0, 0}, 1), 1, 1e-12);
-    EXPECT_NEAR(source.share({0, 0, 0}, 0.5), 0.5, 1e-12);
-    EXPECT_EQ(source.share({0.11, 0, 0}, 1), 0);
+    auto share = [&](const Vec3d& x, double time) {
+        return source.gust(time) * share_of_ball(source.center, source.radius, x);
+    };
+    EXPECT_EQ(share({0, 0, 0}, 0), 0);
+    EXPECT_NEAR(share({0, 0, 0}, 1), 1, 1e-12);
+    EXPECT_NEAR(share({0, 0, 0}, 0.5), 0.5, 1e-12);
+    EXPECT_EQ(share({0.11, 0, 0}, 1), 0);
     source.period = 0;
     box.sources = {source};
     AirField air(box);

@@ -1,0 +1,23 @@
+// `wetcurl import`: hair files, read and written.
+#pragma once
+
+#include "app/files/common_options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace wetcurl {
+
+struct ImportOptions : CommonOptions {
+    static constexpr const char *command = "import",
+                                *summary = "read a hair file, report on it, write it in another format";
+    static constexpr bool reads_scene = false, uses_device = false;
+    std::string input, output, units = "auto", up = "y", scalp;
+    int resample = 0;  // 0: as it is
+};
+
+void add_options(CLI::App& app, ImportOptions& o);
+int import_command(const ImportOptions& o);
+
+}  // namespace wetcurl

@@ -1,0 +1,23 @@
+// `wetcurl inspect`: what a file holds.
+#pragma once
+
+#include "app/files/common_options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace wetcurl {
+
+struct InspectOptions : CommonOptions {
+    static constexpr const char *command = "inspect",
+                                *summary = "say what a file holds, or what a scene names and leaves out";
+    static constexpr bool uses_device = false;
+    std::string what, file;  // scene | run | pairs | model | terms | device
+    std::string output;      // allowed for none: render draws
+};
+
+void add_options(CLI::App& app, InspectOptions& o);
+int inspect_command(const InspectOptions& o);
+
+}  // namespace wetcurl

@@ -1,0 +1,25 @@
+// `wetcurl report`: a page of results.
+#pragma once
+
+#include "app/files/common_options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace wetcurl {
+
+struct ReportOptions : CommonOptions {
+    static constexpr const char *command = "report",
+                                *summary = "learned beside simulated hair: one HTML file to open";
+    static constexpr bool reads_scene = false, uses_device = false;
+    std::vector<std::string> runs;  // the reference, then what is compared with it; none: a table alone
+    std::string table, stability, output;  // folder of comparisons, the battery's JSON, the page; "": none
+    std::vector<std::string> trainings;    // their logs, MODEL.h5.jsonl
+    int first_frame = 0;                   // of the runs, as for compare
+};
+
+void add_options(CLI::App& app, ReportOptions& o);
+int report_command(const ReportOptions& o);
+
+}  // namespace wetcurl

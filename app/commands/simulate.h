@@ -1,0 +1,27 @@
+// `wetcurl simulate`: the physics of a scene, into a run.
+#pragma once
+
+#include "app/files/common_options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace wetcurl {
+
+struct SimulateOptions : CommonOptions {
+    static constexpr const char *command = "simulate",
+                                *summary = "run the physics of a scene into a run cache";
+    std::string scene, output;
+    std::optional<int> frames, strands;
+    std::string groom;
+    std::string precision = "float";
+    bool dry = false;
+    bool before_cohesion = false;  // without Eq 10, which moves what is displayed alone
+    bool reference = false;        // also run in double with 160 substeps and report the error
+};
+
+void add_options(CLI::App& app, SimulateOptions& o);
+int simulate_command(const SimulateOptions& o);
+
+}  // namespace wetcurl

@@ -1,0 +1,24 @@
+// `wetcurl stability`: the battery of stability.
+#pragma once
+
+#include "app/files/common_options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace wetcurl {
+
+struct StabilityCommandOptions : CommonOptions {
+    static constexpr const char *command = "stability",
+                                *summary = "put ways of stepping through the battery of stability, S1 to S9";
+    static constexpr bool uses_device = false;
+    std::string scene;                       // of S9; "": one of our own
+    std::vector<std::string> methods, only;  // by name, cases by id; none: all
+    bool quick = false;
+};
+
+void add_options(CLI::App& app, StabilityCommandOptions& o);
+int stability_command(const StabilityCommandOptions& o);
+
+}  // namespace wetcurl
