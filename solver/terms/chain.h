@@ -25,7 +25,7 @@ struct ChainView : StrandArrays<S, ConstPointer> {
     Vec3<S> chord;                                  // x_{n-1} - x_0
     Vec3<S>* core_pull;  // (n-1) the core's force along each edge, made by its `prepare`
 
-    void set_arrays(const StrandArrays<S, ConstPointer>& arrays) {
+    WETCURL_HD void set_arrays(const StrandArrays<S, ConstPointer>& arrays) {
         static_cast<StrandArrays<S, ConstPointer>&>(*this) = arrays;
     }
 };
