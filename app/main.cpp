@@ -17,6 +17,7 @@
 #include "app/commands/inspect.h"
 #include "app/commands/plot.h"
 #include "app/commands/render.h"
+#include "app/commands/repeatable.h"
 #include "app/commands/report.h"
 #include "app/commands/simulate.h"
 #include "app/commands/stability.h"
@@ -42,10 +43,8 @@ template <class Options>
 void add_common(CLI::App& app, Options& o, Verbosity& verbosity) {
     // What a command refuses is not in its help; the command says why.
     const char* const of_scenes = Options::reads_scene ? "Options" : "";
-    app.add_option("--set", o.set, "key.path=value over the scene's or recipe's (repeatable)")
-        ->type_name("KEY=VALUE")
-        ->expected(1)
-        ->take_all()
+    repeatable(app.add_option("--set", o.set, "key.path=value over the scene's or recipe's (repeatable)")
+                   ->type_name("KEY=VALUE"))
         ->group(of_scenes);
     app.add_option("--device", o.device, "cpu | cuda[:n]")
         ->capture_default_str()

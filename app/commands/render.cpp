@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "app/commands/repeatable.h"
 #include "app/drawing/geometry_film.h"
 #include "app/drawing/image_file.h"
 #include "app/drawing/picture.h"
@@ -164,9 +165,8 @@ void add_options(CLI::App& app, RenderOptions& o) {
         app.add_option("--height", o.height, "of one panel, 16 to 8192 [pixels]")->capture_default_str(),
         app.add_option("--yaw", o.yaw, "of the camera around the head, -360 to 360 [degrees]")
             ->capture_default_str(),
-        app.add_option("--label", o.label, "of a panel, in place of its run's method (repeatable, one a run)")
-            ->expected(1)
-            ->take_all(),
+        repeatable(app.add_option("--label", o.label,
+                                  "of a panel, in place of its run's method (repeatable, one a run)")),
         app.add_flag("--saturation", o.saturation, "colour by saturation (red wet, blue dry)"),
         app.add_flag_callback(
             "--no-labels", [&o] { o.labels = false; }, "no text under the panels")};

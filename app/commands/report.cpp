@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/commands/repeatable.h"
 #include "app/drawing/chart.h"
 #include "app/measures/comparison.h"
 #include "app/report/report_page.h"
@@ -140,9 +141,7 @@ void add_options(CLI::App& app, ReportOptions& o) {
         "comparisons over many scenes: FOLDER/ROW/SCENE.json, of compare --json; ROW@1, ROW@2: seeds of "
         "one training");
     app.add_option("--stability", o.stability, "what stability --json wrote");
-    app.add_option("--training", o.trainings, "log of a training, MODEL.h5.jsonl (repeatable)")
-        ->expected(1)
-        ->take_all();
+    repeatable(app.add_option("--training", o.trainings, "log of a training, MODEL.h5.jsonl (repeatable)"));
     app.add_option("--first-frame", o.first_frame, "leave out the frames before this one")
         ->check(CLI::NonNegativeNumber);
     app.add_option("-o,--output", o.output, "o.html");

@@ -13,6 +13,7 @@
 #include <set>
 #include <sstream>
 
+#include "app/commands/repeatable.h"
 #include "app/files/results.h"
 #include "base/interrupt.h"
 #include "base/log.h"
@@ -100,10 +101,8 @@ void require_rest(const Scene& scene, const std::string& name) {
 void add_options(CLI::App& app, StabilityCommandOptions& o) {
     app.add_option("scene", o.scene,
                    "scene (TOML) whose head comes to rest, for S9 in place of the battery's own");
-    app.add_option("--method", o.methods, "by name (repeatable); none: all")->expected(1)->take_all();
-    app.add_option("--case", o.only, "S1 to S9 (repeatable); none: all")
-        ->expected(1)
-        ->take_all()
+    repeatable(app.add_option("--method", o.methods, "by name (repeatable); none: all"));
+    repeatable(app.add_option("--case", o.only, "S1 to S9 (repeatable); none: all"))
         ->check(CLI::IsMember({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"}));
     app.add_flag("--quick", o.quick, "fewer values of each parameter: under a minute");
 }
