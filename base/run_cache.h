@@ -1,4 +1,4 @@
-// The run cache: what a simulation or an inference leaves, frame by frame. The two towers meet here.
+// The run cache: what a simulation or an inference leaves, frame by frame. Solver and networks meet here.
 // HDF5 "wetcurl run", one chunk a frame, uncompressed.
 #pragma once
 

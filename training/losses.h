@@ -1,5 +1,6 @@
 // What training minimises, one a codec, and the distances that it reports.
-// Strand: ours (LEARNING). Root: Eq 17, the mean over the pixels that hold a strand. Adhesion: Eq 20.
+// Strand: docs/method.md, section 7. Root: Eq 17, the mean over the pixels that hold a strand. Adhesion:
+// Eq 20.
 #pragma once
 
 #include <memory>

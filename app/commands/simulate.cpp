@@ -73,8 +73,8 @@ int simulate_command(const SimulateOptions& o) {
     std::optional<Reference> reference;
     if (o.reference) reference.emplace(scene);
     auto simulation = make_simulation_on(o.device, scene, precision);
-    auto network = adhesion_model_of(scene, o.threads);
-    simulation->use_adhesion_model(network.get());
+    auto network = adhesion_predictor_of(scene, o.threads);
+    simulation->use_adhesion_predictor(network.get());
 
     RunHeader header =
         header_of(scene, *simulation, method_of(scene) + (network ? ", adhesion learned" : ""));

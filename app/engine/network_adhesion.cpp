@@ -23,7 +23,7 @@ class NetworkAdhesion final : public AdhesionPredictor {
 
 }  // namespace
 
-std::unique_ptr<AdhesionPredictor> adhesion_model_of(const Scene& scene, int threads) {
+std::unique_ptr<AdhesionPredictor> adhesion_predictor_of(const Scene& scene, int threads) {
     if (scene.adhesion_model.empty()) return nullptr;
     auto network = network_module().load(scene.adhesion_model, "cpu", threads);
     if (network->card().codec != "adhesion")

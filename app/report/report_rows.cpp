@@ -241,7 +241,7 @@ void judge(Row& row, const Rows& rows) {
 
 }  // namespace
 
-// ---------------------------------------------------------------- the room's doors
+// ---------------------------------------------------------------- what the header declares
 
 Entries read_table(const std::string& folder, std::vector<std::string>* files) {
     if (!fs::is_directory(folder))

@@ -27,7 +27,7 @@ __global__ void __launch_bounds__(threads)
 
 template <class T>
 AdhesionDevice<T>::AdhesionDevice(const Adhesion& term, const DenseLayers& layers, size_t particles)
-    : question_(term),
+    : features_(term),
       numbers_(layers.numbers()),
       before_(particles),
       network_(layers.view(numbers_.data())) {
@@ -39,7 +39,7 @@ void AdhesionDevice<T>::launch(const StrandMemory<T>& memory, const SubstepMotio
                                const NearestView<T>& near, T* answer, cudaStream_t stream) const {
     const uint32_t count = uint32_t(before_.size());
     const unsigned blocks = (count + threads - 1) / threads;
-    const AdhesionKernelBody<T> bodies{question_, network_, near, answer, before_.data()};
+    const AdhesionKernelBody<T> bodies{features_, network_, near, answer, before_.data()};
     see<<<blocks, threads, 0, stream>>>(bodies, memory, count, motion);
     ask<<<blocks, threads, 0, stream>>>(bodies, memory, count);
     check_cuda(cudaGetLastError(), "launch of the adhesion network");

@@ -19,7 +19,7 @@ class AdhesionDevice {
     size_t bytes() const { return numbers_.bytes() + before_.bytes(); }
 
   private:
-    const AdhesionFeatures question_;
+    const AdhesionFeatures features_;
     DeviceBuffer<float> numbers_, before_;
     const DenseView network_;
 };

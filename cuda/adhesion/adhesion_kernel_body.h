@@ -1,5 +1,5 @@
-// A network of dense layers in Eq 11's place, particle by particle as a device asks it. The question is
-// solver/adhesion/adhesion_features.h's; the reference is AdhesionNetworkCoupling.
+// A network of dense layers in Eq 11's place, particle by particle. Its inputs are
+// those of solver/adhesion/adhesion_features.h; the reference is AdhesionNetworkCoupling.
 #pragma once
 
 #include "base/dense_layers.h"
@@ -11,7 +11,7 @@ namespace wetcurl {
 // First all particles `see`, then all `ask`.
 template <class T>
 struct AdhesionKernelBody {
-    AdhesionFeatures question;
+    AdhesionFeatures features;
     DenseView network;
     NearestView<T> near;  // (strand, particle), when the substep begins
     T* answer;            // F.n / (sigma m a_max)
@@ -27,15 +27,15 @@ struct AdhesionKernelBody {
     }
     WETCURL_HD void ask(uint32_t k, const StrandMemory<T>& m) const {
         const int i = int(k % uint32_t(m.n));
-        const bool counts = i > 0 && question.concerns(m.saturation[k], near.phi[k]);
-        answer[k] = counts && question.in_contact(near.touching[k]) ? T(asked(k, i, m)) : T(0);
+        const bool counts = i > 0 && features.concerns(m.saturation[k], near.phi[k]);
+        answer[k] = counts && features.in_contact(near.touching[k]) ? T(asked(k, i, m)) : T(0);
     }
 
   private:
     WETCURL_HD float asked(uint32_t k, int i, const StrandMemory<T>& m) const {
         const uint32_t root = k - uint32_t(i);
         float inputs[AdhesionFeatures::inputs];
-        question.ask(
+        features.ask(
             i, m.n, near.normal[k], near.velocity[k],
             [&](int j) {
                 const uint32_t at = root + uint32_t(j);

@@ -1,5 +1,5 @@
-// Forces on all strands at once on a device: buffers and launches, a schedule's Forces as PairForcesCoupling
-// is.
+// Forces on all strands at once on a device: buffers and launches, the frame loop's forces, as
+// PairForcesCoupling is.
 #pragma once
 
 #include <numeric>
@@ -32,15 +32,15 @@ class PairForcesOnDevice {
     void launch(const StrandMemory<T>& memory, const Bdf2<T>& scheme, int slot, Vec3<T>* force, T* stiffness,
                 unsigned long long* pairs, cudaStream_t stream) const;
     // [J] where the strands are; it waits.
-    template <class Hair>
-    double potential(const Hair& hair, double time) const {
+    template <class H>
+    double potential(const H& hair, double time) const {
         launch_energies_at(hair.memory(), time, hair.stream());
         check_cuda(cudaStreamSynchronize(hair.stream()), "their energy");
         return total(energy_.device.host());
     }
     // The same for a run to keep; `recorded` waits for it, on any thread, before the next `begin_record`.
-    template <class Hair>
-    void begin_record(const Hair& hair, double time) {
+    template <class H>
+    void begin_record(const H& hair, double time) {
         launch_energies_at(hair.memory(), time, hair.stream());
         way_.begin(hair.stream(), [this](cudaStream_t out) { energy_.fetch(out); });
     }

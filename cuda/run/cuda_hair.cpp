@@ -114,9 +114,9 @@ void CudaHair<T>::give_velocities() {
 }
 
 template <class T>
-void CudaHair<T>::take_couplings(Forces* forces, Touching* touching) {
+void CudaHair<T>::take_couplings(Forces* forces, StrandContacts* touching) {
     if constexpr (couples) {
-        forces_ = forces, between_strands_ = touching;
+        forces_ = forces, strand_contact_ = touching;
         if (forces) given_force_ = DeviceBuffer<Vec3<T>>(arrays_.x.size());
         if (forces && forces->has_stiffness()) given_stiffness_ = DeviceBuffer<T>(arrays_.x.size());
         if (forces || touching) marks_ = std::vector<Event>(3 * size_t(slots_) + 1);
@@ -198,7 +198,7 @@ void CudaHair<T>::upload_motion() {
 template <class T>
 void CudaHair<T>::launch_substeps(int substeps) {
     const int begin = slots_ - substeps;
-    if (!forces_ && !between_strands_ && !adhesion_) return launch_chain(begin, substeps, first);
+    if (!forces_ && !strand_contact_ && !adhesion_) return launch_chain(begin, substeps, first);
     auto mark = [&](int slot, int k) {
         if (!marks_.empty()) marks_[size_t(3 * slot + k)].record(stream_.handle);
     };
@@ -217,8 +217,8 @@ void CudaHair<T>::launch_substeps(int substeps) {
                               given_adhesion_.data(), stream_.handle);
         launch_chain(slot, 1, begins);
         mark(slot, 2);
-        if (between_strands_)
-            between_strands_->launch(memory(), last ? &report->touching : nullptr, stream_.handle);
+        if (strand_contact_)
+            strand_contact_->launch(memory(), last ? &report->touching : nullptr, stream_.handle);
     }
     mark(slots_, 0);
 }
@@ -326,7 +326,7 @@ void CudaHair<T>::read_report() {
 // Of substeps that are done: the time that was not the steps' own, and who was near.
 template <class T>
 void CudaHair<T>::read_couplings(int substeps) {
-    if (!forces_ && !between_strands_) return;
+    if (!forces_ && !strand_contact_) return;
     double pulling = 0, touching = 0;
     for (size_t mark = 3 * size_t(slots_ - substeps); mark + 1 < marks_.size(); mark += 3) {
         pulling += marks_[mark + 1].since(marks_[mark]);
@@ -334,8 +334,8 @@ void CudaHair<T>::read_couplings(int substeps) {
     }
     seconds.chain -= pulling + touching;
     if (forces_) forces_->seconds += pulling, forces_->pairs = report_.last().pulled;
-    if (between_strands_)
-        between_strands_->seconds += touching, between_strands_->pairs = report_.last().touching;
+    if (strand_contact_)
+        strand_contact_->seconds += touching, strand_contact_->pairs = report_.last().touching;
 }
 
 template <class T>

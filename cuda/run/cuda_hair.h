@@ -75,11 +75,11 @@ class CudaHair {
 #ifdef WETCURL_PARITY
     // The CPU's own: sums over neighbours have its order, and a network's those of LibTorch.
     using Forces = PairForcesCoupling<T>;
-    using Touching = StrandContactCoupling<T>;
+    using StrandContacts = StrandContactCoupling<T>;
     static constexpr bool couples = false;
 #else
     using Forces = PairForcesOnDevice<T>;
-    using Touching = StrandContactOnDevice<T>;
+    using StrandContacts = StrandContactOnDevice<T>;
     static constexpr bool couples = true;
 #endif
 
@@ -99,7 +99,7 @@ class CudaHair {
     void fetch_history() const;
     void give_state();
     void give_velocities();
-    void take_couplings(Forces* forces, Touching* touching);
+    void take_couplings(Forces* forces, StrandContacts* touching);
     void take_network(const DenseLayers* layers);
     bool asks_network() const { return adhesion_.has_value(); }
     void ask_from(const PosedScene<T>& p) { put_motion(slots_, p); }
@@ -202,7 +202,7 @@ class CudaHair {
     DeviceBuffer<T> given_stiffness_, given_adhesion_, given_phi_;
     // What acts on all strands in each substep, before it and after it; null where nothing does, or the host.
     PairForcesOnDevice<T>* forces_ = nullptr;
-    StrandContactOnDevice<T>* between_strands_ = nullptr;
+    StrandContactOnDevice<T>* strand_contact_ = nullptr;
     std::vector<Event> marks_;                   // (slot, 3) and one: of forces, of the step, of contact
     std::optional<AdhesionDevice<T>> adhesion_;  // asked before each substep
     // Solids.

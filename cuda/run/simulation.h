@@ -1,4 +1,4 @@
-// The solver's other backend: a scene simulated on a CUDA device, every substep of a frame in one launch.
+// The solver's other backend: a scene simulated on a CUDA device, a frame as one CUDA graph.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// The level sets of a scene's deforming solids in a device's memory, a schedule's Surfaces.
+// The level sets of a scene's deforming solids in a device's memory, the frame loop's surfaces.
 #pragma once
 
 #include "cuda/device/cuda_owners.h"
@@ -9,12 +9,12 @@ namespace wetcurl {
 
 class DeformingSolidsOnDevice : public DeformingSolidsOf<MovingLevelSetDevice> {
   public:
-    template <class Hair>
-    DeformingSolidsOnDevice(const Scene& scene, const Hair& hair) : DeformingSolidsOf(scene, hair.stream()) {}
+    template <class H>
+    DeformingSolidsOnDevice(const Scene& scene, const H& hair) : DeformingSolidsOf(scene, hair.stream()) {}
 
     // The host finds the trees; the rest is queued for the hair's frame.
-    template <class Hair>
-    void advance(Hair& hair, double begin, double span, int substeps) {
+    template <class H>
+    void advance(H& hair, double begin, double span, int substeps) {
         DeformingSolidsOf::advance(hair, begin, span, substeps);
         hair.queue([this](cudaStream_t stream) {
             begin_.record(stream);

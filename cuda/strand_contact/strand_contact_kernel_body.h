@@ -10,7 +10,7 @@
 namespace wetcurl {
 
 // How fast a particle is [m/s], and 1/m [1/kg] as strands feel it of each other.
-struct alignas(16) TouchingPoint {
+struct alignas(16) StrandContactPoint {
     float x, y, z, weight;
     WETCURL_HD Vec3f velocity() const { return {x, y, z}; }
 };
@@ -20,10 +20,10 @@ template <class T>
 struct StrandContactKernelBody {
     StrandContact term;
     StrandContact::Step step;
-    CellSearch search;   // within touching_radius
+    CellSearch search;   // within strand_contact_radius
     const Vec3f* drawn;  // (strand, particle) in the groom as drawn
     // In the order of cells.
-    TouchingPoint* point;
+    StrandContactPoint* point;
     float* contacts;  // pairs in touch
 
     // Calls visit(j, x_k - x_j, d_kj²) for each particle j near to k.
@@ -48,12 +48,12 @@ struct StrandContactKernelBody {
     }
     // Its impulses change the velocities of the history alike.
     WETCURL_HD void push(uint32_t k, const StrandMemory<T>& m) const {
-        const TouchingPoint own = point[k];
+        const StrandContactPoint own = point[k];
         const float own_contacts = contacts[k];
         if (!(own_contacts > 0 && own.weight > 0)) return;
         Vec3f all{0, 0, 0};
         neighbours(k, [&](uint32_t j, const Vec3f& d, float square) {
-            const TouchingPoint other = point[j];
+            const StrandContactPoint other = point[j];
             all += StrandContact::impulse(step, d, own.velocity() - other.velocity(), square,
                                           1 / (own.weight + other.weight),
                                           1 / maximum(own_contacts, contacts[j]));
@@ -64,6 +64,6 @@ struct StrandContactKernelBody {
     }
 };
 // Of the search: rounding must not hide a pair in touch.
-inline double touching_radius(const StrandContact& term) { return 1.0001 * term.radius; }
+inline double strand_contact_radius(const StrandContact& term) { return 1.0001 * term.radius; }
 
 }  // namespace wetcurl

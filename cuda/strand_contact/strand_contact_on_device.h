@@ -1,5 +1,5 @@
-// Contact between strands on a device: buffers and launches, a schedule's Touching as StrandContactCoupling
-// is.
+// Contact between strands on a device: buffers and launches, the frame loop's contact, as
+// StrandContactCoupling is.
 #pragma once
 
 #include "cuda/device/cell_search_device.h"
@@ -29,7 +29,7 @@ class StrandContactOnDevice {
     const StrandContact::Step step_;
     DeviceBuffer<Vec3f> drawn_, positions_;
     CellSearchDevice search_;
-    DeviceBuffer<TouchingPoint> point_;
+    DeviceBuffer<StrandContactPoint> point_;
     DeviceBuffer<float> contacts_;
 };
 

@@ -9,11 +9,11 @@
 
 namespace wetcurl {
 
-// Hair as of a schedule, in the same device's memory. A frame's step is queued for its frame.
-template <class Hair>
+// Of hair in the same device's memory. A frame's step is queued for its frame.
+template <class H>
 class WaterCouplingOnDevice {
   public:
-    WaterCouplingOnDevice(const Scene& scene, Hair& hair)
+    WaterCouplingOnDevice(const Scene& scene, H& hair)
         : flow_(*scene.flow, scene.groom.rest, scene.linear_density, scene.wetness->absorbed, 1 / scene.fps,
                 scene.integrator.gravity, cast<float>(hair.head.translation)),
           soaking_(scene, hair.state.rest_length),
@@ -22,7 +22,7 @@ class WaterCouplingOnDevice {
     }
 
     // Of strands that are all there, by the last frame's report.
-    void advance(Hair& hair, double time) {
+    void advance(H& hair, double time) {
         moved_ = hair.all_there();
         if (!moved_) return;
         flow_.aim(time);
@@ -35,7 +35,7 @@ class WaterCouplingOnDevice {
         hair.take_water();
     }
     void finish() { seconds = moved_ ? end_.since(begin_) : 0; }
-    void restore(const std::vector<double>& saturation, Hair& hair) {
+    void restore(const std::vector<double>& saturation, H& hair) {
         flow_.restore(saturation, stream_);
         launch_soaking(hair);
         hair.take_water();
@@ -57,7 +57,7 @@ class WaterCouplingOnDevice {
     double work = 0;     // [J]: not counted here
 
   private:
-    void launch_soaking(const Hair& hair) {
+    void launch_soaking(const H& hair) {
         soaking_.launch(flow_.saturation(), flow_.dry_mass(), hair.soaked(), stream_);
     }
     FlowDevice flow_;

@@ -10,7 +10,7 @@
 
 namespace wetcurl {
 
-// paper: p* is the mean of the surrounding strands; core: that of Form V+ (mean core and the nearest strand's
+// paper: p* is the mean of the surrounding strands; core: core and detail (mean core and the nearest strand's
 // detail).
 enum class Reconstruction { paper, core };
 // Throws Misuse for another name.

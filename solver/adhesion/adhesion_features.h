@@ -1,4 +1,4 @@
-// What a network in Eq 11's place is asked of a particle, and when its answer holds: for any device.
+// The inputs of a network in Eq 11's place for a particle, and when its output holds: for any device.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace wetcurl {
 
-// A particle as its own question and its neighbours' see it.
+// A particle as its own inputs and its neighbours' have it.
 template <class T>
 struct AdhesionParticle {
     T touching, phi;  // phi [m] of the surface nearest to it

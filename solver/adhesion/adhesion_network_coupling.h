@@ -1,4 +1,4 @@
-// Adhesion by who answers in Eq 11's place (a network), and what one is trained on.
+// A network in Eq 11's place: its interface, its inputs for all strands, and samples that one is trained on.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,8 @@
 
 namespace wetcurl {
 
-// Who gives the adhesion force in Eq 11's place (a network): F.n / (sigma m a_max) from an AdhesionFeatures.
+// Predicts the adhesion force in Eq 11's place, F.n / (sigma m a_max), from the inputs that AdhesionFeatures
+// makes.
 class AdhesionPredictor {
   public:
     virtual ~AdhesionPredictor() = default;
@@ -76,16 +77,16 @@ void AdhesionNetworkCoupling<S>::evaluate(const Adhesion& term, const ChainState
     if (answers_.empty()) answers_.assign(size_t(state.strands) * size_t(n), 0.f);
     if (model && given_.empty()) given_.assign(state.mass.size(), S(0));
     found_.clear(), where_.clear();
-    const AdhesionFeatures question(term);
+    const AdhesionFeatures features(term);
     auto answer = [&](int s, int i) -> float& { return answers_[size_t(s) * size_t(n) + size_t(i)]; };
     for (int s = 0; s < state.strands; ++s)
         for (int i = 1; i < n; ++i) {
             const int block = s / lanes, lane = s % lanes;
             const size_t k = state.at(block, i);
             const T phi = number(near.phi[k], lane);
-            if (!question.concerns(number(state.saturation[k], lane), phi)) continue;
+            if (!features.concerns(number(state.saturation[k], lane), phi)) continue;
             AdhesionRecord r;
-            question.ask(
+            features.ask(
                 i, n, vector(near.normal[k], lane), vector(near.velocity[k], lane),
                 [&](int j) {
                     const size_t m = state.at(block, j);
@@ -95,7 +96,7 @@ void AdhesionNetworkCoupling<S>::evaluate(const Adhesion& term, const ChainState
                 r.inputs);
             float value, slope;
             Adhesion::shape(float(phi / T(term.h_a)), value, slope);
-            r.contact = question.in_contact(number(state.touching[k], lane));
+            r.contact = features.in_contact(number(state.touching[k], lane));
             r.target = r.contact ? -value : 0;
             found_.push_back(r);
             where_.push_back({s, i});

@@ -9,18 +9,18 @@
 
 namespace wetcurl {
 
-// Hair as of a schedule, in the host's memory.
-template <class Hair>
+// Of hair in the host's memory.
+template <class H>
 class AirCoupling {
   public:
     // For a scene with [air], which must outlive it; the hair feels the air where it is.
-    AirCoupling(const Scene& scene, Hair& hair) : scene_(scene), field_(*scene.air) {
+    AirCoupling(const Scene& scene, H& hair) : scene_(scene), field_(*scene.air) {
         if (scene.air->two_way) hair_.resize(scene.groom.rest.points.size());
         sample(hair.state);
     }
     // A frame from `time` [s] on. Once a frame: a step of the air costs more than a substep of the strands,
     // it is stable at any length, and a block of strands still goes through all substeps of a frame at once.
-    void advance(Hair& hair, double time) {
+    void advance(H& hair, double time) {
         const StageTimer timer(seconds);
         const double dt = 1 / scene_.fps;
         if (scene_.air->two_way) gather(hair.state);

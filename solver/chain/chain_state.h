@@ -24,8 +24,8 @@ void for_each_needed_array(const Scene& scene, Holder& holder, F f) {
 #undef WETCURL_ROW
 }
 
-// Arrays of (block, particle) (terms/strand_arrays.h). S is a plain number, or S::lanes of them; the last
-// block is filled up with copies of the last strand.
+// Arrays of (block, particle) (solver/terms/strand_arrays.h). S is a plain number, or S::lanes of them; the
+// last block is filled up with copies of the last strand.
 template <class S>
 struct ChainState : StrandArrays<S, HostArray> {
     using Arrays = StrandArrays<S, HostArray>;

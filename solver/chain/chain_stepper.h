@@ -33,7 +33,7 @@ class ChainStepper {
     bool always_first() const { return scene_.integrator.kind != "implicit"; }
     Bdf2<S> scheme() const { return {T(dt_), first, share_}; }  // of the next implicit substep
 
-    // Substeps along a path of placements: each block all of them before the next, so that its strands stay
+    // Substeps along a path of posed scenes: each block all of them before the next, so that its strands stay
     // in cache.
     void run(const std::vector<PosedScene<T>>& path, const GivenToChain<S>& given);
     // The surfaces nearest to where the strands are, for a scene with [adhesion].

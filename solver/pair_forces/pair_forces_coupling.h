@@ -56,16 +56,16 @@ class PairForcesCoupling {
         }
     }
     // [J] where the strands are; NaN where they are too far gone to tell.
-    template <class Hair>
-    double potential(const Hair& hair, double time) const {
+    template <class H>
+    double potential(const H& hair, double time) const {
         hair.fetch();
         std::vector<Vec3d> x;
         hair.state.template unpack<double>(hair.state.x, x);
         return is_finite(x) ? method_->potential(x, time) : NAN;
     }
     // The same for a run to keep, in two halves as a snapshot.
-    template <class Hair>
-    void begin_record(const Hair& hair, double time) {
+    template <class H>
+    void begin_record(const H& hair, double time) {
         recorded_ = potential(hair, time);
     }
     double recorded() const { return recorded_; }

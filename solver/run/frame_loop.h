@@ -16,7 +16,7 @@
 
 namespace wetcurl {
 
-// Couplings read and write the `state` of the hair, the host's view, between fetch and give.
+// Where the host acts on the strands, it does so on the `state` of the hair, between fetch and give.
 template <Hair H>
 class SimulationOf final : public Simulation {
     using T = typename H::Number;
@@ -31,17 +31,17 @@ class SimulationOf final : public Simulation {
     std::optional<Divergence> divergence() const override { return hair_.divergence(); }
     BufferList buffers() const override;
     double neighbours_mean() const override {
-        return scene_.cohesion    ? hair_.neighbours_mean()
-               : forces_          ? forces_->neighbours_mean()
-               : between_strands_ ? between_strands_->neighbours_mean()
-                                  : 0;
+        return scene_.cohesion   ? hair_.neighbours_mean()
+               : forces_         ? forces_->neighbours_mean()
+               : strand_contact_ ? strand_contact_->neighbours_mean()
+                                 : 0;
     }
     const Vec3f* positions_on_device() const override { return hair_.positions_on_device(); }
     long limited_edges() const override { return hair_.limited_edges(); }
     std::optional<WaterBalance> water() const override {
         return water_ ? std::optional(water_->balance()) : std::nullopt;
     }
-    void use_adhesion_model(AdhesionPredictor* model) override {
+    void use_adhesion_predictor(AdhesionPredictor* model) override {
         if (model || network_) network().model = model, hair_.take_network(network_->layers());
     }
     void record_adhesion(std::vector<AdhesionRecord>* records) override {
@@ -60,14 +60,14 @@ class SimulationOf final : public Simulation {
         return posed_scene_at<T>(scene_, time, dt_, moving, surfaces_ ? surfaces_->after(done) : nullptr,
                                  std::move(room));
     }
-    // Who answers on the host for all strands at once needs them at the same substep.
-    bool alone() const { return (H::couples || (!forces_ && !between_strands_)) && !host_asks(); }
+    // Stages on the host need all strands at the same substep.
+    bool alone() const { return (H::couples || (!forces_ && !strand_contact_)) && !host_asks(); }
     bool host_asks() const { return network_ && network_->asked() && !hair_.asks_network(); }
     void pull_strands(GivenToChain<S>& given);
     void ask_network(int done);
     void run(const std::vector<PosedScene<T>>& path, bool ends_frame);
     void follow_water();
-    void touch_strands();
+    void push_strands();
     // Calls f(name, seconds in the frame at hand) for each stage, in the order of their columns.
     template <class Self, class F>
     static void for_each_stage(Self& s, F f) {
@@ -78,7 +78,7 @@ class SimulationOf final : public Simulation {
         if (s.air_) f("air", s.air_->seconds);
         if (s.surfaces_) f("level set", s.surfaces_->seconds);
         if (s.forces_) f(s.forces_->name(), s.forces_->seconds);
-        if (s.between_strands_) f(StrandContact::name, s.between_strands_->seconds);
+        if (s.strand_contact_) f(StrandContact::name, s.strand_contact_->seconds);
     }
 
     const Scene& scene_;
@@ -90,7 +90,7 @@ class SimulationOf final : public Simulation {
     std::optional<typename H::Air> air_;
     std::optional<typename H::Surfaces> surfaces_;
     std::optional<typename H::Forces> forces_;
-    std::optional<typename H::Touching> between_strands_;
+    std::optional<typename H::StrandContacts> strand_contact_;
     std::optional<AdhesionNetworkCoupling<S>> network_;  // once it is asked for
     std::vector<PosedScene<T>> path_;                    // of the substeps at hand
     PosedScene<T> now_;                                  // where a network is asked
@@ -109,8 +109,8 @@ SimulationOf<H>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
     if (scene.air) air_.emplace(scene, hair_);
     if (scene.has_deforming_solid()) surfaces_.emplace(scene, hair_);
     if (has_pair_forces(scene)) forces_.emplace(scene, hair_.state);
-    if (scene.strand_contact) between_strands_.emplace(scene, hair_.state);
-    hair_.take_couplings(forces_ ? &*forces_ : nullptr, between_strands_ ? &*between_strands_ : nullptr);
+    if (scene.strand_contact) strand_contact_.emplace(scene, hair_.state);
+    hair_.take_couplings(forces_ ? &*forces_ : nullptr, strand_contact_ ? &*strand_contact_ : nullptr);
     for_each_stage(*this, [&](const char* name, double) { stages.push_back(name); });
     energy_kinds = kinds_of_energy(scene.chain);
     if (forces_) energy_kinds.push_back(forces_->name());
@@ -169,7 +169,7 @@ void SimulationOf<H>::run(const std::vector<PosedScene<T>>& path, bool ends_fram
     if constexpr (!H::couples) pull_strands(given);
     if (host_asks()) given.adhesion = network_->given();
     hair_.run(path, given, ends_frame);
-    if constexpr (!H::couples) touch_strands();
+    if constexpr (!H::couples) push_strands();
 }
 
 template <Hair H>
@@ -181,19 +181,20 @@ void SimulationOf<H>::pull_strands(GivenToChain<S>& given) {
 }
 
 template <Hair H>
-void SimulationOf<H>::touch_strands() {
-    if (!between_strands_) return;
-    const StageTimer timer(between_strands_->seconds);
+void SimulationOf<H>::push_strands() {
+    if (!strand_contact_) return;
+    const StageTimer timer(strand_contact_->seconds);
     hair_.fetch(), hair_.fetch_history();
-    if (!between_strands_->look(hair_.state)) return;
-    hair_.count_change(between_strands_->work, [&] { between_strands_->push(hair_.state, dt_); });
+    if (!strand_contact_->look(hair_.state)) return;
+    hair_.count_change(strand_contact_->work, [&] { strand_contact_->push(hair_.state, dt_); });
     hair_.give_velocities();
 }
 
-// What beside the strands themselves follows the water in them; who comes within `run` reads their masses.
+// What beside the strands themselves follows the water in them; couplings within `run` read the masses
+// themselves.
 template <Hair H>
 void SimulationOf<H>::follow_water() {
-    if (!H::couples && between_strands_) hair_.fetch(), between_strands_->weigh(hair_.state);
+    if (!H::couples && strand_contact_) hair_.fetch(), strand_contact_->weigh(hair_.state);
 }
 
 template <Hair H>
@@ -208,7 +209,7 @@ void SimulationOf<H>::count_work() {
     hair_.count_work();
     if (water_) water_->work = 0;
     if (forces_) forces_->work = 0;
-    if (between_strands_) between_strands_->work = 0;
+    if (strand_contact_) strand_contact_->work = 0;
 }
 
 template <Hair H>
@@ -216,7 +217,7 @@ Work SimulationOf<H>::work() const {
     Work sum = hair_.work();
     if (water_) sum.water = water_->work;
     if (forces_) sum.solids += forces_->work;
-    if (between_strands_) sum.strands = between_strands_->work;
+    if (strand_contact_) sum.strands = strand_contact_->work;
     return sum;
 }
 
@@ -268,7 +269,7 @@ BufferList SimulationOf<H>::buffers() const {
     hair_.list(list);
     if (network_) network_->list(list);
     if (forces_) forces_->list(list);
-    if (between_strands_) between_strands_->list(list);
+    if (strand_contact_) strand_contact_->list(list);
     if (water_) water_->list(list);
     if (air_) air_->list(list);
     for (const auto& solid : scene_.solids)

@@ -91,14 +91,14 @@ concept Hair = requires {
     requires AirCoupled<typename H::Air, H>;
     requires SurfacesCoupled<typename H::Surfaces, H>;
     requires PairForcesCoupled<typename H::Forces, H>;
-    requires StrandContactCoupled<typename H::Touching, H>;
+    requires StrandContactCoupled<typename H::StrandContacts, H>;
     // Whether forces, contact between strands and the answers of a network of dense layers come within `run`;
     // else the frame loop adds them between runs, on the host.
     { H::couples } -> std::convertible_to<bool>;
 }
 &&requires(H hair, const H& now, const std::vector<PosedScene<typename H::Number>>& path,
            const PosedScene<typename H::Number>& at, const GivenToChain<typename H::S>& given,
-           typename H::Forces* forces, typename H::Touching* touching, const DenseLayers* layers,
+           typename H::Forces* forces, typename H::StrandContacts* touching, const DenseLayers* layers,
            const MovingGrid* surfaces, const std::vector<float>& saturation, RunFrame& frame, double number,
            void (*act)(), BufferList& buffers) {
     // In the host's memory: the strands as uploaded, or as of the last fetch.
@@ -109,7 +109,8 @@ concept Hair = requires {
     { now.scheme() } -> std::same_as<Bdf2<typename H::S>>;  // of the next implicit substep
     { now.seconds } -> std::convertible_to<StageSeconds>;
 
-    // For a scene with [cohesion], where `saturation` lives; others read neighbours up to a radius [m].
+    // For a scene with [cohesion]; `saturation` must outlive the hair; others read neighbours up to a radius
+    // [m].
     hair.begin_display(saturation, number);
     // What `run` lets act on the strands where it couples them; null: the scene has none.
     hair.take_couplings(forces, touching);

@@ -1,4 +1,4 @@
-// The stepper on the CPU.
+// The hair in the host's memory, and simulations on it.
 #include "solver/run/simulation.h"
 
 #include "solver/run/frame_loop.h"
@@ -16,7 +16,7 @@ class CpuHair : public ChainStepper<T> {
     using Air = AirCoupling<CpuHair>;
     using Water = WaterCoupling<CpuHair>;
     using Forces = PairForcesCoupling<S>;
-    using Touching = StrandContactCoupling<S>;
+    using StrandContacts = StrandContactCoupling<S>;
     struct Surfaces : DeformingSolids {
         Surfaces(const Scene& scene, const CpuHair&) : DeformingSolids(scene) {}
     };
@@ -37,7 +37,7 @@ class CpuHair : public ChainStepper<T> {
     void fetch_history() const {}
     void give_state() {}
     void give_velocities() {}
-    void take_couplings(Forces*, Touching*) {}
+    void take_couplings(Forces*, StrandContacts*) {}
     void take_network(const DenseLayers*) {}
     bool asks_network() const { return false; }
     void ask_from(const PosedScene<T>&) {}

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
 #include "base/run_cache.h"
 #include "solver/adhesion/adhesion_network_coupling.h"
 #include "solver/chain/work_meter.h"
@@ -44,29 +43,23 @@ class Simulation {
     // null: on the CPU.
     virtual const Vec3f* positions_on_device() const { return nullptr; }
     virtual long limited_edges() const = 0;  // by the strain limiter, so far
-    virtual void use_adhesion_model(AdhesionPredictor* model) = 0;
+    virtual void use_adhesion_predictor(AdhesionPredictor* model) = 0;
     // Of the flow, where the scene has one.
     virtual std::optional<WaterBalance> water() const { return std::nullopt; }
     // From now on every substep's particles near solids are appended to `records` (null: stop).
     virtual void record_adhesion(std::vector<AdhesionRecord>* records) = 0;
-    // These throw Error where the device does not offer them.
-    virtual SimulationState state() const { return not_here<SimulationState>(); }
+    virtual SimulationState state() const = 0;
     // What `state` leaves empty, or holds for what this scene does not name, stays as it is.
-    virtual void restore(const SimulationState&) { not_here<int>(); }
-    // From now on the work done on the hair is counted; it costs some time.
-    virtual void count_work() { not_here<int>(); }
-    virtual Work work() const { return not_here<Work>(); }
+    virtual void restore(const SimulationState&) = 0;
+    // From now on the work done on the hair is counted; it costs some time. Throw Error on a GPU, which
+    // counts none.
+    virtual void count_work() = 0;
+    virtual Work work() const = 0;
     // [J] of each kind, in double.
-    virtual std::vector<double> energy() const { return not_here<std::vector<double>>(); }
+    virtual std::vector<double> energy() const = 0;
 
     std::vector<std::string> energy_kinds;  // columns of RunFrame::energy
     std::vector<std::string> stages;        // columns of RunFrame::stage_seconds
-
-  private:
-    template <class Value>
-    [[noreturn]] static Value not_here() {
-        throw Error("state, energy and work of a simulation are read on the CPU alone");
-    }
 };
 
 // `precision`: "float" or "double". The scene must outlive the simulation.

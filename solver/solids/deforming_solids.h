@@ -40,9 +40,9 @@ class DeformingSolidsOf {
         for (size_t k = 0; k < solids_.size(); ++k) level_sets_[k].hold(vertices_at(k, time));
         lay_views(1);
     }
-    // Rebuilds them for a span [s] of so many substeps, from `begin` [s] on; `hair` as of a schedule.
-    template <class Hair>
-    void advance(const Hair&, double begin, double span, int substeps) {
+    // Rebuilds them for a span [s] of so many substeps, from `begin` [s] on; `hair` is not read.
+    template <class H>
+    void advance(const H&, double begin, double span, int substeps) {
         const StageTimer timer(seconds);
         for (size_t k = 0; k < solids_.size(); ++k)
             level_sets_[k].advance(vertices_at(k, begin + span), span);

@@ -11,12 +11,12 @@
 
 namespace wetcurl {
 
-// Hair as of a schedule, in the host's memory.
-template <class Hair>
+// Of hair in the host's memory.
+template <class H>
 class WaterCoupling {
   public:
     // For a scene with [wetness.flow], which must outlive it.
-    WaterCoupling(const Scene& scene, Hair&)
+    WaterCoupling(const Scene& scene, H&)
         : scene_(scene),
           flow_(*scene.flow, scene.groom.rest, scene.linear_density, scene.wetness->absorbed,
                 scene.saturation),
@@ -30,7 +30,7 @@ class WaterCoupling {
     // and a surface wets what is seen to cross it. Water that comes takes on the velocity of the hair that it
     // comes to. BDF2 goes on with its history: seen with masses that quadruple within a few frames, no energy
     // comes of it, and a restart each frame loses up to a fifth more.
-    void advance(Hair& hair, double time) {
+    void advance(H& hair, double time) {
         const StageTimer timer(seconds);
         const Strands& p = hair.seen();
         if (!is_finite(p.points)) return;
@@ -42,7 +42,7 @@ class WaterCoupling {
         });
     }
     void finish() {}  // once the frame is shown
-    void restore(const std::vector<double>& saturation, Hair& hair) { flow_.restore(saturation), soak(hair); }
+    void restore(const std::vector<double>& saturation, H& hair) { flow_.restore(saturation), soak(hair); }
 
     const std::vector<double>& exact() const { return flow_.exact(); }  // (strand, particle)
     const std::vector<float>& saturation() const {
@@ -69,7 +69,7 @@ class WaterCoupling {
 
   private:
     // All of the strands that follows the saturation.
-    void soak(Hair& hair) {
+    void soak(H& hair) {
         auto& state = hair.state;
         const int n = state.n;
         room_.resize(size_t(omp_get_max_threads()));

@@ -6,7 +6,7 @@ build=$1 source=$2 model=$3 other=$4
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cmake --install "$build" --prefix "$folder/there" >/dev/null
-cmake -S "$source/tests/library" -B "$folder/build" -DCMAKE_PREFIX_PATH="$folder/there" -DCMAKE_BUILD_TYPE=Release >/dev/null
+cmake -S "$source/examples" -B "$folder/build" -DCMAKE_PREFIX_PATH="$folder/there" -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build "$folder/build" >/dev/null
 cat >"$folder/scene.toml" <<TOML
 include = "$source/scenes/demo.toml"

@@ -534,7 +534,7 @@ TEST_F(Cuda, a_network_in_the_loop_is_asked_as_on_the_cpu) {
         HalfOfEq11 here, there;
         std::vector<AdhesionRecord> records, wanted_records;
         const auto cpu = make_simulation(scene, "double"), gpu = make_cuda_simulation(scene, "double", 0);
-        cpu->use_adhesion_model(&here), gpu->use_adhesion_model(&there);
+        cpu->use_adhesion_predictor(&here), gpu->use_adhesion_predictor(&there);
         cpu->record_adhesion(&wanted_records), gpu->record_adhesion(&records);
         RunFrame wanted, got;
         for (int f = 0; f < 6; ++f) cpu->advance(), gpu->advance();
@@ -591,7 +591,7 @@ TEST_F(Cuda, a_network_of_dense_layers_is_asked_by_the_device) {
                 EXPECT_EQ(got.contact, wanted.contact);
             };
             auto use = [&](AdhesionPredictor* on_cpu, AdhesionPredictor* on_gpu) {
-                cpu->use_adhesion_model(on_cpu), gpu->use_adhesion_model(on_gpu);
+                cpu->use_adhesion_predictor(on_cpu), gpu->use_adhesion_predictor(on_gpu);
             };
             auto bytes = [&] {
                 size_t sum = 0;
@@ -628,7 +628,7 @@ TEST_P(StickyHair, asks_a_network_of_dense_layers_to_the_bit_and_as_the_host_doe
         DenseAdhesion model(5, gives_layers);
         std::vector<AdhesionRecord> records;
         const auto gpu = make_cuda_simulation(scene, precision, 0);
-        gpu->use_adhesion_model(&model);
+        gpu->use_adhesion_predictor(&model);
         if (recorded) gpu->record_adhesion(&records);
         for (int f = 1; f <= 6; ++f) gpu->advance(all_shown || f == 6);
         EXPECT_EQ(records.empty(), !recorded);

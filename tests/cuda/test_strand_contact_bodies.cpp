@@ -42,8 +42,8 @@ struct Tangle {
     }
     // The same, done to the velocities. Returns how many pairs are near.
     size_t push() {
-        const HostSearch search(x.points, x.particles, touching_radius(term), {1, 2, 0});
-        std::vector<TouchingPoint> point(v.size(), {NAN, NAN, NAN, NAN});
+        const HostSearch search(x.points, x.particles, strand_contact_radius(term), {1, 2, 0});
+        std::vector<StrandContactPoint> point(v.size(), {NAN, NAN, NAN, NAN});
         std::vector<float> contacts(v.size(), NAN);
         StrandMemory<T> memory{};
         memory.n = x.particles, memory.strands = x.count;

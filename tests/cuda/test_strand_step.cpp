@@ -233,7 +233,7 @@ TEST(StrandStep, with_a_network_does_what_the_cpu_does_with_it) {
         if (!scene.term<Adhesion>()) continue;
         DenseAdhesion model(5);
         const auto cpu = make_simulation(scene, "double");
-        cpu->use_adhesion_model(&model);
+        cpu->use_adhesion_predictor(&model);
         const int frames = c.name == std::string("several solids") ? 1 : 5;
         for (int f = 0; f < frames; ++f) cpu->advance();
         RunFrame wanted;

@@ -1,4 +1,4 @@
-// Eq 18 and 19 in paper mode and in Form V+.
+// Eq 18 and 19 in paper mode, and by core and detail.
 #include "learn/codec/core_detail.h"
 #include "learn/codec/quad_transform.h"
 #include "tests/learn/hair.h"

@@ -39,7 +39,7 @@ long asked_in_frames(const std::string& text, int before, int frames, AdhesionPr
                      const std::vector<std::string>& set = {}, const std::string& precision = "float") {
     const Scene scene = scene_of(text, set);
     const auto simulation = make_simulation(scene, precision);
-    if (model) simulation->use_adhesion_model(model);
+    if (model) simulation->use_adhesion_predictor(model);
     for (int f = 0; f < before; ++f) simulation->advance();
     const long at_first = asked;
     for (int f = 0; f < frames; ++f) simulation->advance();

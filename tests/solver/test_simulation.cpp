@@ -1,5 +1,5 @@
 // Whole simulations on small grooms: the same bits for any number of threads, nested grids, equilibria,
-// contact, what is absent, what every parameter is for, divergence. and 5; Fig 28.
+// contact, what is absent, what every parameter is for, divergence.
 #include <algorithm>
 #include <Eigen/SVD>
 #include <numeric>
@@ -251,7 +251,7 @@ TEST(Simulation, takes_the_adhesion_that_a_model_gives) {
     auto run = [&](double answer) {
         GivenAdhesion model(answer);
         const auto simulation = make_simulation(scene, "float");
-        simulation->use_adhesion_model(&model);
+        simulation->use_adhesion_predictor(&model);
         for (int f = 0; f < 4; ++f) simulation->advance();
         EXPECT_GT(model.asked, 100u);
         RunFrame frame;
