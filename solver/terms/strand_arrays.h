@@ -83,20 +83,17 @@ struct StrandArrays {
 };
 
 // Calls f(info, array of each of `holders`...) for every array of a state, or of the strands.
-template <class F, class... Holders>
-void for_each_state_array(F f, Holders&... holders) {
 #define WETCURL_ROW(name, type, extent, part, use, label, needed) \
     f(StrandArrayInfo{label, ArrayExtent::extent, StrandPart::part, BufferUse::use}, holders.name...);
+template <class F, class... Holders>
+void for_each_state_array(F f, Holders&... holders) {
     WETCURL_STATE_ARRAYS(WETCURL_ROW)
-#undef WETCURL_ROW
 }
 template <class F, class... Holders>
 void for_each_strand_array(F f, Holders&... holders) {
-#define WETCURL_ROW(name, type, extent, part, use, label, needed) \
-    f(StrandArrayInfo{label, ArrayExtent::extent, StrandPart::part, BufferUse::use}, holders.name...);
     WETCURL_STRAND_ARRAYS(WETCURL_ROW)
-#undef WETCURL_ROW
 }
+#undef WETCURL_ROW
 
 template <class V>
 using HostArray = std::vector<V>;
