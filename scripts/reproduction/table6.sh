@@ -14,7 +14,9 @@ declare -A hair=(
     [wavy]="groom.curl_radius=0.003 groom.pitch=0.05"
     [curly]=""
     [coiled]="groom.curl_radius=0.005 groom.pitch=0.01")
-declare -A length=([long]="" [short]="groom.length=0.1 groom.particles=25 groom.lift=0.012")
+# Dense hair: four times the roots on the same skin. 400 steps a frame of 144 strands take long, so it has one strength each.
+declare -A length=([long]="" [short]="groom.length=0.1 groom.particles=25 groom.lift=0.012" [dense]="groom.grid=[12,12]")
+declare -A strands=([long]=36 [short]=36 [dense]=144) metres=([long]=0.2 [short]=0.1 [dense]=0.2)
 calm=0.05  # [mm] of jitter at rest, about 1 % of a segment
 
 # options SETTING...: --set for each.
@@ -44,7 +46,7 @@ run() {
 dry() { trial "$(run_of "dry_$1" "$2" "$3")" scenes/compare_turn.toml --dry $(options ${chain[$1]} ${hair[$2]} ${length[$3]}) "${threads[@]}"; }
 
 mkdir -p table6
-all_dry() { for kind in straight wavy curly coiled; do for long in long short; do for on in ours iben; do "$@" dry $on $kind $long; done; done; done; }
+all_dry() { for kind in straight wavy curly coiled; do for long in long short dense; do for on in ours iben; do "$@" dry $on $kind $long; done; done; done; }
 all_dry at_once
 wait
 all_dry
@@ -104,12 +106,15 @@ gained() {
     jq --argjson weight "$2" '[.energy_joule[1:15][].sum] as $e | reduce range(1; $e | length) as $f ({low: $e[0], rise: 0};
         .low = ([.low, $e[$f]] | min) | .rise = ([.rise, $e[$f] - .low] | max)) | .rise / $weight' "$1.inspect.json"
 }
-for long in long short; do for method in "${methods[@]}"; do for kind in straight wavy curly coiled; do at_once run "$method" $kind $long; done; done; done
+methods_on() {
+    if [[ $1 == dense ]]; then printf '%s\n' printed "lin@iben=$(default_of lin@iben)" "kim@iben=$(default_of kim@iben)" ours; else printf '%s\n' "${methods[@]}"; fi
+}
+for long in long short dense; do for method in $(methods_on $long); do for kind in straight wavy curly coiled; do at_once run "$method" $kind $long; done; done; done
 wait
-for long in long short; do
+for long in long short dense; do
     rows=()
-    weight=$(value "36 * 6.5e-6 * 1.3 * 9.81 * $([[ $long == long ]] && echo "0.2 * 0.2" || echo "0.1 * 0.1")")
-    for method in "${methods[@]}"; do
+    weight=$(value "${strands[$long]} * 6.5e-6 * 1.3 * 9.81 * ${metres[$long]} * ${metres[$long]}")
+    for method in $(methods_on $long); do
         for kind in straight wavy curly coiled; do
             run "$method" $kind $long
             name=$(run_of "$method" $kind $long)
@@ -136,4 +141,4 @@ for long in long short; do
     done
     row "largest jitter at rest of ours over the four kinds [mm]" "stable for all" "$(jq -n --argjson all "$all" '[$all[] | select(.method == "ours")["jitter at rest [mm]"]] | max')" 0 $calm "calm is below $calm mm, 1 % of a segment"
 done
-note "Strengths: Lin's and Kim's own are not printed in the paper that compares them. Of Akinci 2013, whose kernels both take, a public library (salva) says that coefficients for particles of a fluid lie between 0 and 1; the table of strengths begins there. Each method runs at our default, the strongest of an earlier sweep that nearly comes to rest, and at the best of the sweep above."
+note "Strengths: Lin's and Kim's own are not printed in the paper that compares them. Of Akinci 2013, whose kernels both take, a public library (salva) says that coefficients for particles of a fluid lie between 0 and 1; the table of strengths begins there. Each method runs at our default, the strongest of an earlier sweep that nearly comes to rest, and at the best of the sweep above. Noise is measured while the head is at rest: on a head that turns the third difference of the motion itself is larger than that of the noise."
