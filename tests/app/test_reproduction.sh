@@ -68,4 +68,15 @@ expect 1 'is not what results/reproduction says' "'$folder/scripts/pages' --chec
 expect 0 '' "'$folder/scripts/pages'"
 expect 0 '' "'$folder/scripts/pages' --check"
 grep -q '| w | 1 | 1.5 | no | a \\| b |' "$folder/docs/reproduction.md" || { echo "FAILED: the page lacks its row"; failures=$((failures + 1)); }
+
+# So is a table of another page; one that nobody makes, and one without an end, are refused.
+printf '%s\n' '# A page' "<!-- table: reproduced $first -->" stale '<!-- end -->' >"$folder/docs/page.md"
+expect 1 'docs/page.md is not what its data says' "'$folder/scripts/pages' --check"
+expect 0 '' "'$folder/scripts/pages'"
+expect 0 '' "'$folder/scripts/pages' --check"
+grep -q '^| w | 1.5 |$' "$folder/docs/page.md" || { echo "FAILED: the page lacks its table"; failures=$((failures + 1)); }
+echo '<!-- table: nothing -->' >>"$folder/docs/page.md"
+expect 1 "found table 'nothing', allowed: " "'$folder/scripts/pages' --check"
+sed -i 's/nothing/winners/' "$folder/docs/page.md"
+expect 1 "table 'winners' has no <!-- end -->" "'$folder/scripts/pages' --check"
 exit $((failures > 0))
