@@ -80,11 +80,13 @@ check() {
             eval "$command" ;;
         scripts/*)
             "$project/$first" --help >/dev/null || return
-            for name in ${command#* }; do
-                [[ $first != scripts/reproduce || $name == scripts/reproduce ]] ||
-                    [[ -e $project/scripts/reproduction/$name.sh ]] || grep -qx "# also: .*\b$name\b.*\|# also: $name" "$project"/scripts/reproduction/*.sh || { echo "no item $name"; return 1; }
-                [[ $name != --* || $first == scripts/reproduce ]] || "$project/$first" --help | grep -qe "$name" || { echo "$first --help does not tell of $name"; return 1; }
-                [[ $first != scripts/build || $name == scripts/build || $name == "&&" ]] || grep -q "\"name\": \"$name\"" "$project/CMakePresets.json" || [[ $command == *"&&"* ]] || { echo "no preset $name"; return 1; }
+            for name in ${command%%&&*}; do
+                case $first:$name in
+                    *":$first") ;;
+                    scripts/reproduce:*) [[ -e $project/scripts/reproduction/$name.sh ]] || grep -q "^# also:.* $name\b" "$project"/scripts/reproduction/*.sh || { echo "no item $name"; return 1; } ;;
+                    *:--*) "$project/$first" --help | grep -qe "$name" || { echo "$first --help does not tell of $name"; return 1; } ;;
+                    scripts/build:*) grep -q "\"name\": \"$name\"" "$project/CMakePresets.json" || { echo "no preset $name"; return 1; } ;;
+                esac
             done ;;
         cmake | ctest)
             for name in $(grep -oE -- '--preset +[a-z_]+' <<<"$command" | awk '{ print $2 }'); do
