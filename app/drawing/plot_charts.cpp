@@ -71,6 +71,11 @@ Times times_of(const RunReader& run) {
     if (std::none_of(t.whole.begin(), t.whole.end(), [](double v) { return std::isfinite(v); }))
         throw Error(run.path() + ": found " + std::to_string(run.frames()) +
                     " frames without run times; plot --time draws what simulate and infer write");
+    // A stage that did nothing has the time of reading the clock, which would stretch the axis to nothing.
+    const double least = 1e-4 * median_of(t.whole);
+    std::erase_if(t.stages, [&](const auto& stage) {
+        return std::none_of(stage.second.begin(), stage.second.end(), [&](double v) { return v > least; });
+    });
     return t;
 }
 
