@@ -14,8 +14,8 @@ declare -A hair=(
     [wavy]="groom.curl_radius=0.003 groom.pitch=0.05"
     [curly]=""
     [coiled]="groom.curl_radius=0.005 groom.pitch=0.01")
-# Dense hair: four times the roots on the same skin, on our chain: on Iben's, whose 500 steps a frame each seek their
-# neighbours, a run of 144 strands takes five minutes, and Fig 2 shows dense hair.
+# Dense hair: four times the roots on the same skin. Lin and Kim draw it on our chain alone: on Iben's, each of 500 steps a
+# frame seeks neighbours, which takes minutes a run; Fig 2 shows dense hair there.
 declare -A length=([long]="" [short]="groom.length=0.1 groom.particles=25 groom.lift=0.012" [dense]="groom.grid=[12,12]")
 declare -A strands=([long]=36 [short]=36 [dense]=144) metres=([long]=0.2 [short]=0.1 [dense]=0.2)
 calm=0.05  # [mm] of jitter at rest, about 1 % of a segment
@@ -108,7 +108,7 @@ gained() {
         .low = ([.low, $e[$f]] | min) | .rise = ([.rise, $e[$f] - .low] | max)) | .rise / $weight' "$1.inspect.json"
 }
 methods_on() {
-    if [[ $1 == dense ]]; then printf '%s\n' "lin=$(default_of lin)" "kim=$(default_of kim)" ours; else printf '%s\n' "${methods[@]}"; fi
+    if [[ $1 == dense ]]; then printf '%s\n' printed "lin=$(default_of lin)" "kim=$(default_of kim)" ours; else printf '%s\n' "${methods[@]}"; fi
 }
 for long in long short dense; do for method in $(methods_on $long); do for kind in straight wavy curly coiled; do at_once run "$method" $kind $long; done; done; done
 wait
