@@ -15,7 +15,7 @@
 #include <set>
 #include <sstream>
 
-#include "app/commands/dataset_recipe.h"
+#include "app/dataset/dataset_recipe.h"
 #include "app/engine/device.h"
 #include "app/engine/learned_hair.h"
 #include "app/engine/run_of_scene.h"

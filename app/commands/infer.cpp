@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "app/commands/missing_model.h"
 #include "app/commands/simulate.h"
 #include "app/engine/device.h"
 #include "app/engine/learned_hair.h"
+#include "app/engine/missing_model.h"
 #include "app/engine/run_of_scene.h"
 #include "app/files/results.h"
 #include "base/config.h"

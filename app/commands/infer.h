@@ -1,7 +1,7 @@
 // `wetcurl infer`: wet hair predicted from a low-resolution run.
 #pragma once
 
-#include "app/files/common_options.h"
+#include "app/options/common_options.h"
 
 namespace CLI {
 class App;

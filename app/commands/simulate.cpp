@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "app/commands/missing_model.h"
 #include "app/engine/device.h"
+#include "app/engine/missing_model.h"
 #include "app/engine/network_adhesion.h"
 #include "app/engine/reference.h"
 #include "app/engine/run_of_scene.h"

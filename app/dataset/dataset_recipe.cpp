@@ -1,5 +1,5 @@
 // Scenes of a data set, picked and drawn.
-#include "app/commands/dataset_recipe.h"
+#include "app/dataset/dataset_recipe.h"
 
 #include <fmt/format.h>
 
