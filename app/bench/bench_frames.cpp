@@ -9,6 +9,7 @@
 #include "app/bench/bench_operations.h"
 #include "app/engine/device.h"
 #include "app/engine/reference.h"
+#include "app/engine/simulated_frames.h"
 #include "base/log.h"
 
 namespace wetcurl::bench {
@@ -134,11 +135,10 @@ double chain_operations_of(const Workload& w, bool wet) {
     const Workload few{8, 8, w.radius, 0.25, w.frames, w.particles, w.angle};
     const Scene scene = scene_of(few, wet);
     const auto simulation = make_simulation(scene, "float");
+    SimulatedFrames frames(*simulation, 1 + few.frames);
     double sum = 0;
-    for (int f = 0; f < few.frames; ++f) {
-        simulation->advance();
-        sum += chain_operations(scene, simulation->state());
-    }
+    while (frames.advance())
+        if (frames.index() > 0) sum += chain_operations(scene, simulation->state());
     return at->second = sum / few.frames;
 }
 
@@ -215,29 +215,39 @@ std::vector<std::string> names_of(const Workload& w, bool wet) {
 
 namespace {
 
+// Run times [s] of a simulation's frames: whole ones, then those of each stage. What is seen goes to `seen`,
+// unless null.
+std::vector<std::vector<double>> seconds_of_frames(Simulation& simulation, int most,
+                                                   std::vector<Strands>* seen) {
+    std::vector<std::vector<double>> seconds(1 + simulation.stages.size());
+    double spent = 0;
+    SimulatedFrames frames(simulation, most);
+    for (RunFrame frame; frames.next(frame);) {
+        if (seen) seen->push_back(frame.seen());
+        // Nothing is computed for frame 0. Frame 1 finds memory and caches cold; it counts only where it is
+        // long.
+        if (frames.index() == 0 || (frames.index() == 1 && frame.seconds < long_frame)) continue;
+        seconds[0].push_back(frame.seconds);
+        for (size_t k = 1; k < seconds.size(); ++k) seconds[k].push_back(double(frame.stage_seconds[k - 1]));
+        spent += frame.seconds;
+        const size_t enough = frame.seconds > long_frame ? 3 : spent > long_run ? fewest : size_t(most);
+        if (!seen && seconds[0].size() >= enough) break;
+    }
+    return seconds;
+}
+
 // Of a frame of the scene, `name`d and of a series, and of each of its stages. What is seen goes to `seen`,
 // unless null.
 std::vector<Line> frames_of(const Scene& scene, const std::string& name, const std::string& series,
                             const Workload& w, const std::string& device, std::vector<Strands>* seen) {
     const auto simulation = make_simulation_on(device, scene, "float");
     const auto& stages = simulation->stages;
-    std::vector<std::vector<double>> seconds(1 + stages.size());  // (line, frame)
-    double spent = 0;
-    for (int f = 0; f < w.frames; ++f) {
-        RunFrame frame;
-        if (f > 0) simulation->advance();
-        simulation->snapshot(frame);
-        if (seen) seen->push_back(frame.seen());
-        // Frame 1 finds memory and caches cold; it counts only where it is long.
-        if (f == 0 || (f == 1 && frame.seconds < long_frame)) continue;
-        seconds[0].push_back(frame.seconds);
-        for (size_t k = 0; k < stages.size(); ++k) seconds[1 + k].push_back(double(frame.stage_seconds[k]));
-        spent += frame.seconds;
-        const size_t enough = frame.seconds > long_frame ? 3 : spent > long_run ? fewest : size_t(w.frames);
-        if (!seen && seconds[0].size() >= enough) break;
+    std::vector<std::vector<double>> seconds;  // (line, frame)
+    try {
+        seconds = seconds_of_frames(*simulation, w.frames, seen);
+    } catch (const Diverged& e) {
+        throw Error("bench: " + name + ": " + e.what());
     }
-    if (simulation->divergence()) throw Error("bench: " + name + " diverges");
-
     const BufferList buffers = simulation->buffers();
     const double particles = double(w.strands()) * w.particles;
     Line line;
@@ -297,14 +307,15 @@ static Point point_of(const Scene& scene, const std::string& device, const std::
     const auto simulation = make_simulation_on(device, scene, precision);
     std::vector<Strands> seen;
     std::vector<double> seconds;
-    RunFrame frame;
-    while (seen.size() < exact.size() && !simulation->divergence()) {
-        if (!seen.empty()) simulation->advance();
-        simulation->snapshot(frame);
-        seen.push_back(frame.seen());
-        if (seen.size() > 2) seconds.push_back(frame.seconds);
+    SimulatedFrames frames(*simulation, int(exact.size()));
+    try {
+        for (RunFrame frame; frames.next(frame);) {
+            seen.push_back(frame.seen());
+            if (seen.size() > 2) seconds.push_back(frame.seconds);
+        }
+    } catch (const Diverged&) {
+        return point;
     }
-    if (simulation->divergence()) return point;
     point.seconds = times_of(seconds);
     point.error_mm = mean_error(seen, exact);
     return point;
@@ -354,10 +365,10 @@ static Entry air_step(int cells, const std::string& device) {
         const size_t air = size_t(std::find(simulation->stages.begin(), simulation->stages.end(), "air") -
                                   simulation->stages.begin());
         std::vector<double> seconds;
+        SimulatedFrames frames(*simulation, 1 + 40);
         RunFrame frame;
-        for (double spent = 0; seconds.size() < 40 && (spent < 2 || seconds.size() < 3);) {
-            simulation->advance();
-            simulation->snapshot(frame);
+        for (double spent = 0; (spent < 2 || seconds.size() < 3) && frames.next(frame);) {
+            if (frames.index() == 0) continue;
             seconds.push_back(double(frame.stage_seconds[air]));
             spent += seconds.back();
         }

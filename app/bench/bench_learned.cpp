@@ -45,16 +45,15 @@ Scene high_scene_of(const Workload& w, const ModelCard& card) {
 }
 
 // A network on the workload's hair, in and out where it computes.
-class LearnedHair {
+class TimedHair {
   public:
-    LearnedHair(const Workload& w, const std::string& model, const std::string& device, int threads,
-                Part part)
+    TimedHair(const Workload& w, const std::string& model, const std::string& device, int threads, Part part)
         : high_(high_scene_of(w, network_module().card(model))),
           low_(low_scene_of(w, network_module().card(model))),
           device_(device),
-          part_(part),
-          learned_(learned_strands_of(model, high_, high_.title, low_.groom, device, threads)) {
-        if (part_ == Part::with_cohesion) learned_->lead_edges(most_length_rounds);
+          learned_(learned_strands_of(model, high_, high_.title, low_.groom, device, threads), high_, device,
+                   part == Part::with_cohesion) {
+        if (part == Part::with_cohesion) learned_.strands().lead_edges(most_length_rounds);
     }
 
     const Strands& high() const { return high_.groom.rest; }
@@ -67,7 +66,7 @@ class LearnedHair {
         if (on_device()) low = (device_low_ = DeviceBuffer<Vec3f>(low_points_)).data();
 #endif
         bind(low);
-        return repeated([&] { return [&] { learned_->run(HeadWindow()); }; });
+        return repeated([&] { return [&] { learned_.run(HeadWindow(), 0); }; });
     }
     // Of strands that are simulated before each frame: read where they are.
     Times simulated() {
@@ -75,21 +74,21 @@ class LearnedHair {
         RunFrame frame;
         simulation->snapshot(frame);
         low_points_ = frame.positions.points;
-        if (part_ != Part::with_run) display_.emplace(device_, high_), shown_ = high();
         bind(on_device() ? simulation->positions_on_device() : low_points_.data());
         return repeated([&] {
             return [&] {
+                // Not by SimulatedFrames, whose check of every strand would be timed as well.
                 simulation->advance();
                 if (!on_device()) {
                     simulation->snapshot(frame);
                     std::copy(frame.positions.points.begin(), frame.positions.points.end(),
                               low_points_.begin());
                 }
-                show();
+                learned_.run(HeadWindow(), 0);
             };
         });
     }
-    size_t parameters() const { return size_t(learned_->card().parameters); }
+    size_t parameters() { return size_t(learned_.strands().card().parameters); }
 
   private:
     bool on_device() const { return device_ != "cpu"; }
@@ -97,35 +96,20 @@ class LearnedHair {
         const size_t count = high().points.size();
         if (!on_device()) {
             out_.resize(count);
-            learned_->bind(low, out_.data());
+            learned_.bind(low, out_.data(), false);
         }
 #ifdef WETCURL_HAVE_CUDA
         if (on_device()) {
             device_out_ = DeviceBuffer<Vec3f>(count);
-            learned_->bind(low, display_ ? display_->device()->strands() : device_out_.data(),
-                           /*on_device=*/true);
+            learned_.bind(low, device_out_.data(), true);
         }
 #endif
-        learned_->run(HeadWindow());  // the second one captures
-    }
-
-    void show() {
-#ifdef WETCURL_HAVE_CUDA
-        if (display_ && on_device())
-            return display_->device()->apply(device_out_.data(), Pose(), 0, learned_->begin(HeadWindow()));
-#endif
-        learned_->run(HeadWindow());
-        if (!display_) return;
-        shown_.points = out_;
-        display_->apply(shown_, Pose(), 0);
+        learned_.run(HeadWindow(), 0);  // the second one captures
     }
 
     Scene high_, low_;
     std::string device_;
-    Part part_;
-    std::unique_ptr<LearnedStrands> learned_;
-    std::optional<DisplayOn> display_;  // where Eq 10 follows
-    Strands shown_;
+    LearnedHair learned_;
     std::vector<Vec3f> low_points_, out_;
 #ifdef WETCURL_HAVE_CUDA
     DeviceBuffer<Vec3f> device_low_, device_out_;
@@ -134,7 +118,7 @@ class LearnedHair {
 
 Line learned_frame(const Workload& w, const std::string& model, const std::string& name,
                    const std::string& device, int threads, Part part) {
-    LearnedHair hair(w, model, device, threads, part);
+    TimedHair hair(w, model, device, threads, part);
     const Strands& shape = hair.high();
     Line line;
     line.name = name, line.series = name.substr(0, name.find(',')) + name.substr(name.rfind(','));

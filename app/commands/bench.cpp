@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands/bench.h"
-#include "app/commands/repeatable.h"
 #include "app/engine/device.h"
 #include "app/files/results.h"
+#include "app/options/repeatable.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 

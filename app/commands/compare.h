@@ -1,7 +1,7 @@
 // `wetcurl compare`: errors and run times of runs against a reference.
 #pragma once
 
-#include "app/files/common_options.h"
+#include "app/options/common_options.h"
 
 namespace CLI {
 class App;

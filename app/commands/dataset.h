@@ -1,7 +1,7 @@
 // `wetcurl dataset`: many scenes, simulated into training pairs.
 #pragma once
 
-#include "app/files/common_options.h"
+#include "app/options/common_options.h"
 
 namespace CLI {
 class App;

@@ -10,12 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "app/engine/run_of_scene.h"
+#include "app/engine/simulated_frames.h"
 #include "app/files/results.h"
 #include "base/interrupt.h"
 #include "base/log.h"
-#include "base/progress.h"
 #include "learn/codec/encode_runs.h"
-#include "solver/run/simulation.h"
 #include "solver/scene/rest_state.h"
 
 namespace wetcurl {
@@ -114,6 +113,17 @@ Json encode_pairs(const EncodeOptions& o, Codec codec) {
     return json;
 }
 
+std::vector<AdhesionSample> samples_of(const std::vector<AdhesionRecord>& records) {
+    std::vector<AdhesionSample> out;
+    for (const auto& record : records) {
+        AdhesionSample& sample = out.emplace_back();
+        std::copy_n(record.inputs, adhesion_inputs, sample.input.begin());
+        sample.target = record.target;
+        sample.contact = record.contact;
+    }
+    return out;
+}
+
 // Simulates each scene and keeps what Eq 11 answered near its solids, one group a frame that has some.
 Json encode_adhesion(const EncodeOptions& o) {
     std::vector<Scene> scenes;
@@ -133,27 +143,24 @@ Json encode_adhesion(const EncodeOptions& o) {
         const auto simulation = make_simulation(scenes[k], "float");
         std::vector<AdhesionRecord> records;
         simulation->record_adhesion(&records);
-        Progress progress("encode", scenes[k].frames, "frame");
-        for (int f = 1; f < scenes[k].frames; ++f) {
-            if (guard.asked())
-                throw Interrupted(fmt::format("interrupted at frame {} of {}", f, o.inputs[k]));
-            simulation->advance();
-            if (const auto diverged = simulation->divergence())
-                throw Error(fmt::format("{}: the run diverged at frame {}, strand {}", o.inputs[k], f,
-                                        diverged->strand));
-            std::vector<AdhesionSample> found;
-            for (const auto& record : records) {
-                AdhesionSample& sample = found.emplace_back();
-                std::copy_n(record.inputs, adhesion_inputs, sample.input.begin());
-                sample.target = record.target;
-                sample.contact = record.contact;
-                contacts += record.contact;
-            }
-            samples += found.size();
-            if (!found.empty()) out.add(found);
-            records.clear();
-            progress.update(f + 1, fmt::format("{} samples", samples));
+        SimulatedFrames source(*simulation, scenes[k].frames);
+        FrameDelivery frames({.what = "encode",
+                              .frames = scenes[k].frames,
+                              .note = [&] { return fmt::format("{} samples", samples); }},
+                             guard);
+        try {
+            frames.run(source, [&](int, const RunFrame&) {
+                const auto found = samples_of(records);
+                records.clear();
+                samples += found.size();
+                for (const auto& sample : found) contacts += sample.contact;
+                if (!found.empty()) out.add(found);
+            });
+        } catch (const Diverged& e) {
+            throw Error(o.inputs[k] + ": " + e.what());
         }
+        if (!frames.is_whole())
+            throw Interrupted(fmt::format("interrupted at frame {} of {}", frames.delivered(), o.inputs[k]));
         record_input(out, k, "scene", o.inputs[k]);
     }
     if (samples == 0)

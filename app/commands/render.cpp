@@ -8,12 +8,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "app/commands/repeatable.h"
 #include "app/drawing/geometry_film.h"
 #include "app/drawing/image_file.h"
 #include "app/drawing/picture.h"
 #include "app/engine/run_solids.h"
 #include "app/files/results.h"
+#include "app/options/repeatable.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"

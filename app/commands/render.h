@@ -1,7 +1,7 @@
 // `wetcurl render`: pictures and films.
 #pragma once
 
-#include "app/files/common_options.h"
+#include "app/options/common_options.h"
 
 namespace CLI {
 class App;

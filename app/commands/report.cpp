@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/commands/repeatable.h"
 #include "app/drawing/chart.h"
 #include "app/measures/comparison.h"
+#include "app/options/repeatable.h"
 #include "app/report/report_page.h"
 #include "app/report/report_player.h"
 #include "base/config.h"

@@ -1,7 +1,7 @@
 // `wetcurl report`: a page of results.
 #pragma once
 
-#include "app/files/common_options.h"
+#include "app/options/common_options.h"
 
 namespace CLI {
 class App;

@@ -1,7 +1,7 @@
 // `wetcurl simulate`: the physics of a scene, into a run.
 #pragma once
 
-#include "app/files/common_options.h"
+#include "app/options/common_options.h"
 
 namespace CLI {
 class App;

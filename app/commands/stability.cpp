@@ -13,8 +13,8 @@
 #include <set>
 #include <sstream>
 
-#include "app/commands/repeatable.h"
 #include "app/files/results.h"
+#include "app/options/repeatable.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/engine/device.h"
+#include "app/engine/scene_changes.h"
+#include "app/engine/simulated_frames.h"
 #include "base/error.h"
 #include "learn/codec/network_module.h"
 #include "solver/chain/scene_checks.h"
@@ -44,7 +45,8 @@ static Strands at_rest(Scene scene, const std::string& device) {
     constexpr double long_enough = 1.5;  // [s]
     scene.integrator.settle = std::max(scene.integrator.settle, long_enough);
     RunFrame frame;
-    make_simulation_on(device, scene, trusted_precision(scene, "float"))->snapshot(frame);
+    const auto simulation = make_simulation_on(device, scene, trusted_precision(scene, "float"));
+    SimulatedFrames(*simulation, 1).next(frame);
     Strands& p = frame.positions;
     const Quatf to_head = cast<float>(conjugate(frame.head.rotation));
     for (int s = 0; s < p.count; ++s)
@@ -56,15 +58,12 @@ Settled settled_of(const Scene& scene, const std::string& scene_file, int dry_su
                    const std::string& where) {
     // A program built without the solver's CUDA backend may still have a network there.
     const std::string device = names_of_cuda_devices().empty() ? "cpu" : where;
-    SceneOptions options;
-    options.stride = 2 * scene.stride;
-    auto low = [&] { return parse_scene(scene.text, scene_file, scene.folder, options); };
-    const Scene wet = low();
+    const Scene wet = low_resolution_of(scene);
     if (!acts_wet(wet))
         throw Error(scene_file +
                     ": nothing in it acts on wet hair, needed is [wetness] to know where that rests");
-    options.set.push_back(fmt::format("integrator.substeps={}", dry_substeps));
-    Scene dry = low();
+    Scene dry = wet;
+    set_substeps(dry, dry_substeps);
     make_dry(dry);
     return settled_between(at_rest(std::move(dry), device), at_rest(wet, device));
 }
@@ -89,6 +88,40 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
         learned->keep_outside(head);
     }
     return learned;
+}
+
+LearnedHair::LearnedHair(std::unique_ptr<LearnedStrands> strands, const Scene& scene,
+                         const std::string& device, bool clumps)
+    : strands_(std::move(strands)) {
+    if (!clumps) return;
+    display_.emplace(device, scene);
+    before_ = scene.groom.rest;
+}
+
+void LearnedHair::bind(const Vec3f* low, Vec3f* displayed, bool on_device) {
+    Vec3f* out = displayed;
+    if (display_) {
+        DeviceDisplay* there = display_->device();
+        if (on_device && !there)
+            throw Error(
+                "cohesion follows this model, which predicts strands before it, and this hair's is computed "
+                "on "
+                "the host; models of displayed strands run on a device without it");
+        out = on_device ? there->strands() : before_.points.data();
+    }
+    strands_->bind(low, out, on_device);
+    displayed_ = displayed, on_device_ = on_device;
+}
+
+void LearnedHair::run(const HeadWindow& heads, double time) {
+    if (display_ && on_device_) {
+        display_->device()->apply(displayed_, heads.now, time, strands_->begin(heads));
+        return;
+    }
+    strands_->run(heads);
+    if (!display_) return;
+    display_->apply(before_, heads.now, time);
+    std::copy(before_.points.begin(), before_.points.end(), displayed_);
 }
 
 }  // namespace wetcurl

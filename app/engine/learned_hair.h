@@ -1,6 +1,9 @@
 // A strand network on the hair of a scene: what `infer`, `bench` and the library for other programs share.
 #pragma once
 
+#include <optional>
+
+#include "app/engine/device.h"
 #include "learn/codec/learned_strands.h"
 #include "solver/scene/scene.h"
 
@@ -35,5 +38,28 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
                                                    const std::string& scene_file, const Groom& low,
                                                    const std::string& device, int threads,
                                                    const Settled* settled = nullptr);
+
+// A strand network and, where it follows, Eq 10: from low-resolution strands to displayed ones, all in the
+// memory of the host or all in that of a device.
+class LearnedHair {
+  public:
+    // `clumps`: Eq 10 follows. The scene must outlive this.
+    LearnedHair(std::unique_ptr<LearnedStrands> strands, const Scene& scene, const std::string& device,
+                bool clumps);
+    LearnedStrands& strands() { return *strands_; }
+    // As LearnedStrands::bind; `displayed` (high strands, particles). Throws Error too where they lie on a
+    // device and Eq 10 is computed on the host.
+    void bind(const Vec3f* low, Vec3f* displayed, bool on_device);
+    bool is_bound() const { return displayed_ != nullptr; }
+    // As LearnedStrands::run; `time` [s] of the frame.
+    void run(const HeadWindow& heads, double time);
+
+  private:
+    std::unique_ptr<LearnedStrands> strands_;
+    std::optional<DisplayOn> display_;
+    Strands before_;  // Eq 10, on the host
+    Vec3f* displayed_ = nullptr;
+    bool on_device_ = false;
+};
 
 }  // namespace wetcurl

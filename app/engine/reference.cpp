@@ -1,25 +1,31 @@
 // The reference that runs are judged against.
 #include "app/engine/reference.h"
 
+#include <fmt/format.h>
+
+#include <limits>
+
 #include "app/engine/device.h"
+#include "app/engine/scene_changes.h"
 
 namespace wetcurl {
 
 static Scene in_short_steps(Scene scene) {
-    scene.integrator.substeps = Reference::substeps;
-    // As where the scene is read: as stiff as these steps want it.
-    if (auto& limit = scene.term<StrainLimit>())
-        limit->stiffen(1 / (scene.fps * scene.integrator.substeps), limit->others);
+    set_substeps(scene, Reference::substeps);
     return scene;
 }
 
 Reference::Reference(const Scene& scene, const std::string& device)
-    : scene_(in_short_steps(scene)), simulation_(make_simulation_on(device, scene_, "double")) {}
+    : scene_(in_short_steps(scene)),
+      simulation_(make_simulation_on(device, scene_, "double")),
+      frames_(*simulation_, std::numeric_limits<int>::max()) {}
 
 const RunFrame& Reference::next() {
-    if (begun_) simulation_->advance();
-    begun_ = true;
-    simulation_->snapshot(frame_);
+    try {
+        frames_.next(frame_);
+    } catch (const Diverged& e) {
+        throw Error(fmt::format("the reference, in double with {} substeps: {}", substeps, e.what()));
+    }
     return frame_;
 }
 

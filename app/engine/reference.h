@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "solver/run/simulation.h"
+#include "app/engine/simulated_frames.h"
 
 namespace wetcurl {
 
@@ -12,14 +12,15 @@ class Reference {
     static constexpr int substeps = 160;  // a frame
     // On `device`, as of --device.
     explicit Reference(const Scene& scene, const std::string& device = "cpu");
-    // The first call gives the state at time 0, each other one the frame after.
+    Reference(const Reference&) = delete;
+    // The first call returns frame 0, each other one the frame after. Throws Error where it diverges.
     const RunFrame& next();
 
   private:
     Scene scene_;
     std::unique_ptr<Simulation> simulation_;
+    SimulatedFrames frames_;
     RunFrame frame_;
-    bool begun_ = false;
 };
 
 // Mean distance of what is seen of the same strands [mm].

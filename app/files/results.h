@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/files/common_options.h"
+#include "app/options/common_options.h"
 #include "base/output_file.h"
 
 namespace wetcurl {

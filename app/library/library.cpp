@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "app/engine/device.h"
 #include "app/engine/learned_hair.h"
 #include "app/library/wetcurl.h"
 #include "base/error.h"
@@ -13,14 +12,9 @@ using namespace wetcurl;
 
 struct wetcurl_hair {
     int threads;
-    std::string device;
     Scene scene;
     Groom low;
-    std::unique_ptr<LearnedStrands> learned;
-    std::optional<DisplayOn> display;  // where Eq 10 follows the network
-    Strands shown;                     // room for it
-    bool on_device = false;            // what is bound
-    float* high = nullptr;
+    std::optional<LearnedHair> learned;
     long frames = 0;
 };
 
@@ -93,15 +87,12 @@ wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char
         Groom low = coarsened(scene.groom, 2);
         auto learned = learned_strands_of(text_of(model, "model"), scene, scene_file, low,
                                           text_of(device, "device"), count);
-        auto hair = std::make_unique<wetcurl_hair>(
-            wetcurl_hair{count, device, std::move(scene), std::move(low), std::move(learned), {}, {}});
-        if (hair->learned->card().target != "displayed" && hair->scene.cohesion) {
-            if (hair->scene.has_deforming_solid())
-                throw Error(std::string(scene_file) +
-                            ": its solids deform, which cohesion after a network cannot follow here");
-            hair->display.emplace(hair->device, hair->scene);
-            hair->shown = hair->scene.groom.rest;
-        }
+        const bool clumps = learned->card().target != "displayed" && scene.cohesion;
+        if (clumps && scene.has_deforming_solid())
+            throw Error(std::string(scene_file) +
+                        ": its solids deform, which cohesion after a network cannot follow here");
+        auto hair = std::make_unique<wetcurl_hair>(wetcurl_hair{count, std::move(scene), std::move(low), {}});
+        hair->learned.emplace(std::move(learned), hair->scene, device, clumps);
         return hair.release();
     });
 }
@@ -117,7 +108,7 @@ void wetcurl_low_at_rest(const wetcurl_hair* hair, float* low) {
 
 int wetcurl_crop(wetcurl_hair* hair) {
     return guarded(-1, [&] {
-        hair->learned->crop(wet_strands_of(hair->scene));
+        hair->learned->strands().crop(wet_strands_of(hair->scene));
         return 0;
     });
 }
@@ -126,24 +117,16 @@ int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_devic
     static_assert(sizeof(Vec3f) == 3 * sizeof(float));
     return guarded(-1, [&] {
         if (!low || !high) throw Error("wetcurl_bind: found NULL, allowed memory for the strands");
-        Vec3f* out = reinterpret_cast<Vec3f*>(high);
-        if (hair->display) {
-            DeviceDisplay* there = hair->display->device();
-            if (on_device && !there)
-                throw Error(
-                    "wetcurl_bind: cohesion follows this model, which predicts strands before it, and this "
-                    "hair's is computed on the host; models of displayed strands run on a device without it");
-            out = on_device ? there->strands() : hair->shown.points.data();
-        }
-        hair->learned->bind(reinterpret_cast<const Vec3f*>(low), out, on_device != 0);
-        hair->high = high, hair->on_device = on_device != 0;
+        hair->learned->bind(reinterpret_cast<const Vec3f*>(low), reinterpret_cast<Vec3f*>(high),
+                            on_device != 0);
         return 0;
     });
 }
 
 int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7], const double after[7]) {
     return guarded(-1, [&] {
-        if (!hair->high) throw Error("wetcurl_run: nothing is bound; wetcurl_bind comes first");
+        if (!hair->learned->is_bound())
+            throw Error("wetcurl_run: nothing is bound; wetcurl_bind comes first");
         if (!now) throw Error("wetcurl_run: the pose now is NULL");
         const Threads own(hair->threads);
         HeadWindow heads;
@@ -152,26 +135,13 @@ int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7],
         heads.inner = before && after;
         heads.before = before ? pose_of(before) : heads.now;
         heads.after = after ? pose_of(after) : heads.now;
-        const double time = double(hair->frames) / hair->scene.fps;
-        if (hair->display && hair->on_device) {
-            hair->display->device()->apply(reinterpret_cast<Vec3f*>(hair->high), heads.now, time,
-                                           hair->learned->begin(heads));
-        } else {
-            hair->learned->run(heads);
-            if (hair->display) {
-                hair->display->apply(hair->shown, heads.now, time);
-                for (size_t k = 0; k < hair->shown.points.size(); ++k) {
-                    const Vec3f& p = hair->shown.points[k];
-                    hair->high[3 * k] = p.x, hair->high[3 * k + 1] = p.y, hair->high[3 * k + 2] = p.z;
-                }
-            }
-        }
+        hair->learned->run(heads, double(hair->frames) / hair->scene.fps);
         ++hair->frames;
         return 0;
     });
 }
 
 void wetcurl_restart(wetcurl_hair* hair) {
-    hair->learned->restart();
+    hair->learned->strands().restart();
     hair->frames = 0;
 }

@@ -4,9 +4,6 @@
 #include <numeric>
 #include <sstream>
 
-#include "base/interrupt.h"
-#include "base/progress.h"
-
 namespace wetcurl {
 
 RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
@@ -42,23 +39,22 @@ RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
 // The frames of both, side by side, their heads checked.
 template <class Visit>
 static void for_each_frame(const RunPair& pair, const std::string& what, Visit visit) {
-    const int frames = pair.dry->frames();
-    InterruptGuard guard;
-    Progress progress(what, frames, "frame");
-    for (FrameWindow window(*pair.dry); window.advance();) {
-        const RunFrame wet = pair.wet->frame(window.index());
-        const Pose &a = window.now().head, &b = wet.head;
+    const InterruptGuard guard;
+    FrameWindow window(*pair.dry);
+    FrameDelivery frames({what, pair.dry->frames()}, guard);
+    frames.run(window, [&](int index, const RunFrame& dry) {
+        const RunFrame wet = pair.wet->frame(index);
+        const Pose &a = dry.head, &b = wet.head;
         const Vec3d apart = a.translation - b.translation;
         const Quatd turn = conjugate(a.rotation) * b.rotation;
         if (norm(apart) > 1e-6 || norm(Vec3d{turn.x, turn.y, turn.z}) > 1e-6)
-            throw Error(pair.dry->path() + ": frame " + std::to_string(window.index()) +
+            throw Error(pair.dry->path() + ": frame " + std::to_string(index) +
                         ": the head is elsewhere than in " + pair.wet->path() + ", allowed the same motion");
-        if (guard.asked())
-            throw Interrupted("interrupted at frame " + std::to_string(window.index()) + " of " +
-                              pair.dry->path());
         visit(window, wet);
-        progress.update(window.index() + 1);
-    }
+    });
+    if (!frames.is_whole())
+        throw Interrupted("interrupted at frame " + std::to_string(frames.delivered()) + " of " +
+                          pair.dry->path());
 }
 
 StrandEncoder::StrandEncoder(const Groom& high, const Groom& low, const std::vector<float>& saturation,

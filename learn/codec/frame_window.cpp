@@ -32,10 +32,18 @@ Vec3d gravity_of(const RunHeader& header) {
     return {g[0], g[1], g[2]};
 }
 
-FrameWindow::FrameWindow(const RunReader& run) : run_(run) {
-    heads_.fps = run.header().fps;
-    heads_.gravity = gravity_of(run.header());
+static HeadWindow heads_of(const RunHeader& header) {
+    HeadWindow heads;
+    heads.fps = header.fps;
+    heads.gravity = gravity_of(header);
+    return heads;
 }
+
+FrameWindow::FrameWindow(const RunReader& run)
+    : stored_(run), frames_(*stored_), heads_(heads_of(run.header())) {}
+
+FrameWindow::FrameWindow(FrameSource& frames, const RunHeader& header)
+    : frames_(frames), heads_(heads_of(header)) {}
 
 Pose gone_on(const Pose& before, const Pose& now) {
     return {normalized(now.rotation * conjugate(before.rotation) * now.rotation),
@@ -43,18 +51,18 @@ Pose gone_on(const Pose& before, const Pose& now) {
 }
 
 bool FrameWindow::advance() {
-    if (index_ + 1 >= run_.frames()) return false;
+    const bool first = index_ < 0;
+    if (first) has_next_ = frames_.next(next_);
+    if (!has_next_) return false;
     ++index_;
-    const bool first = index_ == 0, last = index_ + 1 == run_.frames();
+    std::swap(now_, next_);
+    has_next_ = frames_.next(next_);
     heads_.before = heads_.now;
-    now_ = first ? run_.frame(0) : std::move(next_);
     heads_.now = now_.head;
-    if (!last) {
-        next_ = run_.frame(index_ + 1);
+    if (has_next_)
         heads_.after = next_.head;
-    } else if (!first) {
+    else if (!first)
         heads_.after = gone_on(heads_.before, heads_.now);
-    }
     heads_.inner = !first;
     return true;
 }

@@ -1,7 +1,9 @@
-// A run read frame by frame, each frame once, with the head's pose one frame before and after.
+// Frames in order, each once, with the head's pose one frame before and after.
 #pragma once
 
-#include "base/run_cache.h"
+#include <optional>
+
+#include "base/frames.h"
 
 namespace wetcurl {
 
@@ -23,18 +25,23 @@ struct HeadWindow {
 // The pose a frame later, as the head has moved in the frame before.
 Pose gone_on(const Pose& before, const Pose& now);
 
-class FrameWindow {
+class FrameWindow final : public FrameSource {
   public:
     // `run` must outlive this. Gravity is that of the run's scene ([integrator] gravity).
     explicit FrameWindow(const RunReader& run);
-    // To the first frame, then to the next; false when there is none left.
-    bool advance();
+    // The same of frames that come from elsewhere, of a run with that header; the source is one frame ahead.
+    FrameWindow(FrameSource& frames, const RunHeader& header);
+    FrameWindow(const FrameWindow&) = delete;
+    bool advance() override;
+    void begin(RunFrame& frame) override { frame = now_; }
     int index() const { return index_; }
     const RunFrame& now() const { return now_; }
     const HeadWindow& heads() const { return heads_; }
 
   private:
-    const RunReader& run_;
+    std::optional<StoredFrames> stored_;
+    FrameSource& frames_;
+    bool has_next_ = false;
     RunFrame now_, next_;
     HeadWindow heads_;
     int index_ = -1;

@@ -9,12 +9,15 @@ failures=0
 
 fresh() {
     rm -rf "${tree:?}"/*
-    mkdir -p "$tree"/{base,solver/chain,solver/solids,models,learn/codec,learn/inference,training,app,tests}
+    mkdir -p "$tree"/{base,solver/chain,solver/solids,models,learn/codec,learn/inference,training,app/commands,app/engine,tests}
     echo '#include <vector>' >"$tree/base/a.h"
     echo '#include "base/a.h"' >"$tree/solver/a.cpp"
     echo '#include <torch/torch.h>' >"$tree/models/net.h"
     echo '#include "models/net.h"' >"$tree/learn/inference/inference.cpp"
     echo '#include "learn/codec/plain.h"' >"$tree/app/main.cpp"
+    echo '#include "app/commands/one.h"' >>"$tree/app/main.cpp"
+    echo '#include "app/commands/one.h"' >"$tree/app/commands/one.cpp"
+    echo '#include "base/a.h"' >"$tree/app/commands/one.h"
     echo '#include "base/a.h"' >"$tree/learn/codec/plain.h"
     echo '#include "solver/solids/contact.h"' >"$tree/solver/chain/step.h"
     echo '#include "base/a.h"' >"$tree/solver/solids/contact.h"
@@ -54,6 +57,12 @@ fresh; echo '#include "solver/chain/step.h"' >>"$tree/solver/b.h"; echo '#includ
 expect fails 'solver/chain/step.h:1' 'a circle through three rooms'
 fresh; echo '#include "solver/a.h"' >>"$tree/tests/t.cpp"
 expect passes '0 wrong' 'tests may include everything'
+fresh; echo '#include "app/commands/one.h"' >"$tree/app/commands/two.cpp"
+expect fails 'app/commands/two.cpp:1' 'a command uses another'
+fresh; echo '#include "app/commands/one.h"' >"$tree/app/engine/loop.cpp"
+expect fails 'app/engine/loop.cpp:1' 'the engine uses a command'
+fresh; echo '#include "app/commands/one.h"' >>"$tree/tests/t.cpp"
+expect passes '0 wrong' 'tests may use commands'
 rm -rf "${tree:?}"/*
 expect fails 'none of the project' 'an empty folder is not a sound tree'
 exit $((failures > 0))

@@ -196,13 +196,16 @@ TEST_F(Commands, infer_of_a_learned_scene_says_which_model_is_missing_before_it_
                   "encode " + folder + "absent_dry.h5 " + folder + "absent_wet.h5 --codec strand -o " +
                       folder + "absent_pairs.h5",
                   "train sr " + folder + "absent_pairs.h5 -o " + folder + "absent.h5"}));
-    EXPECT_FALSE(fs::exists(o.output + ".dry.h5"));
+    EXPECT_FALSE(fs::exists(o.output) || fs::exists(partial_of(o.output)));
     o.interpolate = "quad";  // needs none
     EXPECT_EQ(infer_command(o), 0);
 
     // Of a run, which is the low-resolution one already.
+    SimulateOptions low = simulation("low.h5", 16);
+    low.scene = o.input, low.set = o.set, low.dry = true;
+    simulate_command(low);
     InferOptions run;
-    run.input = o.output + ".dry.h5", run.output = scratch.path("again.h5");
+    run.input = low.output, run.output = scratch.path("again.h5");
     const auto commands = commands_in(error_of([&] { infer_command(run); }));
     ASSERT_EQ(commands.size(), 3u);
     EXPECT_EQ(commands[0], "simulate " + run.input + " -o " + folder + "absent_wet.h5");
@@ -328,7 +331,7 @@ TEST_F(Commands, a_network_asks_for_the_substeps_of_the_runs_that_it_learned_fro
     const std::string said = infer(low);
     for (const char* part : {warning.c_str(), "low.h5", "4 substeps a frame"})
         EXPECT_NE(said.find(part), std::string::npos) << part << " in " << said;
-    auto made = [&] { return substeps_of(RunReader(scratch.path("learned.h5.dry.h5")).header()); };
+    auto made = [&] { return substeps_of(RunReader(scratch.path("learned.h5")).header()); };
     EXPECT_EQ(infer(scratch.path("wet.toml")).find(warning), std::string::npos);
     EXPECT_EQ(made(), 2);
     EXPECT_NE(infer(scratch.path("wet.toml"), {"integrator.substeps=3"}).find(warning), std::string::npos);
@@ -345,7 +348,7 @@ TEST_F(Commands, a_displayed_network_refuses_a_solid_that_is_not_the_heads_befor
         scratch.file("shoulder.toml", wet_scene + "[[solid]]\nname = \"shoulder\"\nshape = \"plane\"\n");
     o.threads = 1;
     expect_error([&] { infer_command(o); }, {"shoulder.toml", "'shoulder'", "not attached to the head"});
-    EXPECT_FALSE(fs::exists(scratch.path("learned.h5.dry.h5")));
+    EXPECT_FALSE(fs::exists(o.output) || fs::exists(partial_of(o.output)));
     o.input = scratch.file("free.toml", wet_scene);
     infer_command(o);
     const RunReader run(o.output);
@@ -354,7 +357,11 @@ TEST_F(Commands, a_displayed_network_refuses_a_solid_that_is_not_the_heads_befor
     // It follows where asked for, in as many passes.
     const Vec3f alone = run.frame(3).seen().at(20, 24);
     InferOptions more = o;
-    more.input = o.output + ".dry.h5", more.cohesion = true, more.overwrite = true;
+    SimulateOptions low = simulation("low.h5", 16);
+    low.scene = o.input, low.dry = true;
+    low.set = {"integrator.substeps=" + std::to_string(substeps_of(run.header()))};
+    simulate_command(low);
+    more.input = low.output, more.cohesion = true, more.overwrite = true;
     std::vector<Vec3f> tips;
     for (int passes : {1, 6}) {
         more.output = scratch.path("more" + std::to_string(passes) + ".h5"), more.passes = passes;
@@ -516,6 +523,46 @@ TEST_F(Commands, water_that_nothing_takes_up_is_refused) {
     }
 }
 
+// The low-resolution run of a scene is simulated frame by frame, and no file is left of it.
+TEST_F(Commands, infer_of_a_scene_gives_the_bits_of_infer_of_its_run) {
+    const std::string scene = scratch.file("wet.toml", wet_scene + "[motion]\nangle = 40\nperiod = 0.4\n");
+    SimulateOptions low = simulation("low.h5", 16);
+    low.scene = scene, low.dry = true;
+    simulate_command(low);
+    struct Way {
+        std::string interpolate, model;
+    };
+    const std::string weights = WETCURL_SOURCE_DIR "/models/weights/";
+    for (const Way& way : {Way{"quad", ""}, Way{"rest", ""}, Way{"", weights + "displayed_s.h5"},
+                           Way{"", weights + "strand_m.h5"}}) {
+        InferOptions o = inference(way.interpolate, 4);
+        o.model = way.model, o.threads = 1, o.overwrite = true;
+        o.set = {"integrator.substeps=4"}, o.input = scene, o.output = scratch.path("of_scene.h5");
+        infer_command(o);
+        o.set.clear(), o.input = low.output, o.output = scratch.path("of_run.h5");
+        infer_command(o);
+        const RunReader of_scene(scratch.path("of_scene.h5")), of_run(scratch.path("of_run.h5"));
+        ASSERT_EQ(of_scene.frames(), 4);
+        ASSERT_EQ(of_run.frames(), 4);
+        for (int f = 0; f < 4; ++f) {
+            const Strands a = of_scene.frame(f).seen(), b = of_run.frame(f).seen();
+            ASSERT_EQ(a.count, 64);
+            for (size_t k = 0; k < a.points.size(); ++k)
+                ASSERT_EQ(norm(a.points[k] - b.points[k]), 0) << way.interpolate << way.model << " " << f;
+        }
+        // Its header says what it was made from.
+        std::vector<std::string> made_from{scene + " (simulated dry, 16 strands, 4 substeps a frame)"};
+        if (!way.model.empty()) made_from.push_back(way.model);
+        EXPECT_EQ(of_scene.header().inputs, made_from);
+        EXPECT_EQ(of_scene.header().scene, of_run.header().scene);
+        EXPECT_EQ(of_scene.header().method, of_run.header().method);
+    }
+    std::vector<std::string> files;
+    for (const auto& entry : fs::directory_iterator(scratch.path())) files.push_back(entry.path().filename());
+    std::sort(files.begin(), files.end());
+    EXPECT_EQ(files, (std::vector<std::string>{"low.h5", "of_run.h5", "of_scene.h5", "wet.toml"}));
+}
+
 TEST_F(Commands, runs_of_different_length_are_compared_over_the_common_frames_and_say_so) {
     SimulateOptions o = simulation("long.h5", 16);
     simulate_command(o);
@@ -567,10 +614,9 @@ TEST_F(Commands, infer_of_the_first_frames_gives_those_of_the_whole) {
             ASSERT_EQ(norm(whole.frame(f).positions.points[k] - part.frame(f).positions.points[k]), 0);
     first.frames = 5, first.overwrite = true;
     expect_error<Misuse>([&] { infer_command(first); }, {"--frames", "found 5", "1 to 4", "low.h5"});
-    // Of a scene, the dry run has as many.
+    // Of a scene, as many are simulated.
     first.input = low.scene, first.frames = 3;
     EXPECT_EQ(infer_command(first), 0);
-    EXPECT_EQ(RunReader(first.output + ".dry.h5").frames(), 3);
     EXPECT_EQ(RunReader(first.output).frames(), 3);
 }
 

@@ -9,9 +9,9 @@
 #include <thread>
 
 #include "app/commands/dataset.h"
-#include "app/commands/dataset_recipe.h"
 #include "app/commands/encode.h"
 #include "app/commands/simulate.h"
+#include "app/dataset/dataset_recipe.h"
 #include "app/engine/run_of_scene.h"
 #include "app/files/results.h"
 #include "base/config.h"

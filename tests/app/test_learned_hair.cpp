@@ -177,12 +177,13 @@ TEST(Settled, dry_runs_serve_networks_of_wet_ones) {
     o.input = scratch.path("wet.toml"), o.output = scratch.path("from_scene.h5");
     infer_command(o);
     EXPECT_EQ(largest(first_frame(o.output), run.frame(0).positions), 0);
-    EXPECT_TRUE(RunReader(o.output + ".dry.h5").header().method.starts_with("simulated dry"));
+    EXPECT_EQ(RunReader(o.output).header().inputs.at(0),
+              o.input + " (simulated dry, 16 strands, 10 substeps a frame)");
 
     o.input = drenched;
     expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "simulated wet", "a dry run"});
     o.input = dry, o.model = weights + "displayed_s.h5";
-    expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "learned from wet runs", "from dry ones"});
+    expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "learned from wet runs", "from dry runs"});
     o.model.clear(), o.interpolate = "quad";
     expect_error<Misuse>([&] { infer_command(o); }, {"--settled", "--interpolate rest"});
 }

@@ -67,7 +67,7 @@ struct DatasetRecipe {
     std::string text;                // resolved, TOML, and hashes of the base scene and of files named
     std::vector<std::string> files;  // what it was read from
     // "recipe.toml:3: first": where messages about them point.
-    std::string scene_line, first_line, low_substeps_line;
+    std::string scene_line, first_line;
 };
 
 inline const std::vector<std::string> dataset_splits{"train", "validation", "test"};

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "app/files/common_options.h"
+#include "app/options/common_options.h"
 #include "solver/scene/scene.h"
 
 namespace wetcurl {

@@ -1,5 +1,5 @@
 // Scenes of a data set, picked and drawn.
-#include "app/commands/dataset_recipe.h"
+#include "app/dataset/dataset_recipe.h"
 
 #include <fmt/format.h>
 
@@ -163,8 +163,7 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     const std::string scene = root.path("scene");
     if (scene.empty()) throw Misuse(path + ": scene: names the scene that all others start from");
     if (!std::filesystem::exists(scene)) root.fail("scene", scene + " cannot be read (no such file)");
-    r.scene_line = root.where("scene"), r.first_line = root.where("first"),
-    r.low_substeps_line = root.where("low_substeps");
+    r.scene_line = root.where("scene"), r.first_line = root.where("first");
     const Config base = Config::load(scene);
     const Members members(root, base);
     const Table splits = root.table("splits");

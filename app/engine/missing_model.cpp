@@ -1,5 +1,5 @@
 // Commands that make a missing model.
-#include "app/commands/missing_model.h"
+#include "app/engine/missing_model.h"
 
 #include <fmt/format.h>
 

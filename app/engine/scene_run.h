@@ -1,0 +1,30 @@
+// A scene and its simulation: on a device, in a precision that the scene bears, with its adhesion network.
+#pragma once
+
+#include "app/engine/network_adhesion.h"
+#include "app/engine/simulated_frames.h"
+
+namespace wetcurl {
+
+class SceneRun {
+  public:
+    // `device` as of --device; precision: "float" or "double". A scene too stiff for single precision runs in
+    // double, and a warning says so. Settles the scene. Throws Error where the device or the network is not
+    // there.
+    SceneRun(Scene scene, const std::string& device, const std::string& precision, int threads);
+    SceneRun(const SceneRun&) = delete;
+
+    const Scene& scene() const { return scene_; }
+    Simulation& simulation() { return *simulation_; }
+    const std::string& precision() const { return precision_; }
+    // Of a run file with its frames.
+    RunHeader header() const;
+
+  private:
+    Scene scene_;
+    std::string device_, precision_;
+    std::unique_ptr<AdhesionPredictor> adhesion_;  // null: Eq 11
+    std::unique_ptr<Simulation> simulation_;
+};
+
+}  // namespace wetcurl

@@ -1,0 +1,222 @@
+// A whole low-resolution run to predicted strands.
+#include "app/inference/predict_run.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/engine/device.h"
+#include "app/engine/learned_hair.h"
+#include "app/engine/run_of_scene.h"
+#include "app/inference/predictor.h"
+#include "base/log.h"
+#include "learn/codec/encode_runs.h"
+#include "learn/codec/strand_codec.h"
+#include "solver/chain/chain_state.h"
+
+namespace wetcurl {
+
+namespace {
+
+// The saturation that a model was trained on, for runs that say nothing of theirs: the mean profile along the
+// strand.
+std::vector<float> profile_of(const ModelCard& card, const Groom& groom) {
+    const auto mean = card.arrays.find("input_mean");
+    if (mean == card.arrays.end() || mean->second.size() < size_t(strand_coefficients + saturation_pieces))
+        throw Error("neither the run nor --wetness nor the model says how wet the hair is");
+    const int n = groom.rest.particles;
+    std::vector<float> sigma;
+    for (int s = 0; s < groom.rest.count; ++s)
+        for (int i = 0; i < n; ++i)
+            sigma.push_back(mean->second[size_t(strand_coefficients +
+                                                std::min(i * saturation_pieces / n, saturation_pieces - 1))]);
+    return sigma;
+}
+
+// Warns where a model learned from other low-resolution runs than this one.
+void compare_with_training(const Method& method, const LowRun& low) {
+    const ModelCard& card = *method.card();
+    const std::string model = method.inputs().at(0);
+    const bool wet = simulated_wet(low.header());
+    if ((wet || method.is_settled()) != (card.low == "wet"))
+        log_warning(fmt::format("{}: was simulated {}; {} learned from {} runs", low.file(),
+                                wet ? "wet" : "dry", model, card.low));
+    const int found = substeps_of(low.header());
+    if (card.low_substeps && found != card.low_substeps)
+        log_warning(
+            fmt::format("{}: was simulated with {} substeps a frame; {} learned from runs of {}, and "
+                        "errs more on others (simulate --set integrator.substeps={})",
+                        low.file(), found, model, card.low_substeps, card.low_substeps));
+    const int particles = low.header().groom.rest.particles;
+    if (card.codec == "strand" && card.particles != particles)
+        log_warning(fmt::format("{}: learned from strands of {} particles, the run has {}", model,
+                                card.particles, particles));
+}
+
+// What the method changes in the scene: water that only the model knows, and Eq 10. Returns whether that
+// follows.
+bool set_up(const Method& method, Scene& scene) {
+    if (const auto* network = method.as<StrandNetworkMethod>()) {
+        if (scene.saturation.empty()) scene.saturation = profile_of(network->card, scene.groom);
+        if (method.clumps && network->is_displayed() && scene.cohesion)
+            scene.cohesion->passes = passes_after_displayed(scene.cohesion->passes);
+    }
+    const ClumpingAfter& given = method.clumping;
+    if (!method.clumps || !scene.cohesion) {
+        if (!given.given().empty())
+            throw Misuse(given.given() + ": no Eq 10 follows here that it could change; --cohesion adds it");
+        return false;
+    }
+    if (given.passes) scene.cohesion->passes = *given.passes;
+    if (given.spacing) scene.cohesion->spacing = *given.spacing;
+    if (given.relaxation) scene.cohesion->relaxation = *given.relaxation;
+    return true;
+}
+
+std::unique_ptr<Predictor> predictor_of(const Method& method, const PredictionInput& input) {
+    return std::visit(
+        [&]<class Kind>(const Kind& kind) -> std::unique_ptr<Predictor> {
+            if constexpr (std::is_same_v<Kind, AdhesionNetworkMethod>)
+                throw Misuse(kind.model +
+                             ": an adhesion model; it acts in a scene, not on a run: infer SCENE.toml");
+            else
+                return predictor_of(kind, input);
+        },
+        method.prediction);
+}
+
+RunHeader header_of(const Predictor& predictor, const Method& method, const Scene& scene, const LowRun& low,
+                    const std::string& device) {
+    RunHeader header = low.header();
+    header.method = predictor.name();
+    if (header.device != device) header.device += ", then " + device;
+    header.groom = scene.groom;
+    header.stride = scene.stride;
+    header.scene = scene.text;
+    header.scene_folder = scene.folder;
+    header.saturation = scene.saturation;
+    header.energy_kinds.clear();
+    header.stages = {"low-resolution run", "reconstruction", "cohesion"};
+    header.inputs = {low.origin()};
+    for (const auto& input : method.inputs()) header.inputs.push_back(input);
+    return header;
+}
+
+// Mean distance of particles [mm].
+double moved_mm(const Strands& from, const Strands& to) {
+    double sum = 0;
+    for (size_t k = 0; k < from.points.size(); ++k) sum += norm(from.points[k] - to.points[k]);
+    return 1000 * sum / double(from.points.size());
+}
+
+// Predicts frame after frame, each with its run times.
+class FramePredictor {
+  public:
+    // `display`: null where no Eq 10 follows.
+    FramePredictor(Predictor& predictor, DisplayOn* display, const LowRun& low)
+        : predictor_(predictor), display_(display), low_(low) {}
+
+    const RunFrame& predict(int index, const RunFrame& low, const HeadWindow& heads) {
+        const double begin = omp_get_wtime();
+        predictor_.apply(low, heads, out_.positions);
+        if (!is_finite(out_.positions.points))
+            throw Error(fmt::format(
+                "{}: frame {}: {} gives positions that are not finite or beyond 1e6 m; is the run, "
+                "or the model, damaged, or the gain of Eq 18 too large?",
+                low_.file(), index, predictor_.name()));
+        const double reconstructed = omp_get_wtime();
+        if (display_) {
+            out_.displayed = out_.positions;
+            display_->apply(out_.displayed, low.head, index / low_.header().fps);
+        }
+        const double end = omp_get_wtime();
+        if (const Strands plain = predictor_.without_network(low); plain.count)
+            moved_ += moved_mm(plain, out_.positions);
+        ++frames_;
+        out_.head = low.head;
+        out_.seconds = low.seconds + end - begin;
+        out_.stage_seconds = {float(low.seconds), float(reconstructed - begin), float(end - reconstructed)};
+        // Frame 0 is a state that nothing was computed for, and warms up.
+        if (index > 0) seconds_.push_back(out_.seconds), own_seconds_.push_back(end - begin);
+        return out_;
+    }
+    // Run times [s]: of the low-resolution run and the prediction together, and of the prediction alone.
+    const std::vector<double>& seconds() const { return seconds_; }
+    const std::vector<double>& own_seconds() const { return own_seconds_; }
+    // By which the network moves a particle in the mean [mm].
+    double moved() const { return moved_ / std::max(1, frames_); }
+
+  private:
+    Predictor& predictor_;
+    DisplayOn* display_;
+    const LowRun& low_;
+    RunFrame out_;
+    std::vector<double> seconds_, own_seconds_;
+    double moved_ = 0;
+    int frames_ = 0;
+};
+
+}  // namespace
+
+void predict_run(const Method& method, Scene scene, const std::string& scene_file, LowRun& low,
+                 const PredictionRequest& request, ResultFile& results) {
+    const double begun = omp_get_wtime();
+    std::optional<Settled> settled;
+    if (method.is_settled()) {
+        if (simulated_wet(low.header()))
+            throw Misuse("--settled: " + low.file() + " was simulated wet, allowed is a dry run");
+        settled = settled_of(scene, scene_file, substeps_of(low.header()), request.device);
+    }
+    if (method.card()) compare_with_training(method, low);
+    const bool clumps = set_up(method, scene);
+    const auto predictor =
+        predictor_of(method, {scene, scene_file, low.header(), low.file(), clumps, request.device,
+                              request.threads, settled ? &*settled : nullptr});
+    std::optional<DisplayOn> display;
+    if (clumps) display.emplace(request.device, scene);
+    const double preparation = omp_get_wtime() - begun;
+
+    InterruptGuard guard;
+    RunWriter writer(request.output, header_of(*predictor, method, scene, low, request.device),
+                     request.overwrite);
+    FramePredictor frame_predictor(*predictor, display ? &*display : nullptr, low);
+    FrameWindow window(low.source(), low.header());
+    FrameDelivery frames({"infer", request.frames}, guard);
+    const auto kept = [&] {
+        return fmt::format("{} frames are kept in {}", frames.delivered(), partial_of(request.output));
+    };
+    try {
+        frames.run(window, [&](int index, const RunFrame& frame) {
+            writer.append(frame_predictor.predict(index, frame, window.heads()));
+        });
+    } catch (const Diverged& e) {
+        throw Error(fmt::format("{}: its low-resolution run: {}; {}", low.file(), e.what(), kept()));
+    }
+    if (!frames.is_whole()) throw Interrupted("interrupted: " + kept());
+    writer.commit();
+
+    Json json{{"frames", frames.delivered()},
+              {"strands", scene.groom.rest.count},
+              {"particles_per_strand", scene.groom.rest.particles},
+              {"preparation_seconds", preparation},
+              {"seconds_per_frame", time_statistics(frame_predictor.seconds())},
+              {"inference_seconds_per_frame", time_statistics(frame_predictor.own_seconds())},
+              {"device", request.device},
+              {"method", predictor->name()},
+              {"cohesion_after", clumps}};
+    const std::string mover = method.as<InterpolationMethod>() ? ""
+                              : method.as<OracleMethod>()      ? "oracle"
+                                                               : "network";
+    if (!mover.empty()) json["moved_by_" + mover + "_mm"] = frame_predictor.moved();
+    results.write_json(json);
+    log_info(fmt::format("{}: {}, {} strands, {} a frame of which inference {}{}", request.output,
+                         predictor->name(), scene.groom.rest.count,
+                         milliseconds_text(json["seconds_per_frame"]["median"]),
+                         milliseconds_text(json["inference_seconds_per_frame"]["median"]),
+                         mover.empty() ? ""
+                                       : fmt::format("; the {} moves a particle by {:.2f} mm on average",
+                                                     mover, frame_predictor.moved())));
+}
+
+}  // namespace wetcurl
