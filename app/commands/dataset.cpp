@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "app/commands/dataset_recipe.h"
+#include "app/commands/input_file.h"
 #include "app/engine/device.h"
 #include "app/engine/learned_hair.h"
 #include "app/engine/run_of_scene.h"
@@ -377,7 +378,7 @@ Json finish(const DatasetRecipe& recipe, const Folder& to) {
 }  // namespace
 
 void add_options(CLI::App& app, DatasetOptions& o) {
-    app.add_option("recipe", o.recipe, "recipe (TOML): the scenes, picked and drawn")->required();
+    input_file(app.add_option("recipe", o.recipe, "recipe (TOML): the scenes, picked and drawn"))->required();
     app.add_option("-o,--output", o.output, "folder")->required();
     app.add_option("--part", o.part,
                    "K/N: every N-th scene alone, to share the work; mpirun and srun say it themselves");

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "app/commands/input_file.h"
 #include "app/commands/missing_model.h"
 #include "app/commands/simulate.h"
 #include "app/engine/device.h"
@@ -428,10 +429,12 @@ CLI::Range cohesion_range(const std::string& key) {
 }  // namespace
 
 void add_options(CLI::App& app, InferOptions& o) {
-    app.add_option("input", o.input,
-                   "LOW.h5, or a scene whose low-resolution run is made first, dry or as the model learned")
+    input_file(app.add_option(
+                   "input", o.input,
+                   "LOW.h5, or a scene whose low-resolution run is made first, dry or as the model learned"))
         ->required();
-    app.add_option("--model", o.model, "trained model (HDF5), in place of the scene's [learned] model");
+    input_file(
+        app.add_option("--model", o.model, "trained model (HDF5), in place of the scene's [learned] model"));
     app.add_option("--interpolate", o.interpolate, "without a network: nearest | quad | core | rest")
         ->check(CLI::IsMember({"nearest", "quad", "core", "rest"}));
     app.add_option(
@@ -491,7 +494,7 @@ void add_options(CLI::App& app, InferOptions& o) {
     app.add_option("--frames", o.frames,
                    "the first frames of the run alone, so many; of a scene, in place of its own")
         ->check(CLI::Range(1, 1000000));
-    app.add_option("--wetness", o.wetness, "scene whose wetness and cohesion to predict for");
+    input_file(app.add_option("--wetness", o.wetness, "scene whose wetness and cohesion to predict for"));
     app.add_option("-o,--output", o.output, "run cache (HDF5)")->required();
 }
 

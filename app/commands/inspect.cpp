@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "app/commands/input_file.h"
 #include "app/engine/device.h"
 #include "app/engine/run_solids.h"
 #include "app/files/results.h"
@@ -254,7 +255,7 @@ void add_options(CLI::App& app, InspectOptions& o) {
     app.add_option("what", o.what, "scene | run | pairs | model | terms | device")
         ->required()
         ->check(CLI::IsMember({"scene", "run", "pairs", "model", "terms", "device"}));
-    app.add_option("file", o.file, "the file");
+    input_file(app.add_option("file", o.file, "the file"));
     app.add_option("-o,--output", o.output)->group("");  // once images of pairs: said in the error
     app.footer("`wetcurl render --image PAIRS.h5 -o out.png` draws the geometry images of pairs.");
 }

@@ -13,6 +13,7 @@
 #include <set>
 #include <sstream>
 
+#include "app/commands/input_file.h"
 #include "app/commands/repeatable.h"
 #include "app/files/results.h"
 #include "base/interrupt.h"
@@ -99,8 +100,8 @@ void require_rest(const Scene& scene, const std::string& name) {
 }  // namespace
 
 void add_options(CLI::App& app, StabilityCommandOptions& o) {
-    app.add_option("scene", o.scene,
-                   "scene (TOML) whose head comes to rest, for S9 in place of the battery's own");
+    input_file(app.add_option("scene", o.scene,
+                              "scene (TOML) whose head comes to rest, for S9 in place of the battery's own"));
     repeatable(app.add_option("--method", o.methods, "by name (repeatable); none: all"));
     repeatable(app.add_option("--case", o.only, "S1 to S9 (repeatable); none: all"))
         ->check(CLI::IsMember({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"}));
