@@ -58,6 +58,8 @@ wetcurl simulate scene.toml --dry --strands $((strands / 2)) -o dry.h5 --overwri
 wetcurl encode dry.h5 wet.h5 -o pairs.h5 --overwrite
 wetcurl train sr pairs.h5 --from "$network" --recipe recipe.toml -o tuned.h5 --overwrite
 
+# Beside both networks: the best way without one.
+wetcurl infer dry.h5 --interpolate rest --wet-shape --cohesion -o no_network_run.h5 --overwrite
 wetcurl infer dry.h5 --model "$network" -o released_run.h5 --overwrite
 wetcurl infer dry.h5 --model tuned.h5 -o tuned_run.h5 --overwrite
-wetcurl compare wet.h5 released_run.h5 tuned_run.h5 --first-frame $((frames - frames / 4)) --json compare.json
+wetcurl compare wet.h5 no_network_run.h5 released_run.h5 tuned_run.h5 --first-frame $((frames - frames / 4)) --json compare.json
