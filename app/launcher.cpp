@@ -1,4 +1,4 @@
-// Starts the build of the program that this processor runs fastest: one of those beside it, made from the
+// Starts the build of the program that this processor runs fastest: of those under lib/wetcurl, made from the
 // same source for x86-64-v4 (AVX-512), v3 (AVX2 with FMA) and v2 (SSE 4.2).
 #include <unistd.h>
 
@@ -30,7 +30,7 @@ int main(int, char** arguments) {
             std::fprintf(stderr, "error: WETCURL_ARCH: found %s, which this processor does not run\n", asked);
             return 1;
         }
-        const std::string program = folder / build.name / "bin" / "wetcurl";
+        const std::string program = folder / "lib" / "wetcurl" / build.name / "bin" / "wetcurl";
         if (!std::filesystem::exists(program)) continue;
         arguments[0] = const_cast<char*>(program.c_str());
         execv(arguments[0], arguments);

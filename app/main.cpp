@@ -71,7 +71,7 @@ void apply(const Verbosity& verbosity, CommonOptions& o) {
         throw Misuse("--device: found '" + o.device + "', allowed: cpu, cuda, cuda:n");
 }
 
-// The program, its build and the features that it was built with.
+// The program, its build and the features that it was built with or without, as configuring names them.
 std::string version_text() {
     std::string text = "wetcurl";
     for (const auto& [name, fact] : provenance()) {
@@ -79,17 +79,7 @@ std::string version_text() {
         if (name == "version" || name == "gpu" || name == "date") continue;
         text += "\n" + name + ": " + fact;
     }
-    text += "\nfeatures:";
-#ifdef WETCURL_HAVE_NETWORKS
-    text += " networks";
-#endif
-#ifdef WETCURL_HAVE_CUDA
-    text += " CUDA";
-#endif
-#ifdef WETCURL_HAVE_OPENCV
-    text += " pictures";
-#endif
-    return text;
+    return text + "\nfeatures: " WETCURL_FEATURES "\nleft out: " WETCURL_LEFT_OUT;
 }
 
 // `status`, or 1 where not all of standard output has arrived.

@@ -2,6 +2,8 @@
 // pairs of Pall and Hess 2013 (GROMACS).
 #pragma once
 
+#include <utility>
+
 #include "base/pack.h"
 #include "base/vec3.h"
 
@@ -27,26 +29,44 @@ inline Pack<float> in_each_quad(const float* from, uint32_t bits) {
     return select(mask_of(bits), in_each_quad(from), Pack<float>(0));
 #endif
 }
+
+namespace detail {
+
+using Floats = Pack<float>::Register;
+
+template <int (*place)(int), int... lane>
+Floats gathered(Floats a, Floats b, std::integer_sequence<int, lane...>) {
+    return __builtin_shufflevector(a, b, place(lane)...);
+}
+// In lane l that of place(l), which counts those of b after those of a.
+template <int (*place)(int)>
+Floats gathered(Floats a, Floats b) {
+    return gathered<place>(a, b, std::make_integer_sequence<int, Pack<float>::lanes>());
+}
+
+constexpr int quad_of(int lane) { return lane / 4; }
+// Of lanes 0 and 1, then 2 and 3, of a quad: of a and of b in turn.
+constexpr int first_two_in_turn(int lane) {
+    return lane % 2 * Pack<float>::lanes + lane / 4 * 4 + lane % 4 / 2;
+}
+constexpr int last_two_in_turn(int lane) { return first_two_in_turn(lane) + 2; }
+// Of a, then of b.
+constexpr int first_two(int lane) { return lane % 4 / 2 * Pack<float>::lanes + lane / 4 * 4 + lane % 2; }
+constexpr int last_two(int lane) { return first_two(lane) + 2; }
+
+}  // namespace detail
+
 // from[q] four times in quad q; reads from[0 .. 3].
 inline Pack<float> a_quad_each(const float* from) {
-    Pack<float>::Mask place{};
-    for (int l = 0; l < Pack<float>::lanes; ++l) place[l] = l / 4;
-    return __builtin_shuffle(in_each_quad(from).v, place);
+    const auto each = in_each_quad(from).v;
+    return detail::gathered<detail::quad_of>(each, each);
 }
 // The sums over each quad of a, b, c and d: quad q of the result holds those of quad q.
 inline Pack<float> sums_of_quads(Pack<float> a, Pack<float> b, Pack<float> c, Pack<float> d) {
-    constexpr int lanes = Pack<float>::lanes;
-    Pack<float>::Mask low{}, high{}, first{}, second{};
-    for (int q = 0; q < lanes; q += 4)
-        for (int l = 0; l < 2; ++l) {
-            low[q + 2 * l] = q + l, low[q + 2 * l + 1] = lanes + q + l;
-            high[q + 2 * l] = q + 2 + l, high[q + 2 * l + 1] = lanes + q + 2 + l;
-            first[q + l] = q + l, first[q + 2 + l] = lanes + q + l;
-            second[q + l] = q + 2 + l, second[q + 2 + l] = lanes + q + 2 + l;
-        }
-    const auto ab = __builtin_shuffle(a.v, b.v, low) + __builtin_shuffle(a.v, b.v, high),
-               cd = __builtin_shuffle(c.v, d.v, low) + __builtin_shuffle(c.v, d.v, high);
-    return __builtin_shuffle(ab, cd, first) + __builtin_shuffle(ab, cd, second);
+    using namespace detail;
+    const auto ab = gathered<first_two_in_turn>(a.v, b.v) + gathered<last_two_in_turn>(a.v, b.v),
+               cd = gathered<first_two_in_turn>(c.v, d.v) + gathered<last_two_in_turn>(c.v, d.v);
+    return gathered<first_two>(ab, cd) + gathered<last_two>(ab, cd);
 }
 
 }  // namespace wetcurl

@@ -1,9 +1,9 @@
-/* Learned wet hair under a head that turns: hair_in_c SCENE.toml MODEL.h5 [DEVICE]. Its dry strands are stiff: they
- * turn with the head. Prints how far wet tips hang from their roots on average [m]. */
+/* Learned wet hair under a head that turns: hair_in_c SCENE.toml MODEL.h5 [DEVICE]. Its dry strands are
+ * stiff: they turn with the head. Prints how far wet tips hang from their roots on average [m]. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <wetcurl.h>
+#include <wetcurl/wetcurl.h>
 
 static void head_at(int frame, double pose[7]) {
     const double angle = 0.02 * frame;

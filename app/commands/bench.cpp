@@ -13,6 +13,7 @@
 #include "app/commands/bench.h"
 #include "app/engine/device.h"
 #include "app/files/results.h"
+#include "app/options/input_file.h"
 #include "app/options/repeatable.h"
 #include "base/interrupt.h"
 #include "base/log.h"
@@ -188,7 +189,8 @@ std::vector<Entry> chosen(const BenchOptions& o) {
 
 void add_options(CLI::App& app, BenchOptions& o) {
     app.add_option("--filter", o.filter, "only entries whose name holds this text");
-    repeatable(app.add_option("--model", o.models, "time learned frames of this model too (repeatable)"));
+    repeatable(input_file(
+        app.add_option("--model", o.models, "time learned frames of this model too (repeatable)")));
 }
 
 int bench_command(const BenchOptions& o) {

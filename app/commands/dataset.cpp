@@ -17,6 +17,7 @@
 #include "app/dataset/dataset_member.h"
 #include "app/engine/device.h"
 #include "app/files/results.h"
+#include "app/options/input_file.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
@@ -160,7 +161,7 @@ Json finish(const DatasetRecipe& recipe, const DatasetFolder& to) {
 }  // namespace
 
 void add_options(CLI::App& app, DatasetOptions& o) {
-    app.add_option("recipe", o.recipe, "recipe (TOML): the scenes, picked and drawn")->required();
+    input_file(app.add_option("recipe", o.recipe, "recipe (TOML): the scenes, picked and drawn"))->required();
     app.add_option("-o,--output", o.output, "folder")->required();
     app.add_option("--part", o.part,
                    "K/N: every N-th scene alone, to share the work; mpirun and srun say it themselves");

@@ -12,6 +12,7 @@
 #include "app/engine/run_of_scene.h"
 #include "app/engine/simulated_frames.h"
 #include "app/files/results.h"
+#include "app/options/input_file.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "learn/codec/encode_runs.h"
@@ -183,7 +184,8 @@ std::string kept_of(const EncodeOptions& o) {
 }  // namespace
 
 void add_options(CLI::App& app, EncodeOptions& o) {
-    app.add_option("runs", o.inputs, "DRY.h5 WET.h5, repeatable; for adhesion: scenes to run")->required();
+    input_file(app.add_option("runs", o.inputs, "DRY.h5 WET.h5, repeatable; for adhesion: scenes to run"))
+        ->required();
     app.add_option("-o,--output", o.output, "pairs file (HDF5)")->required();
     app.add_option("--codec", o.codec, "root | strand | adhesion")
         ->check(CLI::IsMember({"root", "strand", "adhesion"}))

@@ -10,6 +10,7 @@
 #include "app/engine/scene_changes.h"
 #include "app/engine/simulate_scene.h"
 #include "app/inference/predict_run.h"
+#include "app/options/input_file.h"
 #include "learn/codec/stencil.h"
 
 namespace wetcurl {
@@ -187,11 +188,13 @@ CLI::Range cohesion_range(const std::string& key) {
 }  // namespace
 
 void add_options(CLI::App& app, InferOptions& o) {
-    app.add_option(
-           "input", o.input,
-           "LOW.h5, or a scene whose low-resolution run is simulated as well, dry or as the model learned")
+    input_file(
+        app.add_option(
+            "input", o.input,
+            "LOW.h5, or a scene whose low-resolution run is simulated as well, dry or as the model learned"))
         ->required();
-    app.add_option("--model", o.model, "trained model (HDF5), in place of the scene's [learned] model");
+    input_file(
+        app.add_option("--model", o.model, "trained model (HDF5), in place of the scene's [learned] model"));
     app.add_option("--interpolate", o.interpolate, "without a network: nearest | quad | core | rest")
         ->check(CLI::IsMember({"nearest", "quad", "core", "rest"}));
     app.add_option(
@@ -251,7 +254,7 @@ void add_options(CLI::App& app, InferOptions& o) {
     app.add_option("--frames", o.frames,
                    "the first frames of the run alone, so many; of a scene, in place of its own")
         ->check(CLI::Range(1, 1000000));
-    app.add_option("--wetness", o.wetness, "scene whose wetness and cohesion to predict for");
+    input_file(app.add_option("--wetness", o.wetness, "scene whose wetness and cohesion to predict for"));
     app.add_option("-o,--output", o.output, "run cache (HDF5)")->required();
 }
 

@@ -15,6 +15,7 @@
 #include "app/files/results.h"
 #include "app/measures/axial_extent.h"
 #include "app/measures/fall.h"
+#include "app/options/input_file.h"
 #include "base/provenance.h"
 #include "learn/codec/core_detail.h"
 #include "learn/codec/network_module.h"
@@ -254,7 +255,7 @@ void add_options(CLI::App& app, InspectOptions& o) {
     app.add_option("what", o.what, "scene | run | pairs | model | terms | device")
         ->required()
         ->check(CLI::IsMember({"scene", "run", "pairs", "model", "terms", "device"}));
-    app.add_option("file", o.file, "the file");
+    input_file(app.add_option("file", o.file, "the file"));
     app.add_option("-o,--output", o.output)->group("");  // once images of pairs: said in the error
     app.footer("`wetcurl render --image PAIRS.h5 -o out.png` draws the geometry images of pairs.");
 }

@@ -11,6 +11,7 @@
 #include "app/drawing/plot_charts.h"
 #include "app/files/file_kind.h"
 #include "app/files/results.h"
+#include "app/options/input_file.h"
 #include "base/log.h"
 #include "learn/codec/network_module.h"
 
@@ -85,9 +86,10 @@ void add_options(CLI::App& app, PlotOptions& o) {
         ->required();
     app.add_flag("--time", o.time,
                  "of runs: the time of each frame by stage, in place of energy (as in Fig. 40)");
-    app.add_option("--model", o.model,
-                   "adhesion network to draw on PAIRS.h5: its answers against the targets, over phi/h beside "
-                   "Eq 11, and what each input is worth");
+    input_file(app.add_option(
+        "--model", o.model,
+        "adhesion network to draw on PAIRS.h5: its answers against the targets, over phi/h beside "
+        "Eq 11, and what each input is worth"));
     app.add_option("-o,--output", o.output, "out.png")->required();
     app.add_option("--width", o.width, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
     app.add_option("--height", o.height, "of one panel, 240 to 8192 [pixels]")->capture_default_str();

@@ -13,6 +13,7 @@
 #include "app/drawing/picture.h"
 #include "app/engine/run_solids.h"
 #include "app/files/results.h"
+#include "app/options/input_file.h"
 #include "app/options/repeatable.h"
 #include "base/interrupt.h"
 #include "base/log.h"
@@ -154,8 +155,8 @@ void check(const RenderOptions& o, const std::string& extension) {
 }  // namespace
 
 void add_options(CLI::App& app, RenderOptions& o) {
-    app.add_option("runs", o.runs,
-                   "RUN.h5; with --image: runs, PAIRS.h5 with any models of its codec, or models")
+    input_file(app.add_option("runs", o.runs,
+                              "RUN.h5; with --image: runs, PAIRS.h5 with any models of its codec, or models"))
         ->required();
     app.add_option("-o,--output", o.output, "out.png, out.mp4 or out.webm")->required();
     app.add_option("--frame", o.frame, "one frame (default: all for a video, the last for a picture)")

@@ -9,14 +9,16 @@
 #include "app/engine/missing_model.h"
 #include "app/engine/run_of_scene.h"
 #include "app/engine/simulate_scene.h"
+#include "app/options/input_file.h"
 
 namespace wetcurl {
 
 void add_options(CLI::App& app, SimulateOptions& o) {
-    app.add_option("scene", o.scene,
-                   "scene file (TOML), or a run (HDF5): the scene it was made from, whole and wet unless "
-                   "other options "
-                   "say so")
+    input_file(
+        app.add_option("scene", o.scene,
+                       "scene file (TOML), or a run (HDF5): the scene it was made from, whole and wet unless "
+                       "other options "
+                       "say so"))
         ->required();
     app.add_option("-o,--output", o.output, "run cache (HDF5)")->required();
     app.add_option("--frames", o.frames, "frames in place of the scene's")->check(CLI::Range(1, 1000000));

@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "app/files/results.h"
+#include "app/options/input_file.h"
 #include "app/options/repeatable.h"
 #include "base/interrupt.h"
 #include "base/log.h"
@@ -99,8 +100,8 @@ void require_rest(const Scene& scene, const std::string& name) {
 }  // namespace
 
 void add_options(CLI::App& app, StabilityCommandOptions& o) {
-    app.add_option("scene", o.scene,
-                   "scene (TOML) whose head comes to rest, for S9 in place of the battery's own");
+    input_file(app.add_option("scene", o.scene,
+                              "scene (TOML) whose head comes to rest, for S9 in place of the battery's own"));
     repeatable(app.add_option("--method", o.methods, "by name (repeatable); none: all"));
     repeatable(app.add_option("--case", o.only, "S1 to S9 (repeatable); none: all"))
         ->check(CLI::IsMember({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"}));

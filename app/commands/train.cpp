@@ -10,6 +10,7 @@
 
 #include "app/engine/device.h"
 #include "app/files/results.h"
+#include "app/options/input_file.h"
 #include "base/log.h"
 #include "base/progress.h"
 #include "base/ranks.h"
@@ -23,15 +24,16 @@ void add_options(CLI::App& app, TrainOptions& o) {
     app.add_option("-o,--output", o.output, "model (HDF5)")->required();
     app.add_option("--validation", o.validation,
                    "pairs files to hold out, in place of the last frames of each run");
-    app.add_option("--recipe", o.recipe, "recipe file (TOML)");
+    input_file(app.add_option("--recipe", o.recipe, "recipe file (TOML)"));
     app.add_option(
         "--arch", o.architecture,
         "strand_mlp | strand_depthwise | strand_linear | strand_unet_vgg19 | strand_recursive_residual | "
         "unet_vgg19 | recursive_residual | adhesion_mlp");
     app.add_option("--width", o.width, "multiplier of the network's width");
-    app.add_option("--from", o.from,
-                   "model (HDF5) whose weights are begun with, of its architecture and width, in place of "
-                   "random ones");
+    input_file(app.add_option(
+        "--from", o.from,
+        "model (HDF5) whose weights are begun with, of its architecture and width, in place of "
+        "random ones"));
     app.add_flag("--resume", o.resume, "go on from OUTPUT.checkpoint");
     app.footer(
         "Several processes that mpirun, srun or torchrun starts (or RANK and WORLD_SIZE name) share each "

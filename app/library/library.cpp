@@ -1,12 +1,13 @@
 // The library that other programs link.
 #include <omp.h>
+#include <wetcurl/wetcurl.h>
 
 #include <cmath>
 #include <optional>
 
 #include "app/engine/learned_hair.h"
-#include "app/library/wetcurl.h"
 #include "base/error.h"
+#include "base/installed.h"
 
 using namespace wetcurl;
 
@@ -77,7 +78,7 @@ wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char
                         std::to_string(most_threads));
         const int count = threads > 0 ? threads : omp_get_num_procs();
         const Threads own(count);
-        Scene scene = load_scene(text_of(scene_file, "scene"));
+        Scene scene = load_scene(found_or_installed(text_of(scene_file, "scene")));
         if (scene.saturation.empty())
             throw Error(std::string(scene_file) +
                         ": has no [wetness], which is what the network predicts for");
@@ -85,7 +86,7 @@ wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char
             throw Error(std::string(scene_file) +
                         ": its water moves ([wetness.flow]), allowed is wetness that stays");
         Groom low = coarsened(scene.groom, 2);
-        auto learned = learned_strands_of(text_of(model, "model"), scene, scene_file, low,
+        auto learned = learned_strands_of(found_or_installed(text_of(model, "model")), scene, scene_file, low,
                                           text_of(device, "device"), count);
         const bool clumps = learned->card().target != "displayed" && scene.cohesion;
         if (clumps && scene.has_deforming_solid())

@@ -37,7 +37,7 @@ Json taken_like(const Json& like, const Json& entry, const std::string& where) {
     for (const auto& [key, model] : like.items()) {
         const std::string at = where + "." + key;
         const Json value = entry.is_object() && entry.contains(key) ? entry[key] : Json();
-        const auto need = [&](bool holds, const char* what) {
+        const auto need = [&, &key = key](bool holds, const char* what) {
             if (!holds) fail(at, found(entry, key), what);
         };
         if (model.is_object()) {

@@ -34,11 +34,11 @@ namespace detail {
 // The trilinear interpolant of value(node), a number or a vector.
 template <class T, class Value>
 WETCURL_HD auto interpolated(const DistanceGrid& grid, const Vec3<T>& x, Value value) {
-    const auto [node, row, slab, u, v, w] = cell_of(grid, x);
+    const auto cell = cell_of(grid, x);
     const auto between = [](const auto& a, const auto& b, T share) { return a + share * (b - a); };
-    const auto along_x = [&](size_t k) { return between(value(k), value(k + 1), u); };
-    const auto in_slab = [&](size_t k) { return between(along_x(k), along_x(k + row), v); };
-    return between(in_slab(node), in_slab(node + slab), w);
+    const auto along_x = [&](size_t k) { return between(value(k), value(k + 1), cell.u); };
+    const auto in_slab = [&](size_t k) { return between(along_x(k), along_x(k + cell.row), cell.v); };
+    return between(in_slab(cell.node), in_slab(cell.node + cell.slab), cell.w);
 }
 
 }  // namespace detail

@@ -105,7 +105,7 @@ class OnHost final : public LearnedStrands {
     void ask() {
         if (!crop_)
             return network_->run(input_.data(), {1, inputs, codec_.height(), codec_.width()}, answer_.data());
-        const auto [answered, seen] = *crop_;
+        const GridBox answered = crop_->answered, seen = crop_->seen;
         // f(place in images of `seen`, place in those of the grid), row by row of a box within `seen`.
         auto for_each_row = [&](const GridBox& box, int channels, auto f) {
             for (size_t c = 0; c < size_t(channels); ++c)

@@ -2,11 +2,11 @@
 #include "learn/codec/network_module.h"
 
 #include <dlfcn.h>
-#include <link.h>
 
 #include <filesystem>
 
 #include "base/error.h"
+#include "base/installed.h"
 
 namespace wetcurl {
 namespace {
@@ -14,18 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* library_name = "libwetcurl_networks.so";
 constexpr const char* entry_name = "wetcurl_network_module";
-
-// The folder of what holds this code: the program, or a library that a program links.
-fs::path own_folder() {
-    Dl_info info{};
-    link_map* map = nullptr;
-    // Of the program itself the loader's map names no file.
-    if (dladdr1(reinterpret_cast<void*>(&network_module), &info, reinterpret_cast<void**>(&map),
-                RTLD_DL_LINKMAP) &&
-        map && map->l_name && *map->l_name)
-        return fs::canonical(map->l_name).parent_path();
-    return fs::read_symlink("/proc/self/exe").parent_path();
-}
 
 std::string library_path() {
     const fs::path folder = own_folder();

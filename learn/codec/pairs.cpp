@@ -28,7 +28,7 @@ static std::string group_name(int run) {
 }
 
 PairsWriter::PairsWriter(OutputFile place, Codec codec, int particles)
-    : file_(std::move(place), pairs_format, pairs_version), codec_(codec) {
+    : file_(std::move(place), pairs_format, pairs_version) {
     file_.attribute("codec", name_of(codec));
     file_.attribute("particles", double(particles));
 }

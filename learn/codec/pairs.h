@@ -84,7 +84,6 @@ class PairsWriter {
   private:
     void next_group();
     H5Writer file_;
-    Codec codec_;
     int runs_ = 0;
     std::string group_, inputs_name_;
     std::vector<size_t> inputs_shape_, target_shape_;

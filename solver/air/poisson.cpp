@@ -25,7 +25,7 @@ PoissonBox::PoissonBox(const std::array<int, 3>& cells, double cell)
 void PoissonBox::solve(std::vector<double>& b) {
     using Matrix = Eigen::MatrixXd;
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const auto [x, y, z] = std::tie(basis_[0], basis_[1], basis_[2]);
+    const SineBasis &x = basis_[0], &y = basis_[1], &z = basis_[2];
     const long plane = long(x.n) * y.n;
     const Eigen::Map<const Rows> qx(x.vector.data(), x.n, x.n), qy(y.vector.data(), y.n, y.n),
         qz(z.vector.data(), z.n, z.n);

@@ -122,7 +122,7 @@ TEST(Bench, has_a_frame_for_each_stage_that_a_scene_may_name) {
                                             {"with Kim 2016, 64", "baseline"},
                                             {"with boundary particles, 64", "baseline"}}) {
         const auto all = frame_entries("cpu");
-        const auto entry = std::find_if(all.begin(), all.end(), [&](const Entry& e) {
+        const auto entry = std::find_if(all.begin(), all.end(), [&, &filter = filter](const Entry& e) {
             return e.names[0].find("frame " + filter + " strands") != std::string::npos;
         });
         ASSERT_NE(entry, all.end()) << filter;

@@ -9,7 +9,7 @@ failures=0
 
 fresh() {
     rm -rf "${tree:?}"/*
-    mkdir -p "$tree"/{base,solver/chain,solver/solids,models,learn/codec,learn/inference,training,app/commands,app/engine,tests}
+    mkdir -p "$tree"/{base,solver/chain,solver/solids,models,learn/codec,learn/inference,training,app/commands,app/engine,tests,include/wetcurl}
     echo '#include <vector>' >"$tree/base/a.h"
     echo '#include "base/a.h"' >"$tree/solver/a.cpp"
     echo '#include <torch/torch.h>' >"$tree/models/net.h"
@@ -21,6 +21,7 @@ fresh() {
     echo '#include "base/a.h"' >"$tree/learn/codec/plain.h"
     echo '#include "solver/solids/contact.h"' >"$tree/solver/chain/step.h"
     echo '#include "base/a.h"' >"$tree/solver/solids/contact.h"
+    echo '#include "wetcurl.h"' >"$tree/include/wetcurl/wetcurl.hpp"
 }
 expect() {  # passes|fails, file named, what is tried
     local output status=0
@@ -55,6 +56,8 @@ fresh; echo '#include "solver/chain/step.h"' >>"$tree/solver/solids/contact.h"
 expect fails 'solver/solids/contact.h:2' 'two rooms include each other'
 fresh; echo '#include "solver/chain/step.h"' >>"$tree/solver/b.h"; echo '#include "solver/b.h"' >>"$tree/solver/solids/contact.h"
 expect fails 'solver/chain/step.h:1' 'a circle through three rooms'
+fresh; echo '#include "base/a.h"' >>"$tree/include/wetcurl/wetcurl.hpp"
+expect fails 'include/wetcurl/wetcurl.hpp:2' 'a public header includes base'
 fresh; echo '#include "solver/a.h"' >>"$tree/tests/t.cpp"
 expect passes '0 wrong' 'tests may include everything'
 fresh; echo '#include "app/commands/one.h"' >"$tree/app/commands/two.cpp"

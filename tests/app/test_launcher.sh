@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What scripts/build portable leaves: which of the builds beside it the launcher starts. Stand-ins tell their name.
+# Which of the builds under lib/wetcurl the launcher of scripts/build portable starts. Stand-ins tell their name.
 # Use: test_launcher.sh LAUNCHER
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
@@ -11,9 +11,10 @@ launcher=$folder/bin/wetcurl
 unset WETCURL_ARCH
 
 add() {
-    mkdir -p "$folder/$1/bin"
-    printf '#!/bin/sh\necho "%s of $# arguments: $*" >&2; exit 5\n' "$1" >"$folder/$1/bin/wetcurl"
-    chmod +x "$folder/$1/bin/wetcurl"
+    local build=$folder/lib/wetcurl/$1/bin
+    mkdir -p "$build"
+    printf '#!/bin/sh\necho "%s of $# arguments: $*" >&2; exit 5\n' "$1" >"$build/wetcurl"
+    chmod +x "$build/wetcurl"
 }
 
 flags=" $(grep -m1 '^flags' /proc/cpuinfo) "

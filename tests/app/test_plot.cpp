@@ -64,7 +64,8 @@ TEST(ChartFile, holds_curves_with_gaps_and_says_what_is_wrong) {
         {head + R"([{"name": "one", "values": [1]}]})", "two values"},
         {head + R"([{"name": "one", "values": [1, "2"]}]})", "is no chart"}};
     for (const auto& [text, said] : wrong)
-        testing::expect_error([&] { chart_of_file(scratch.file("b.json", text)); }, {"b.json", said});
+        testing::expect_error([&, &text = text] { chart_of_file(scratch.file("b.json", text)); },
+                              {"b.json", said});
 }
 
 TEST(Ticks, of_a_logarithmic_axis_are_ones_twos_and_fives) {

@@ -159,7 +159,9 @@ TEST(PushedOut, of_a_level_set_in_as_many_pushes_as_it_takes) {
                         out = pushed_out(shape, x, allowed);
             after_one = std::max(after_one, allowed - distance(shape, once).phi);
             after_all = std::max(after_all, allowed - distance(shape, out).phi);
-            if (d.phi >= allowed) EXPECT_EQ(norm(out - x), 0);
+            if (d.phi >= allowed) {
+                EXPECT_EQ(norm(out - x), 0);
+            }
         }
     }
     EXPECT_GT(after_one, 1e-3f);

@@ -1,4 +1,6 @@
-// Learned wet hair in another program: wetcurl.h for C++, an owner that throws std::runtime_error.
+/// @file
+/// The C++ interface of libwetcurl: an owner of a wetcurl_hair whose functions throw std::runtime_error.
+/// wetcurl.h describes units, shapes and poses.
 #pragma once
 
 #include <array>
@@ -9,39 +11,47 @@
 
 #include "wetcurl.h"
 
+/// What the library shows in C++.
 namespace wetcurl {
 
-using PoseArray = std::array<double, 7>;  // x y z of the head's origin [m], quaternion w x y z
+/// The head's origin x y z [m], then the unit quaternion w x y z.
+using PoseArray = std::array<double, 7>;
 
+/// The hair of a scene with its network.
 class Hair {
   public:
-    // As of wetcurl_open.
+    /// Opens a scene and a model, see wetcurl_open().
     Hair(const std::string& scene, const std::string& model, const std::string& device = "cpu",
          int threads = 0)
         : hair_(wetcurl_open(scene.c_str(), model.c_str(), device.c_str(), threads), wetcurl_close) {
         if (!hair_) throw std::runtime_error(wetcurl_error());
     }
+    /// Number of strands that are read.
     int low_strands() const { return wetcurl_low_strands(hair_.get()); }
+    /// Number of strands that are written.
     int high_strands() const { return wetcurl_high_strands(hair_.get()); }
+    /// Number of particles of a strand, read or written.
     int particles() const { return wetcurl_particles(hair_.get()); }
-    // (low strands, particles, 3) [m], in the head's frame.
+    /// The strands of low resolution at rest, (low strands, particles, 3) [m], in the head's frame.
     std::vector<float> low_at_rest() const {
         std::vector<float> out(size_t(low_strands()) * size_t(particles()) * 3);
         wetcurl_low_at_rest(hair_.get(), out.data());
         return out;
     }
-    // As of wetcurl_crop.
+    /// Computes only where hair is wet, see wetcurl_crop().
     void crop() { check(wetcurl_crop(hair_.get())); }
-    // As of wetcurl_bind: low (low strands, particles, 3), high (high strands, particles, 3) [m], world.
+    /// Sets the memory of the frames, see wetcurl_bind(): low (low strands, particles, 3) and high (high
+    /// strands, particles, 3) [m], in world axes.
     void bind(const float* low, float* high, bool on_device = false) {
         check(wetcurl_bind(hair_.get(), low, high, on_device));
     }
-    // As of wetcurl_run.
+    /// Computes a frame, see wetcurl_run().
     void run(const PoseArray& before, const PoseArray& now, const PoseArray& after) {
         check(wetcurl_run(hair_.get(), before.data(), now.data(), after.data()));
     }
-    // A head that stands still.
+    /// Computes a frame with a head that does not move: a shot's first.
     void run(const PoseArray& now) { check(wetcurl_run(hair_.get(), nullptr, now.data(), nullptr)); }
+    /// The next frame is the first of another shot.
     void restart() { wetcurl_restart(hair_.get()); }
 
   private:
