@@ -22,14 +22,12 @@ __global__ void __launch_bounds__(threads, blocks_at_once)
               count = left < launch.group.strands ? left : launch.group.strands;
     T* workspace = reinterpret_cast<T*>(own);
     if constexpr (!near) workspace = launch.workspace + blockIdx.x * (launch.group.bytes / sizeof(T));
-    StrandStep<T, Block> strands(launch.memory, launch.constants, {Block{}, int(threadIdx.x), threads}, first,
-                                 count, has<StrainLimit>(set), workspace, flags);
-    strands.load(set);
-    int limited = 0;
-    for (int k = 0; k < launch.substeps; ++k)
-        limited += strands.step(set, launch.motion[k], launch.is_first(k));
-    strands.store(set);
-    if (limited) atomicAdd(launch.limited, static_cast<unsigned long long>(limited));
+    StrandStep<T, Set, Block> strands(launch.memory, launch.constants, set,
+                                      {Block{}, int(threadIdx.x), threads}, first, count, workspace, flags);
+    strands.load();
+    for (int k = 0; k < launch.substeps; ++k) strands.step(launch.motion[k], launch.is_first(k));
+    strands.store();
+    if (strands.limited) atomicAdd(launch.limited, static_cast<unsigned long long>(strands.limited));
 }
 
 template <class T>
@@ -83,7 +81,7 @@ template <class T>
 StrandGroup strand_group(int n, int strands, const ChainTerms& terms) {
     const bool limits = std::get<Slot<StrainLimit>>(terms).has_value();
     auto bytes = [&](int count) {
-        return (StrandStep<T, Block>::workspace(n, count, limits) * sizeof(T) + 31) / 32 * 32;
+        return (strand_workspace<T>(n, count, limits) * sizeof(T) + 31) / 32 * 32;
     };
     // A kernel has some of it for itself.
     constexpr size_t reserved = 2048;

@@ -1,14 +1,16 @@
-// The implicit substep of a few strands by a team of threads, which keep them near while a frame's substeps
-// are taken. What is independent along a strand is shared out by particle: frames, forces, rows of the
-// matrix, contact; what runs along it, twists and the core's filter, goes by chunks of it, and rounds between
-// these that reach ever farther. Each strand is solved as often as it needs. Terms, formulas and order are
-// those of solver/chain/chain_step.h, which is the reference.
+// The bodies of the stages of an implicit substep (solver/chain/stages.h) for a few strands and a team of
+// threads, which keep the strands near while a frame's substeps are taken. What is independent along a strand
+// is shared out by particle: frames, forces, rows of the matrix, contact; what runs along it, twists and the
+// core's filter, goes by chunks of it, and rounds between these that reach ever farther. Each strand is
+// solved as often as it needs. Terms and formulas are those of solver/chain/substep.h, which is the
+// reference.
 #pragma once
 
 #include "cuda/chain/strand_chunks.h"
 #include "cuda/chain/strand_parts.h"
 #include "cuda/chain/strand_system.h"
 #include "cuda/device/thread_team.h"
+#include "solver/chain/stages.h"
 
 namespace wetcurl {
 
@@ -17,7 +19,15 @@ struct StrandFlags {
     unsigned now, seen;
 };
 
-template <class T, class Barrier>
+// Numbers of workspace for so many strands.
+template <class T>
+WETCURL_HD size_t strand_workspace(int n, int count, bool limits) {
+    const size_t of_a_particle = 4 + 7 * 3 + 2 + (limits ? 3 : 0);
+    return size_t(StrandSystem<T>::numbers_of(n, count)) + size_t(count) * size_t(n) * of_a_particle;
+}
+
+// Set: what is there of the scene, ExactSet or AnySet.
+template <class T, class Set, class Barrier>
 class StrandStep {
     using V = Vec3<T>;
     using Q = Quat<T>;
@@ -27,18 +37,16 @@ class StrandStep {
     using Smoothed = wetcurl::Smoothed<T>;
 
   public:
-    // Numbers of workspace for so many strands.
-    WETCURL_HD static size_t workspace(int n, int count, bool limits) {
-        const size_t of_a_particle = 4 + 7 * 3 + 2 + (limits ? 3 : 0);
-        return size_t(StrandSystem<T>::numbers_of(n, count)) + size_t(count) * size_t(n) * of_a_particle;
-    }
+    int limited = 0;  // edges that this thread saw held at their strain limit
 
-    // Strands first .. first + count - 1. `workspace`: aligned to four numbers; `flags` (count).
-    WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants,
-                          const ThreadTeam<Barrier>& team, int first, int count, bool limits, T* workspace,
+    // Strands first .. first + count - 1. `workspace`: strand_workspace, aligned to four numbers; `flags`
+    // (count).
+    WETCURL_HD StrandStep(const StrandMemory<T>& m, const ChainConstants<T>& constants, const Set& set,
+                          const ThreadTeam<Barrier>& team, int first, int count, T* workspace,
                           StrandFlags* flags)
         : m_(m),
           k_(constants),
+          set_(set),
           parts_(m, constants),
           team_(team),
           count_(count),
@@ -46,78 +54,185 @@ class StrandStep {
           flags_(flags),
           chunks_(m.n - 1) {
         const size_t cells = size_t(count) * size_t(m.n);
-        auto take = [&](size_t numbers) {
+        auto room = [&](size_t numbers) {
             T* at = workspace;
             workspace += numbers * cells;
             return at;
         };
         system_ = {m.n, workspace};
         workspace += StrandSystem<T>::numbers_of(m.n, count);
-        frame_ = reinterpret_cast<Frame*>(take(4));
+        frame_ = reinterpret_cast<Frame*>(room(4));
         for (V** vectors : {&x_, &x_before_, &v_, &v_before_, &at_, &rate_, &core_})
-            *vectors = reinterpret_cast<V*>(take(3));
-        pushed_ = take(1), gap_ = take(1);
-        if (limits) limit_edge_ = reinterpret_cast<V*>(take(3));
+            *vectors = reinterpret_cast<V*>(room(3));
+        pushed_ = room(1), gap_ = room(1);
+        if (has<StrainLimit>(set)) limit_edge_ = reinterpret_cast<V*>(room(3));
     }
 
     // From the memory, and back.
-    template <class Set>
-    WETCURL_HD void load(const Set& set) {
+    WETCURL_HD void load() {
         for_each_particle(0, m_.n, [&](int g, int i) {
             const int k = cell(g, i);
             const size_t from = first_ * size_t(m_.n) + size_t(k);
             x_[k] = m_.x[from], x_before_[k] = m_.x_before[from];
             v_[k] = m_.v[from], v_before_[k] = m_.v_before[from];
-            if (has<Bend>(set)) frame_[k] = Frame{m_.frame[from]};
-            if (set.has(present::contact)) pushed_[k] = m_.pushed[from];
+            if (has<Bend>(set_)) frame_[k] = Frame{m_.frame[from]};
+            if (set_.has(present::contact)) pushed_[k] = m_.pushed[from];
         });
     }
-    template <class Set>
-    WETCURL_HD void store(const Set& set) const {
+    WETCURL_HD void store() const {
         for_each_particle(0, m_.n, [&](int g, int i) {
             const int k = cell(g, i);
             const size_t to = first_ * size_t(m_.n) + size_t(k);
             m_.x[to] = x_[k], m_.x_before[to] = x_before_[k];
             m_.v[to] = v_[k], m_.v_before[to] = v_before_[k];
-            if (has<Bend>(set)) m_.frame[to] = frame_[k];
-            if (set.has(present::contact)) m_.pushed[to] = pushed_[k];
+            if (has<Bend>(set_)) m_.frame[to] = frame_[k];
+            if (set_.has(present::contact)) m_.pushed[to] = pushed_[k];
         });
     }
 
-    // One substep, `first` of a run (no history) or not. Returns how many edges this thread saw held at their
-    // strain limit.
-    template <class Set>
-    WETCURL_HD int step(const Set& set, const SubstepMotion<T>& motion, bool first) {
-        const Bdf2<T> scheme(k_.dt, first, k_.share);
-        team_.share(count_, 1, [&](int g, int) { flags_[g] = {active, 0}; });
-        expect(set, motion, scheme);
-        for (int linearisations = 1;; ++linearisations) {
-            look(set, motion, scheme, linearisations == 1);
-            solve(set, motion, scheme);
-            bool anew = false;
-            team_.each(count_, [&](int g) {
-                unsigned& now = flags_[g].now;
-                const bool goes_on = now & active && now & far_off && linearisations < k_.max_linearisations;
-                now = goes_on ? now | looked_anew : now & ~active;
-                anew |= goes_on;
-            });
-            if (!team_.any(anew)) break;
-            // Forces are taken anew where the solution has led those strands.
-            for_each_particle(0, m_.n, [&](int g, int i) {
-                if (!is(active, g)) return;
-                const V d = system_.right(g, i);
-                at_[cell(g, i)] += scheme.h * d, rate_[cell(g, i)] += d;
-            });
-        }
-        const int limited = finish(set, motion, scheme);
+    // One substep, `first` of a run (no history) or not.
+    WETCURL_HD void step(const SubstepMotion<T>& motion, bool first) {
+        begin(motion, first);
+        take_implicit_substep(*this);
+        end();
+    }
+    // Before its stages, and after them.
+    WETCURL_HD void begin(const SubstepMotion<T>& motion, bool first) {
+        motion_ = &motion;
+        scheme_ = Bdf2<T>(k_.dt, first, k_.share);
+    }
+    WETCURL_HD void end() {
         // What was written over the older state is the newer one.
         const auto x = x_, v = v_;
         x_ = x_before_, v_ = v_before_;
         x_before_ = x, v_before_ = v;
-        return limited;
     }
 
-  private:
+    WETCURL_HD void take(stage::Predict, stage::FindHolds) {
+        team_.share(count_, 1, [&](int g, int) { flags_[g] = {active | solved, 0}; });
+        for_each_particle(0, m_.n, [&](int g, int i) {
+            const int k = cell(g, i);
+            const V x = scheme_.predicted(x_[k], x_before_[k], v_[k]);
+            at_[k] = x, rate_[k] = scheme_.expected_velocity(v_[k]);
+            if (!set_.has(present::contact) || i < 2) return;
+            T momentum = pushed_[k];
+            const Hold<T> hold = parts_.expected_hold(*motion_, scheme_, particle(k), x, momentum);
+            gap_[k] = hold.gap;
+            if (!(momentum > 0)) return;
+            pushed_[k] = hold.weight > 0 ? momentum : -momentum;
+            Barrier::raise(flags_[g].now, touches);
+        });
+    }
+    WETCURL_HD void take(stage::CarryFrames at, stage::PlaceLimit) {
+        if (has<Bend>(set_) || has<StrainLimit>(set_))
+            for_each_particle(0, m_.n - 1, [&](int g, int i) {
+                if (!is(active, g)) return;
+                const int k = cell(g, i);
+                const V e = edge_at(k);
+                if (has<StrainLimit>(set_)) limit_edge_[k] = e;
+                if (!has<Bend>(set_)) return;
+                const Q frame = frame_[k];
+                frame_[k] = Frame{transported(at.begins ? motion_->root_turn * frame : frame, e)};
+            });
+    }
+    WETCURL_HD void take(stage::RelaxTwist, stage::Prepare) {
+        if (has<Core>(set_) || has<Twist>(set_)) take_along();
+    }
+    // Elements sample where they need it.
+    WETCURL_HD void take(stage::SampleSurfaces) const {}
+    WETCURL_HD void take(stage::Solve) const {
+        assemble();
+        system_.solve(team_, count_, [&](int g) { return is(solved, g); });
+    }
+    WETCURL_HD bool take(stage::MoveLimit of_limit, stage::MoveHolds of_holds) {
+        const int n = m_.n;
+        auto way_of = [&](int g, int edge) {
+            return scheme_.h * (system_.right(g, edge + 1) - system_.right(g, edge));
+        };
+        const bool limits = has<StrainLimit>(set_) && of_limit.may_move(),
+                   holds = set_.has(present::contact) && of_holds.may_move();
+        for_each_particle(2, n, [&](int g, int i) {
+            if (!is(solved, g)) return;
+            const int k = cell(g, i);
+            const V way = way_of(g, i - 1);
+            const T rest = of(m_.rest_length, k - 1);
+            const bool contacts = is(touches, g);
+            unsigned seen = 0;
+            if (turned_far<T>(way, rest, far_turn(k_.relinearise_angle, T(contacts))) > 0) seen |= turned;
+            if (limits &&
+                get<StrainLimit>(k_.rules.terms).unsettled(edge_at(k - 1) + way, limit_edge_[k - 1], rest) >
+                    0)
+                seen |= limit_moved;
+            if (holds && contacts && pushed_[k] != 0) {
+                Hold<T> hold = parts_.hold_of(*motion_, scheme_, particle(k), pushed_[k]);
+                if (weigh_again(scheme_.h, system_.right(g, i), hold) > 0)
+                    pushed_[k] = -pushed_[k], seen |= hold_changed;
+            }
+            if (seen) Barrier::raise(flags_[g].seen, seen);
+        });
+        if (has<StrainLimit>(set_) && limits)
+            for_each_particle(1, n - 1, [&](int g, int i) {
+                if (flags_[g].seen & limit_moved)
+                    limit_edge_[cell(g, i)] = edge_at(cell(g, i)) + way_of(g, i);
+            });
+        bool again = false;
+        team_.each(count_, [&](int g) {
+            const unsigned seen = flags_[g].seen;
+            unsigned now = flags_[g].now;
+            flags_[g].seen = 0;
+            if (!(now & solved)) return;
+            now = seen & turned ? now | far_off : now & ~far_off;
+            if (!(seen & (limit_moved | hold_changed))) now &= ~solved;
+            flags_[g].now = now;
+            again |= now & solved;
+        });
+        return team_.any(again);
+    }
+    // Where edges turn far is seen while limit and holds are.
+    WETCURL_HD bool take(stage::Relinearise at) {
+        if (at.linearisations == k_.max_linearisations) return false;
+        bool anew = false;
+        team_.each(count_, [&](int g) {
+            unsigned& now = flags_[g].now;
+            const bool goes_on = now & active && now & far_off;
+            now = goes_on ? (now & ~far_off) | looked_anew | solved : now & ~active;
+            anew |= goes_on;
+        });
+        if (!team_.any(anew)) return false;
+        for_each_particle(0, m_.n, [&](int g, int i) {
+            if (!is(active, g)) return;
+            const V d = system_.right(g, i);
+            at_[cell(g, i)] += scheme_.h * d, rate_[cell(g, i)] += d;
+        });
+        return true;
+    }
+    WETCURL_HD void take(stage::Place, stage::MeetSolids, stage::UpdateTouching) {
+        for_each_particle(0, m_.n, [&](int g, int i) {
+            const int k = cell(g, i);
+            const V d = system_.right(g, i), expected = at_[k];
+            V x = i < 2 ? placed_root(g, i) : expected + scheme_.h * d, v = rate_[k] + d;
+            if (has<StrainLimit>(set_) && i >= 2)
+                limited +=
+                    get<StrainLimit>(k_.rules.terms).holds(limit_edge_[k - 1], of(m_.rest_length, k - 1));
+            if (has<Adhesion>(set_)) parts_.touch(set_, *motion_, place(k), expected);
+            if (set_.has(present::contact) && i >= 2 &&
+                parts_.may_meet(scheme_, is(looked_anew, g), pushed_[k], gap_[k], d)) {
+                Particle<T> p = particle(k);
+                parts_.meet(*motion_, scheme_, d, p, pushed_[k], x, v);
+                x_[k] = p.x, v_[k] = p.v;
+            }
+            x_before_[k] = x, v_before_[k] = v;
+        });
+    }
+    WETCURL_HD void take(stage::EndFrames) {
+        if (has<Bend>(set_))
+            for_each_particle(0, m_.n - 1, [&](int g, int i) {
+                const int k = cell(g, i);
+                frame_[k] = Frame{transported(Q(frame_[k]), x_before_[k + 1] - x_before_[k])};
+            });
+    }
+
+  protected:
     // Of a strand: its forces are taken; its system is solved; surfaces push it; an edge turns far; forces
     // have been taken more than once.
     enum : unsigned { active = 1, solved = 2, touches = 4, far_off = 8, looked_anew = 16 };
@@ -152,47 +267,15 @@ class StrandStep {
                (2 * which + other) * chunks_.count;
     }
     WETCURL_HD V edge_at(int k) const { return at_[k + 1] - at_[k]; }
-    WETCURL_HD V placed_root(const SubstepMotion<T>& motion, int g, int i) const {
-        return parts_.placed_root(motion, first_ + size_t(g), i);
+    WETCURL_HD V placed_root(int g, int i) const {
+        return parts_.placed_root(*motion_, first_ + size_t(g), i);
     }
-    WETCURL_HD V known(const SubstepMotion<T>& motion, const Bdf2<T>& scheme, int g, int i) const {
-        return (T(1) / scheme.h) * (placed_root(motion, g, i) - at_[cell(g, i)]);
-    }
-
-    // --- where particles are expected, and which surfaces hold them
-
-    template <class Set>
-    WETCURL_HD void expect(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
-        for_each_particle(0, m_.n, [&](int g, int i) {
-            const int k = cell(g, i);
-            const V x = scheme.predicted(x_[k], x_before_[k], v_[k]);
-            at_[k] = x, rate_[k] = scheme.expected_velocity(v_[k]);
-            if (!set.has(present::contact) || i < 2) return;
-            T momentum = pushed_[k];
-            const Hold<T> hold = parts_.expected_hold(motion, scheme, particle(k), x, momentum);
-            gap_[k] = hold.gap;
-            if (!(momentum > 0)) return;
-            pushed_[k] = hold.weight > 0 ? momentum : -momentum;
-            Barrier::raise(flags_[g].now, touches);
-        });
+    WETCURL_HD V known(int g, int i) const {
+        return (T(1) / scheme_.h) * (placed_root(g, i) - at_[cell(g, i)]);
     }
 
-    // --- what forces need of the whole strand
+    // --- what runs along the whole strand
 
-    template <class Set>
-    WETCURL_HD void look(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme, bool first) {
-        if (has<Bend>(set) || has<StrainLimit>(set))
-            for_each_particle(0, m_.n - 1, [&](int g, int i) {
-                if (!is(active, g)) return;
-                const int k = cell(g, i);
-                const V e = edge_at(k);
-                if (has<StrainLimit>(set)) limit_edge_[k] = e;
-                if (!has<Bend>(set)) return;
-                const Q frame = frame_[k];
-                frame_[k] = Frame{transported(first ? motion.root_turn * frame : frame, e)};
-            });
-        if (has<Core>(set) || has<Twist>(set)) take_along(set, scheme);
-    }
     // f(strand, chunk) of strands whose forces are taken. Waits.
     template <class F>
     WETCURL_HD void for_each_chunk(F f) const {
@@ -201,19 +284,18 @@ class StrandStep {
         });
     }
     // The turns of edges about themselves and the core's forces.
-    template <class Set>
-    WETCURL_HD void take_along(const Set& set, const Bdf2<T>& scheme) {
-        const T q = T(1) - (has<Core>(set) ? T(get<Core>(k_.rules.terms).beta) : T(1));
+    WETCURL_HD void take_along() {
+        const T q = T(1) - (has<Core>(set_) ? T(get<Core>(k_.rules.terms).beta) : T(1));
         for_each_chunk([&](int g, const Chunk& c) {
-            if (has<Twist>(set)) eliminate_twists(scheme, g, c);
-            if (has<Core>(set)) {
+            if (has<Twist>(set_)) eliminate_twists(g, c);
+            if (has<Core>(set_)) {
                 Smoothed edges, rates;
                 each_from_root(
                     g, c, [&](int, const V& e, const V& rate) { edges.next(e, q), rates.next(rate, q); });
                 smoothed(g, 0, false)[c.number] = edges, smoothed(g, 1, false)[c.number] = rates;
             }
         });
-        if (has<Twist>(set))
+        if (has<Twist>(set_))
             for_each_chunk([&](int g, const Chunk& c) {
                 if (c.end < 2) return;
                 TwistRow row = twist(g)[c.end - 1];
@@ -223,18 +305,18 @@ class StrandStep {
             });
         const bool last = chunks_.in_rounds(false, q, [&](bool other, int reach, T share) {
             for_each_chunk([&](int g, const Chunk& c) {
-                if (has<Twist>(set))
+                if (has<Twist>(set_))
                     last_twist(g, !other)[c.number] = chunks_.reduced(last_twist(g, other), c.number, reach);
-                if (!has<Core>(set)) return;
+                if (!has<Core>(set_)) return;
                 for (int which = 0; which < 2; ++which)
                     smoothed(g, which, !other)[c.number] =
                         chunks_.carried(smoothed(g, which, other), c.number, -reach, share);
             });
         });
-        const bool adjoint = has<Core>(set) && !get<Core>(k_.rules.terms).printed;
+        const bool adjoint = has<Core>(set_) && !get<Core>(k_.rules.terms).printed;
         for_each_chunk([&](int g, const Chunk& c) {
-            if (has<Twist>(set)) turn(g, c, last_twist(g, last));
-            if (!has<Core>(set)) return;
+            if (has<Twist>(set_)) turn(g, c, last_twist(g, last));
+            if (!has<Core>(set_)) return;
             Smoothed edges = chunks_.at(smoothed(g, 0, last), c.number - 1),
                      rates = chunks_.at(smoothed(g, 1, last), c.number - 1);
             pull(g, c, q, edges, rates);
@@ -286,7 +368,7 @@ class StrandStep {
         });
     }
     // In the end a chunk's rows are coupled to the last ones of this chunk and of the one before alone.
-    WETCURL_HD void eliminate_twists(const Bdf2<T>& scheme, int g, const Chunk& c) const {
+    WETCURL_HD void eliminate_twists(int g, const Chunk& c) const {
         const Twist& springs = get<Twist>(k_.rules.terms);
         const int first = c.begin > 0 ? c.begin : 1;
         if (first >= c.end) return;
@@ -306,7 +388,7 @@ class StrandStep {
                 bend_by_turn(get<Bend>(k_.rules.terms), frame, of(m_.target, k + 1), edge_at(k + 1), slope,
                              bound);
             }
-            TwistRow row = twist_row(i, before, after, slope, bound, springs.lag(scheme.h, of(m_.mass, k)));
+            TwistRow row = twist_row(i, before, after, slope, bound, springs.lag(scheme_.h, of(m_.mass, k)));
             if (i > first) row.take_before(near);
             rows[i] = near = row;
             frame = next, before = after;
@@ -337,26 +419,23 @@ class StrandStep {
     // --- the system
 
     // Those that end at particle j of strand g.
-    template <class Set>
-    WETCURL_HD Element<T> element(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
-                                  int g, int j) const {
+    WETCURL_HD Element<T> element(int g, int j) const {
         const int k = cell(g, j);
         Window<T> w;
         for (int l = 0; l < 3; ++l)
             w.x[l] = at_[k - 2 + l], w.v[l] = rate_[k - 2 + l], w.mass[l] = of(m_.mass, k - 2 + l);
         w.rest_length[1] = of(m_.rest_length, k - 1);
-        if (has<Bend>(set))
+        if (has<Bend>(set_))
             w.frame[0] = frame_[k - 2], w.frame[1] = frame_[k - 1], w.target[1] = of(m_.target, k - 1);
-        if (has<Core>(set)) w.core[1] = core_[k - 1];
-        if (has<StrainLimit>(set)) w.limit_edge[1] = limit_edge_[k - 1];
-        if (has<CurlPush>(set)) w.chord = at_[cell(g, m_.n - 1)] - at_[cell(g, 0)];
-        w.saturation[2] = parts_.sees_water(set) ? of(m_.saturation, k) : T(0);
-        parts_.fill(set, motion, place(k), w);
-        return parts_.element(set, motion, scheme, w);
+        if (has<Core>(set_)) w.core[1] = core_[k - 1];
+        if (has<StrainLimit>(set_)) w.limit_edge[1] = limit_edge_[k - 1];
+        if (has<CurlPush>(set_)) w.chord = at_[cell(g, m_.n - 1)] - at_[cell(g, 0)];
+        w.saturation[2] = parts_.sees_water(set_) ? of(m_.saturation, k) : T(0);
+        parts_.fill(set_, *motion_, place(k), w);
+        return parts_.element(set_, *motion_, scheme_, w);
     }
     // The rows of strands that are to be solved. Elements that share one take turns.
-    template <class Set>
-    WETCURL_HD void assemble(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) const {
+    WETCURL_HD void assemble() const {
         const int n = m_.n, jobs = system_.jobs();
         team_.share(count_, 4, [&](int g, int k) {
             if (is(solved, g)) system_.clear(g, k);
@@ -366,7 +445,7 @@ class StrandStep {
                       j = system_.element_of(job - g * jobs);
             const bool mine = job < count_ * jobs && j < n && is(solved, g);
             Element<T> e;
-            if (mine) e = element(set, motion, scheme, g, j);
+            if (mine) e = element(g, j);
             for (int turn = 0; turn < 3; ++turn) {
                 if (mine) system_.add(g, j, turn, e);
                 team_.wait();
@@ -376,112 +455,31 @@ class StrandStep {
             if (!is(solved, g)) return;
             V& r = system_.right(g, i);
             if (i < 2) {
-                r = known(motion, scheme, g, i);
+                r = known(g, i);
                 return;
             }
             const int k = cell(g, i);
             const Particle<T> p = particle(k);
             Sym3<T> diagonal = identity_times(T(0));
-            r = parts_.own_row(set, scheme, place(k), p, system_.gathered(g, i), diagonal);
-            if (i < 4)
-                r -= system_.known_part(g, i, known(motion, scheme, g, 0), known(motion, scheme, g, 1));
-            const T pushed = set.has(present::contact) ? pushed_[k] : T(0);
+            r = parts_.own_row(set_, scheme_, place(k), p, system_.gathered(g, i), diagonal);
+            if (i < 4) r -= system_.known_part(g, i, known(g, 0), known(g, 1));
+            const T pushed = set_.has(present::contact) ? pushed_[k] : T(0);
             if (pushed > 0)
-                add_hold(parts_.hold_of(motion, scheme, p, pushed), scheme.h, p.rate, diagonal, r);
+                add_hold(parts_.hold_of(*motion_, scheme_, p, pushed), scheme_.h, p.rate, diagonal, r);
             system_.add_diagonal(g, i, diagonal);
         });
     }
 
-    // Solves until the edges at their strain limit and the particles that surfaces hold are found.
-    template <class Set>
-    WETCURL_HD void solve(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
-        const int n = m_.n;
-        auto way_of = [&](int g, int edge) {
-            return scheme.h * (system_.right(g, edge + 1) - system_.right(g, edge));
-        };
-        team_.share(count_, 1, [&](int g, int) {
-            const unsigned now = flags_[g].now & ~(solved | far_off);
-            flags_[g].now = now & active ? now | solved : now;
-        });
-        for (int solves = 1;; ++solves) {
-            assemble(set, motion, scheme);
-            system_.solve(team_, count_, [&](int g) { return is(solved, g); });
-            const bool limits = has<StrainLimit>(set) && solves < StrainLimit::most_solves,
-                       holds = set.has(present::contact) && solves < most_contact_solves;
-            for_each_particle(2, n, [&](int g, int i) {
-                if (!is(solved, g)) return;
-                const int k = cell(g, i);
-                const V way = way_of(g, i - 1);
-                const T rest = of(m_.rest_length, k - 1);
-                const bool contacts = is(touches, g);
-                unsigned seen = 0;
-                if (turned_far<T>(way, rest, far_turn(k_.relinearise_angle, T(contacts))) > 0) seen |= turned;
-                if (limits && get<StrainLimit>(k_.rules.terms)
-                                      .unsettled(edge_at(k - 1) + way, limit_edge_[k - 1], rest) > 0)
-                    seen |= limit_moved;
-                if (holds && contacts && pushed_[k] != 0) {
-                    Hold<T> hold = parts_.hold_of(motion, scheme, particle(k), pushed_[k]);
-                    if (weigh_again(scheme.h, system_.right(g, i), hold) > 0)
-                        pushed_[k] = -pushed_[k], seen |= hold_changed;
-                }
-                if (seen) Barrier::raise(flags_[g].seen, seen);
-            });
-            if (has<StrainLimit>(set) && limits)
-                for_each_particle(1, n - 1, [&](int g, int i) {
-                    if (flags_[g].seen & limit_moved)
-                        limit_edge_[cell(g, i)] = edge_at(cell(g, i)) + way_of(g, i);
-                });
-            bool again = false;
-            team_.each(count_, [&](int g) {
-                const unsigned seen = flags_[g].seen;
-                unsigned now = flags_[g].now;
-                flags_[g].seen = 0;
-                if (!(now & solved)) return;
-                now = seen & turned ? now | far_off : now & ~far_off;
-                if (!(seen & (limit_moved | hold_changed))) now &= ~solved;
-                flags_[g].now = now;
-                again |= now & solved;
-            });
-            if (!team_.any(again)) return;
-        }
-    }
-
-    // --- where the step ends
-
-    template <class Set>
-    WETCURL_HD int finish(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme) {
-        int limited = 0;
-        for_each_particle(0, m_.n, [&](int g, int i) {
-            const int k = cell(g, i);
-            const V d = system_.right(g, i), expected = at_[k];
-            V x = i < 2 ? placed_root(motion, g, i) : expected + scheme.h * d, v = rate_[k] + d;
-            if (has<StrainLimit>(set) && i >= 2)
-                limited +=
-                    get<StrainLimit>(k_.rules.terms).holds(limit_edge_[k - 1], of(m_.rest_length, k - 1));
-            if (has<Adhesion>(set)) parts_.touch(set, motion, place(k), expected);
-            if (set.has(present::contact) && i >= 2 &&
-                parts_.may_meet(scheme, is(looked_anew, g), pushed_[k], gap_[k], d)) {
-                Particle<T> p = particle(k);
-                parts_.meet(motion, scheme, d, p, pushed_[k], x, v);
-                x_[k] = p.x, v_[k] = p.v;
-            }
-            x_before_[k] = x, v_before_[k] = v;
-        });
-        if (has<Bend>(set))
-            for_each_particle(0, m_.n - 1, [&](int g, int i) {
-                const int k = cell(g, i);
-                frame_[k] = Frame{transported(Q(frame_[k]), x_before_[k + 1] - x_before_[k])};
-            });
-        return limited;
-    }
-
     const StrandMemory<T>& m_;
     const ChainConstants<T>& k_;
+    const Set set_;
     const StrandParts<T> parts_;
     ThreadTeam<Barrier> team_;
     int count_;
     size_t first_;
     StrandFlags* flags_;
+    const SubstepMotion<T>* motion_ = nullptr;  // of the substep, and its scheme
+    Bdf2<T> scheme_{T(0), true};
     StrandSystem<T> system_;
     Frame* frame_;
     V *x_, *x_before_, *v_, *v_before_;

@@ -1,7 +1,9 @@
-// A whole substep of a block of strands: which surfaces hold it, the step, its limits, contact and frames.
+// The bodies of the stages for a block of strands, a lane a strand: on the CPU, and with plain numbers in the
+// reference kernel, one strand a thread. Their order is that of solver/chain/stages.h.
 #pragma once
 
 #include "solver/chain/chain_step.h"
+#include "solver/chain/stages.h"
 #include "solver/compared/iben2013.h"
 
 namespace wetcurl {
@@ -20,78 +22,314 @@ struct NoMeter {
     static constexpr int limiter = 0, solids = 0;
 };
 
-// `view`: the block's data, its given adhesion and the root's motion among them. `surfaces`: SolidsInALoop or
-// what offers the same. The new state is left in step.x_before and step.v_before. Returns how many edges were
-// held at their strain limit, over all lanes. `meter`: null, or what counts the work.
+// One substep of a block. `view`: the block's data, its given adhesion and the head's motion among them.
+// `surfaces`: SolidsInALoop or what offers the same. The new state is left in step.x_before and
+// step.v_before. `meter`: null, or what counts the work.
 template <class S, class Surfaces, class Meter>
-WETCURL_HD int take_substep(const SubstepRules<Plain<S>>& rules, BlockStep<S>& step, ChainView<S> view,
-                            const NearestView<S>& near, const S* rest_depth, const Surfaces& surfaces,
-                            ChainScratch<S>& scratch, Meter* meter) {
+class BlockStages {
     using T = Plain<S>;
-    const int n = step.n;
-    const auto& adhesion = std::get<Slot<Adhesion>>(rules.terms);
-    view.phi = near.phi, view.normal = near.normal, view.surface_velocity = near.velocity;
-    view.touching = near.touching;
-    auto before_forces = [&](const Vec3<S>* x, const Vec3<S>* v, int linearisations) {
-        if (adhesion && !view.given_adhesion) surfaces.sample(n, x, near);
-        if (linearisations > 0 || !scratch.hold) return;
-        const S h = Bdf2<S>(step.dt, step.first).h;
-        surfaces.expect([&](auto contact) {
-            for (int i = 2; i < n; ++i) {
-                const Hold<S> hold =
-                    contact(i, rest_depth ? rest_depth[i] : S(0),
-                            hold_stiffness(rules.spring_sum, h, view.mass[i]), x[i], v[i], step.pushed[i]);
-                scratch.gap[i] = hold.gap;
-                if (any_positive(step.pushed[i])) scratch.hold[i] = hold;
+    using V = Vec3<S>;
+
+  public:
+    int limited = 0;  // edges that were held at their strain limit, over all lanes
+
+    WETCURL_HD BlockStages(const SubstepRules<T>& rules, BlockStep<S>& step, const ChainView<S>& view,
+                           const NearestView<S>& near, const S* rest_depth, const Surfaces& surfaces,
+                           ChainScratch<S>& scratch, Meter* meter)
+        : rules_(rules),
+          b_(step),
+          view_(view),
+          near_(near),
+          rest_depth_(rest_depth),
+          surfaces_(surfaces),
+          s_(scratch),
+          meter_(meter),
+          scheme_(step.dt, step.first, step.share),
+          n_(step.n),
+          more_(names_more(rules.terms)),
+          penta_(scratch.upper2 != nullptr) {
+        view_.phi = near.phi, view_.normal = near.normal, view_.surface_velocity = near.velocity;
+        view_.touching = near.touching, view_.frame = step.frame;
+        view_.x = step.x, view_.v = step.v;
+        view_.core_pull = scratch.core_pull, view_.limit_edge = scratch.limit_edge;
+    }
+
+    // Stages of a pass: one after the other.
+    template <class First, class Second, class... More>
+    WETCURL_HD void take(First first, Second second, More... more) {
+        take(first), take(second), (take(more), ...);
+    }
+    WETCURL_HD bool take(stage::MoveLimit limit, stage::MoveHolds holds) {
+        const bool moved = take(limit);
+        return take(holds) || moved;
+    }
+
+    WETCURL_HD void take(stage::Predict) {
+        view_.x = s_.predicted_x, view_.v = s_.expected_v;
+        s_.system.h = scheme_.h, s_.system.ring = s_.ring - 1;
+        for (int i = 1; i <= s_.ring; ++i) s_.system.forget_row(i);
+        for (int i = 0; i < n_; ++i) {
+            s_.predicted_x[i] = scheme_.predicted(b_.x[i], b_.x_before[i], b_.v[i]);
+            s_.expected_v[i] = scheme_.expected_velocity(b_.v[i]);
+        }
+    }
+    WETCURL_HD void take(stage::FindHolds) {
+        if (!s_.hold) return;
+        surfaces_.expect([&](auto contact) {
+            for (int i = 2; i < n_; ++i) {
+                const Hold<S> hold = contact(i, rest_depth_ ? rest_depth_[i] : S(0),
+                                             hold_stiffness(rules_.spring_sum, scheme_.h, view_.mass[i]),
+                                             view_.x[i], b_.v[i], b_.pushed[i]);
+                s_.gap[i] = hold.gap;
+                if (any_positive(b_.pushed[i])) s_.hold[i] = hold;
             }
         });
-    };
-    Quat<T> turn_left = Quat<T>::identity();  // of the frames, to where the step ends
-    if (rules.implicit)
-        implicit_step(rules.terms, step, view, scratch, before_forces);
-    else
-        explicit_step(rules.terms, step, view, scratch, before_forces), turn_left = step.root_turn;
+    }
 
-    Vec3<S>*x = step.x_before, *x_old = step.x, *v = step.v_before, *v_old = step.v;
-    if (rules.iben) rules.iben->limit_velocities(n, step.dt, x, v);
-    view.x = x, view.v = v;
-    if constexpr (!std::is_same_v<Meter, NoMeter>)
-        if (meter) meter->add_step(step, view, turn_left, x_old, scratch);
-    auto counted = [&](auto kind, auto act) {
-        if constexpr (!std::is_same_v<Meter, NoMeter>)
-            if (meter) return meter->add_change(kind, step, view, turn_left, act);
-        act();
-    };
-    int limited = 0;
-    const auto& limit = std::get<Slot<StrainLimit>>(rules.terms);
-    if (limit && scratch.limit_edge)
-        for (int i = 1; i + 1 < n; ++i)
-            limited += count_lanes<S>(limit->holds(scratch.limit_edge[i], view.rest_length[i]));
-    else if (limit)
+    WETCURL_HD void take(stage::CarryFrames at) {
+        if (b_.frame)
+            transport_frames(n_, b_.frame, at.begins ? b_.root_turn : Quat<T>::identity(), view_.x, b_.frame);
+    }
+    WETCURL_HD void take(stage::PlaceLimit) {
+        for (int i = 0; limit() && i + 1 < n_; ++i)
+            s_.limit_edge[i] =
+                anew_ ? select(active_ > S(0), edge(view_, i), s_.limit_edge[i]) : edge(view_, i);
+    }
+    WETCURL_HD void take(stage::RelaxTwist) {
+        if (!b_.frame) return;
+        relax_frames(rules_.terms, view_, rules_.implicit ? scheme_.h : S(0), s_.twist, b_.frame);
+        for (int i = 0; anew_ && i + 1 < n_; ++i)
+            b_.frame[i] = select(active_ > S(0), b_.frame[i], s_.kept_frame[i]);
+    }
+    WETCURL_HD void take(stage::Prepare) {
+        view_.chord = view_.x[n_ - 1] - view_.x[0];
+        for_each_present(rules_.terms, more_, [&](const auto& term) {
+            if constexpr (requires { term.prepare(view_); }) term.prepare(view_);
+        });
+    }
+    WETCURL_HD void take(stage::SampleSurfaces) {
+        if (adhesion() && !view_.given_adhesion) surfaces_.sample(n_, view_.x, near_);
+    }
+
+    // A few rows at a time, which stay in the nearest cache from their first element to their elimination.
+    WETCURL_HD void take(stage::Solve) {
+        V* r = s_.solution;
+        for (int i = 0; i < 2; ++i) known_[i] = (S(1) / scheme_.h) * (b_.root[i] - view_.x[i]);
+        Sym3<S> diagonal[3]{};  // of the last rows, which wait for their elimination
+        int whole = 0;
+        for (int begin = 0; begin < n_; begin += s_.at_once) {
+            const int end = begin + s_.at_once < n_ ? begin + s_.at_once : n_;
+            for_each_present(rules_.terms, more_,
+                             [&](const auto& term) { term.assemble(view_, s_.system, begin, end); });
+            for (const int elements_left_at = end < n_ ? end - 2 : n_; whole < elements_left_at; ++whole) {
+                complete(whole, diagonal[2]);
+                eliminate(whole - 2, diagonal);
+                diagonal[0] = diagonal[1], diagonal[1] = diagonal[2];
+            }
+        }
+        eliminate(n_ - 2, diagonal);
+        diagonal[0] = diagonal[1];
+        eliminate(n_ - 1, diagonal);
+        if (penta_)
+            substitute_rows<true>(2, n_, s_.upper1, s_.upper2, r);
+        else
+            substitute_rows<false>(2, n_, s_.upper1, s_.upper2, r);
+        for (int i = 0; i < 2; ++i) r[i] = known_[i];
+        for (int i = 0; anew_ && i < n_; ++i) r[i] = select(active_ > S(0), r[i], s_.kept[i]);
+    }
+    WETCURL_HD bool take(stage::MoveLimit at) {
+        return limit() && at.may_move() &&
+               update_limit_edges(*limit(), view_, scheme_.h, s_.solution, active_, s_.limit_edge);
+    }
+    WETCURL_HD bool take(stage::MoveHolds at) {
+        return b_.pushed && at.may_move() &&
+               update_holds(n_, scheme_.h, s_.solution, b_.pushed, active_, s_.hold);
+    }
+
+    WETCURL_HD bool take(stage::Relinearise at) {
+        const V* r = s_.solution;
+        if (at.linearisations == b_.max_linearisations) return false;
+        active_ = active_ * turned_far(view_, scheme_.h, r, b_.pushed, b_.relinearise_angle);
+        if (!any_positive(active_)) return false;
+        anew_ = true;
+        for (int i = 0; i < n_; ++i) {
+            s_.kept[i] = r[i];
+            const V dv = active_ * r[i], way = scheme_.h * dv;
+            s_.predicted_x[i] += way, s_.expected_v[i] += dv;
+            if (b_.pushed && i > 1 && any_positive(b_.pushed[i]))
+                s_.hold[i].gap += dot(way, s_.hold[i].normal);
+        }
+        for (int i = 0; b_.frame && i + 1 < n_; ++i) s_.kept_frame[i] = b_.frame[i];
+        return true;
+    }
+
+    WETCURL_HD void take(stage::Place) {
+        const V* r = s_.solution;
+        if (b_.reaction) put_reaction();
+        for (int i = 0; i < n_; ++i) {
+            b_.v_before[i] = view_.v[i] + r[i];
+            b_.x_before[i] = i < 2 ? b_.root[i] : s_.predicted_x[i] + scheme_.h * r[i];
+        }
+        for (int i = 2; b_.pushed && i < n_; ++i) {
+            if (any_positive(b_.pushed[i])) b_.pushed[i] = pushed_by(s_.hold[i], scheme_.h, r[i]);
+            // Where forces were taken anew the gap is a guess.
+            s_.gap[i] = anew_ ? S(-1) : s_.gap[i] - scheme_.h * norm(r[i]);
+        }
+        look_from_new_state();
+        for (int i = 1; limit() && i + 1 < n_; ++i)
+            limited += count_lanes<S>(limit()->holds(s_.limit_edge[i], view_.rest_length[i]));
+    }
+    WETCURL_HD void take(stage::MeetSolids) {
+        V *x = b_.x_before, *x_old = b_.x, *v = b_.v_before, *v_old = b_.v;
+        surfaces_.for_each_met(n_, x, [&](const auto& solid, bool moves) {
+            bool met = false;
+            auto resolve = [&] {
+                met = resolve_contact(solid, rules_.implicit ? T(0) : solid.friction, n_, rest_depth_, s_.gap,
+                                      b_.dt, view_.mass, b_.pushed, x, x_old, v, v_old);
+            };
+            if (moves)
+                counted(Meter::solids, resolve);
+            else
+                resolve();
+            return met;
+        });
+    }
+    WETCURL_HD void take(stage::UpdateTouching) {
+        if (adhesion()) update_touching(n_, view_.phi, T(adhesion()->h_a), near_.touching);
+    }
+    WETCURL_HD void take(stage::EndFrames) {
+        if (b_.frame) transport_frames(n_, b_.frame, turn_left(), b_.x_before, b_.frame);
+    }
+
+    // --- of the explicit substep
+
+    WETCURL_HD void take(stage::Push) {
+        const V gravity = cast<S>(b_.gravity), zero{S(0), S(0), S(0)};
+        s_.system.h = S(b_.dt), s_.system.ring = s_.system.whole;
+        for (int i = 0; i < n_; ++i) s_.system.force(i) = s_.system.pull(i) = zero;
+        for_each_present(rules_.terms, [&](const auto& term) { term.assemble(view_, s_.system, 0, n_); });
+        for (int i = 0; i < n_; ++i) {
+            V force = s_.system.whole_force(i, n_) + view_.mass[i] * gravity;
+            if (b_.external) force += b_.external[i];
+            const V v =
+                i < 2 ? S(1 / b_.dt) * (b_.root[i] - b_.x[i]) : b_.v[i] + (S(b_.dt) / view_.mass[i]) * force;
+            if (b_.reaction && i < 2) b_.reaction[i] = (view_.mass[i] * S(1 / b_.dt)) * (v - b_.v[i]) - force;
+            b_.v_before[i] = v;
+            b_.x_before[i] = i < 2 ? b_.root[i] : b_.x[i] + S(b_.dt) * v;
+        }
+    }
+    WETCURL_HD void take(stage::LimitVelocities) {
+        if (rules_.iben) rules_.iben->limit_velocities(n_, b_.dt, b_.x_before, b_.v_before);
+        look_from_new_state();
+    }
+    WETCURL_HD void take(stage::LimitStrain) {
+        if (!limit()) return;
+        V *x = b_.x_before, *x_old = b_.x, *v = b_.v_before, *v_old = b_.v;
         counted(Meter::limiter, [&] {
-            Vec3<S>* unlimited = scratch.predicted_x;
-            for (int i = 0; i < n; ++i) unlimited[i] = x[i];
-            limited = limit_strain(n, view.rest_length, T(limit->most), x);
-            for (int i = 2; i < n; ++i) {
-                const Vec3<S> dx = x[i] - unlimited[i], dv = S(T(1 / step.dt)) * dx;
+            V* unlimited = s_.predicted_x;
+            for (int i = 0; i < n_; ++i) unlimited[i] = x[i];
+            limited = limit_strain(n_, view_.rest_length, T(limit()->most), x);
+            for (int i = 2; i < n_; ++i) {
+                const V dx = x[i] - unlimited[i], dv = S(T(1 / b_.dt)) * dx;
                 x_old[i] += dx, v[i] += dv, v_old[i] += dv;
             }
         });
-    surfaces.for_each_met(n, x, [&](const auto& solid, bool moves) {
-        bool met = false;
-        auto resolve = [&] {
-            met = resolve_contact(solid, rules.implicit ? T(0) : solid.friction, n, rest_depth, scratch.gap,
-                                  step.dt, view.mass, step.pushed, x, x_old, v, v_old);
-        };
-        if (moves)
-            counted(Meter::solids, resolve);
+    }
+
+  private:
+    WETCURL_HD const Slot<StrainLimit>& limit() const { return std::get<Slot<StrainLimit>>(rules_.terms); }
+    WETCURL_HD const Slot<Adhesion>& adhesion() const { return std::get<Slot<Adhesion>>(rules_.terms); }
+    // Of the frames, to where the substep ends.
+    WETCURL_HD Quat<T> turn_left() const { return rules_.implicit ? Quat<T>::identity() : b_.root_turn; }
+
+    // Nothing more is added to row i of K: it becomes one of the system, `diagonal` its own block.
+    WETCURL_HD void complete(int i, Sym3<S>& diagonal) {
+        V* r = s_.solution;
+        const S h = scheme_.h;
+        V force = s_.system.whole_force(i, n_) + view_.mass[i] * cast<S>(b_.gravity);
+        if (b_.external) force += b_.external[i];
+        s_.system.whole_row(i, n_, diagonal, &s_.upper1[i], penta_ ? &s_.upper2[i] : nullptr);
+        s_.system.forget_row(i);
+        if (i < 2) {
+            root_force_[i] = force, root_diagonal_[i] = diagonal;
+            return;
+        }
+        if (b_.external_stiffness) {
+            const S k = b_.external_stiffness[i];
+            force -= k * (view_.x[i] - scheme_.predicted(b_.x[i], b_.x_before[i], b_.v[i]));
+            add_identity(diagonal, h * h * k);
+        }
+        r[i] = scheme_.right_side(view_.mass[i], b_.v[i], b_.v_before[i], view_.v[i], force);
+        add_identity(diagonal, view_.mass[i]);
+        if (b_.pushed && any_positive(b_.pushed[i])) add_hold(s_.hold[i], h, view_.v[i], diagonal, r[i]);
+        if (i == 2) r[i] -= transposed_times(s_.upper1[1], known_[1]);
+        if (penta_ && i < 4) r[i] -= transposed_times(s_.upper2[i - 2], known_[i - 2]);
+    }
+    WETCURL_HD void eliminate(int i, Sym3<S>* diagonal) {
+        if (i < 2) return;
+        if (penta_)
+            eliminate_row<true>(i, n_, diagonal, s_.upper1, s_.upper2, s_.solution);
         else
-            resolve();
-        return met;
-    });
-    if (adhesion) update_touching(n, view.phi, T(adhesion->h_a), near.touching);
-    if (step.frame) transport_frames(n, step.frame, turn_left, x, step.frame);
-    return limited;
+            eliminate_row<false>(i, n_, diagonal, s_.upper1, s_.upper2, s_.solution);
+    }
+    // What rows 0 and 1 lack: h R = A d - r.
+    WETCURL_HD void put_reaction() {
+        const V *r = s_.solution, *d0 = known_, *d1 = known_ + 1;
+        V row[2] = {root_diagonal_[0] * *d0 + s_.upper1[0] * *d1,
+                    transposed_times(s_.upper1[0], *d0) + root_diagonal_[1] * *d1};
+        if (n_ > 2) row[1] += s_.upper1[1] * r[2];
+        if (penta_ && n_ > 2) row[0] += s_.upper2[0] * r[2];
+        if (penta_ && n_ > 3) row[1] += s_.upper2[1] * r[3];
+        for (int i = 0; i < 2; ++i)
+            b_.reaction[i] = (S(1) / scheme_.h) * (row[i] + view_.mass[i] * known_[i] -
+                                                   scheme_.right_side(view_.mass[i], b_.v[i], b_.v_before[i],
+                                                                      view_.v[i], root_force_[i]));
+    }
+
+    // Terms and meter see the strands where the step has led them, before limits and contact.
+    WETCURL_HD void look_from_new_state() {
+        view_.x = b_.x_before, view_.v = b_.v_before;
+        if constexpr (!std::is_same_v<Meter, NoMeter>)
+            if (meter_) meter_->add_step(b_, view_, turn_left(), b_.x, s_);
+    }
+    template <class Kind, class Act>
+    WETCURL_HD void counted(Kind kind, Act act) {
+        if constexpr (!std::is_same_v<Meter, NoMeter>)
+            if (meter_) return meter_->add_change(kind, b_, view_, turn_left(), act);
+        act();
+    }
+
+    const SubstepRules<T>& rules_;
+    BlockStep<S>& b_;
+    ChainView<S> view_;  // where forces are taken; in the end, of the new state
+    const NearestView<S>& near_;
+    const S* rest_depth_;
+    const Surfaces& surfaces_;
+    ChainScratch<S>& s_;
+    Meter* meter_;
+    const Bdf2<S> scheme_;
+    const int n_;
+    const bool more_, penta_;  // terms beside the common ones; rows are coupled to the second after them
+    // Lanes that are solved for, the others keep their solution; whether forces have been taken more than
+    // once.
+    S active_ = S(1);
+    bool anew_ = false;
+    // Of particles 0 and 1: by how much their velocities change, forces on them, their diagonals of K.
+    V known_[2], root_force_[2];
+    Sym3<S> root_diagonal_[2];
+};
+
+// As above. Returns how many edges were held at their strain limit.
+template <class S, class Surfaces, class Meter>
+WETCURL_HD int take_substep(const SubstepRules<Plain<S>>& rules, BlockStep<S>& step, const ChainView<S>& view,
+                            const NearestView<S>& near, const S* rest_depth, const Surfaces& surfaces,
+                            ChainScratch<S>& scratch, Meter* meter) {
+    BlockStages<S, Surfaces, Meter> strands(rules, step, view, near, rest_depth, surfaces, scratch, meter);
+    if (rules.implicit)
+        take_implicit_substep(strands);
+    else
+        take_explicit_substep(strands);
+    return strands.limited;
 }
 
 }  // namespace wetcurl

@@ -56,16 +56,15 @@ void step(OnHost<T>& host, const Set& set, size_t begin, size_t end, Who who = {
     struct alignas(32) Aligned {
         T numbers[32 / sizeof(T)];
     };
-    std::vector<Aligned> workspace(StrandStep<T, Alone>::workspace(m.n, together, limits) * sizeof(T) / 32 +
-                                   1);
+    std::vector<Aligned> workspace(strand_workspace<T>(m.n, together, limits) * sizeof(T) / 32 + 1);
     for (int first = 0; first < m.strands; first += together)
         as_a_team(who, [&]<class Barrier>(const ThreadTeam<Barrier>& team) {
-            StrandStep<T, Barrier> strands(m, host.constants, team, first,
-                                           std::min(together, m.strands - first), limits,
-                                           workspace[0].numbers, flags.data());
-            strands.load(set);
-            for (size_t k = begin; k < end; ++k) strands.step(set, host.motion[k], k == 0);
-            strands.store(set);
+            StrandStep<T, Set, Barrier> strands(m, host.constants, set, team, first,
+                                                std::min(together, m.strands - first), workspace[0].numbers,
+                                                flags.data());
+            strands.load();
+            for (size_t k = begin; k < end; ++k) strands.step(host.motion[k], k == 0);
+            strands.store();
         });
 }
 template <class T, class Set, class Who = OneAlone>

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "solver/chain/one_strand.h"
+#include "solver/chain/substep.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl::testing {
@@ -34,22 +35,26 @@ class Stepper {
     void step(const Quatd& root_turn = Quatd::identity()) {
         for (auto& p : root_) p = rotate(root_turn, p);
         const auto& bend = std::get<std::optional<Bend>>(terms_);
-        const BlockStep<double> b{s_.n,
-                                  dt_,
-                                  first_,
-                                  s_.x.data(),
-                                  x_before_.data(),
-                                  s_.v.data(),
-                                  v_before_.data(),
-                                  root_,
-                                  gravity_,
-                                  root_turn,
-                                  bend ? s_.frame.data() : nullptr,
-                                  nullptr};
-        implicit_step(terms_, b, s_.view(), scratch_, [](const Vec3d*, const Vec3d*, int) {});
+        BlockStep<double> b{s_.n,
+                            dt_,
+                            first_,
+                            s_.x.data(),
+                            x_before_.data(),
+                            s_.v.data(),
+                            v_before_.data(),
+                            root_,
+                            gravity_,
+                            root_turn,
+                            bend ? s_.frame.data() : nullptr,
+                            nullptr};
+        const SubstepRules<double> rules{terms_, std::nullopt, true, spring_sum(terms_)};
+        using Solids = std::vector<PosedSolid<double>>;
+        const Solids none;
+        const double* no_depth = nullptr;
+        take_substep(rules, b, s_.view(), {}, no_depth, SolidsInALoop<double, Solids>{none}, scratch_,
+                     static_cast<NoMeter*>(nullptr));
         std::swap(s_.x, x_before_);
         std::swap(s_.v, v_before_);
-        if (bend) s_.frame = s_.frames_at(s_.x);
         first_ = false;
     }
     double energy() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 #include <sstream>
 #include <string>
@@ -88,6 +89,20 @@ rate = 3
 from = 0.04
 until = )" +
            std::to_string(spray_ends) + "\n";
+}
+
+// The scenes that the project ships, by name, and where one of them is.
+inline std::string shipped_scene(const std::string& name) {
+    return WETCURL_SOURCE_DIR "/scenes/" + name + ".toml";
+}
+inline std::vector<std::string> shipped_scenes() {
+    std::vector<std::string> out;
+    for (const auto& file : std::filesystem::directory_iterator(WETCURL_SOURCE_DIR "/scenes")) {
+        const std::string name = file.path().stem().string();
+        if (file.path().extension() == ".toml" && !name.ends_with("recipe")) out.push_back(name);
+    }
+    std::sort(out.begin(), out.end());
+    return out;
 }
 
 inline Scene scene_of(const std::string& text, const std::vector<std::string>& set = {}, int stride = 0) {

@@ -7,23 +7,10 @@ namespace wetcurl {
 namespace {
 
 using namespace testing;
-namespace fs = std::filesystem;
-
-const std::string shipped = WETCURL_SOURCE_DIR "/scenes";
-
-std::vector<std::string> shipped_scenes() {
-    std::vector<std::string> out;
-    for (const auto& file : fs::directory_iterator(shipped)) {
-        const std::string name = file.path().stem().string();
-        if (file.path().extension() == ".toml" && !name.ends_with("recipe")) out.push_back(name);
-    }
-    std::sort(out.begin(), out.end());
-    return out;
-}
 
 class ShippedScene : public ::testing::TestWithParam<std::string> {
   protected:
-    std::string path() const { return shipped + "/" + GetParam() + ".toml"; }
+    std::string path() const { return shipped_scene(GetParam()); }
 };
 
 TEST_P(ShippedScene, begins_with_what_it_shows) {
