@@ -258,9 +258,9 @@ QuadSettings quad_settings(const InferOptions& o, const Scene& scene, const RunH
     if (low.saturation.empty())
         throw Error(o.input + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
     const Table t = Config::parse(recipe, o.model + ": its recipe").root().table("reconstruct");
-    const std::string units = o.units.empty() ? t.choice("units", "length", shift_units_names) : o.units;
+    const std::string units = o.units.empty() ? t.text(shift_units_row) : o.units;
     return {reconstruction_named(o.reconstruct.empty() ? "core" : o.reconstruct), o.roots,
-            o.gain ? *o.gain : t.number("gain", 1, 0, largest_gain), shift_units_named(units),
+            o.gain ? *o.gain : t.number(gain_row), shift_units_named(units),
             float(scene.cohesion ? scene.cohesion->h_c : 0.012)};
 }
 
