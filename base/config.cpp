@@ -37,6 +37,17 @@ std::string holder_of(const std::string& path) {
     return end == std::string::npos ? "" : path.substr(0, end);
 }
 
+// "solid.motion" of "solid[0].motion".
+std::string without_indices(const std::string& path) {
+    std::string out;
+    bool within = false;
+    for (const char c : path) {
+        within = c == '[' || (within && c != ']');
+        if (!within && c != ']') out += c;
+    }
+    return out;
+}
+
 }  // namespace
 
 struct Config::Body {
@@ -46,6 +57,13 @@ struct Config::Body {
     std::set<std::string> files;                 // read, or named by a value that was asked for
     std::map<std::string, std::string> written;  // by set(), and what gave it: no line to show
     Places places;                               // of the others
+    const std::vector<TableRow>* expected = nullptr;
+    std::set<std::string> listed;  // full paths of all keys and tables of `expected`, without indices
+
+    void require_listed(const std::string& path) const {
+        if (expected && !listed.contains(without_indices(path)))
+            throw std::logic_error(where(path) + ": is read, but no row lists it");
+    }
 
     // "scene.toml:12: ", "--set groom.grid: ", or the file alone where no line is known. What a message about
     // `path` begins with, less the path itself where `set` has said it.
@@ -168,7 +186,7 @@ void merge_below(toml::table& over, Places& places, const std::string& path, con
 
 void include_files(Written& table, const fs::path& folder, const std::string& name, int depth,
                    std::set<std::string>& files) {
-    const toml::node* node = table.root.get("include");
+    const toml::node* node = table.root.get(include_row.key);
     if (!node) return;
     const auto line = node->source().begin.line;
     if (depth > 8)
@@ -184,8 +202,8 @@ void include_files(Written& table, const fs::path& folder, const std::string& na
     Written below = written_in(read_file(path.string()), path.string());
     files.insert(path.string());
     include_files(below, path.parent_path(), path.string(), depth + 1, files);
-    table.root.erase("include");
-    table.places.erase("include");
+    table.root.erase(include_row.key);
+    table.places.erase(include_row.key);
     merge_below(table.root, table.places, "", below.root, below.places);
 }
 
@@ -318,6 +336,15 @@ Config Config::copy() const {
     return out;
 }
 
+void Config::expect(const std::vector<TableRow>& tables) {
+    body_->expected = &tables;
+    body_->listed.clear();
+    for (const auto& table : tables) {
+        body_->listed.insert(table.name);
+        for (const auto& row : table.rows) body_->listed.insert(joined(table.name, row.key));
+    }
+}
+
 Table Config::root() {
     Table t;
     t.body_ = body_;
@@ -339,18 +366,41 @@ static void find_unused(const toml::node& node, const std::string& path, const s
     }
 }
 
+// " (read with shape = box)" of a key or table that is known and yet was not read; "" of another.
+static std::string condition_of(const std::vector<TableRow>& tables, const std::string& path) {
+    std::string all;
+    auto add = [&](const When& when) {
+        if (const std::string text = when.text(); !text.empty()) all += (all.empty() ? "" : ", or ") + text;
+    };
+    for (const auto& table : tables) {
+        if (table.name == path) add(table.when);
+        for (const auto& row : table.rows)
+            if (joined(table.name, row.key) == path) add(row.when);
+    }
+    return all.empty() ? "" : " (read " + all + ")";
+}
+
 void Config::require_all_used() const {
     std::vector<std::string> unused;
     find_unused(body_->root, "", body_->used, unused);
     if (unused.empty()) return;
     const std::string& path = unused.front();
+    if (body_->expected)
+        if (const std::string when = condition_of(*body_->expected, without_indices(path)); !when.empty())
+            throw Misuse(body_->where(path) + ": unused key '" + path + "'" + when);
     // Names are compared within their table.
     const auto dot = path.rfind('.');
     const std::string prefix = dot == std::string::npos ? "" : path.substr(0, dot + 1);
     std::vector<std::string> siblings;
-    for (const auto& u : body_->used)
-        if (u.rfind(prefix, 0) == 0 && u.find('.', prefix.size()) == std::string::npos)
-            siblings.push_back(u.substr(prefix.size()));
+    auto propose = [&](const std::set<std::string>& names, const std::string& start) {
+        for (const auto& name : names)
+            if (name.starts_with(start) && name.find('.', start.size()) == std::string::npos)
+                siblings.push_back(name.substr(start.size()));
+    };
+    if (body_->expected)
+        propose(body_->listed, without_indices(prefix));
+    else
+        propose(body_->used, prefix);
     throw Misuse(body_->where(path) + ": unknown or unused key '" + path + "'" +
                  did_you_mean(path.substr(prefix.size()), siblings));
 }
@@ -390,83 +440,118 @@ void Table::fail(const std::string& key, const std::string& message) const {
     throw Misuse(where(key) + ": " + message);
 }
 
-bool Table::has(const std::string& key) const { return node_ && as_table(node_)->contains(key); }
+bool Table::has(const std::string& key) const {
+    body_->require_listed(joined(path_, key));
+    return node_ && as_table(node_)->contains(key);
+}
 
-// Marks `key` as used and finds its node, null where absent.
-#define WETCURL_TAKE(key)                   \
-    body_->used.insert(joined(path_, key)); \
+void Table::note(const std::string& key) const {
+    const std::string path = joined(path_, key);
+    body_->require_listed(path);
+    body_->used.insert(path);
+}
+
+void Table::require_kind(const KeyRow& row, bool right) const {
+    if (!right)
+        throw std::logic_error(
+            fmt::format("{}: a row of kind {} is read as another one", where(row.key), name_of(row.kind)));
+}
+
+// Whether one of words that are divided by '|' is `word`.
+static bool is_among(const std::string& words, const std::string& word) {
+    return ("|" + words + "|").find("|" + word + "|") != std::string::npos;
+}
+
+bool Table::holds(const When& when) const {
+    if (!*when.keys) return true;
+    bool any = false;
+    std::stringstream keys(when.keys);
+    for (std::string key; std::getline(keys, key, '|');) {
+        if (!has(key)) continue;
+        any = true;
+        const auto* text = as_table(node_)->get(key)->as_string();
+        if (!*when.words || (text && is_among(when.words, text->get()))) return true;
+    }
+    return !any && when.unwritten;
+}
+
+// Marks `key` as used and finds its node, null where it is not written.
+#define WETCURL_TAKE(key) \
+    note(key);            \
     const toml::node* n = node_ ? as_table(node_)->get(key) : nullptr
 
-static double finite_in(const Table& t, const std::string& key, double v, const std::string& found,
-                        double minimum, double maximum) {
-    if (!std::isfinite(v) || v < minimum || v > maximum)
-        t.fail(key, fmt::format("found {}, allowed {} to {}", found, minimum, maximum));
-    return v;
-}
-
-double Table::number(const std::string& key, double fallback, double minimum, double maximum) const {
-    WETCURL_TAKE(key);
-    if (!n) return fallback;
-    if (!n->is_number())
-        fail(key, fmt::format("found {} ({}), a number is needed", shown(*n), type_name(*n)));
-    return finite_in(*this, key, *n->value<double>(), shown(*n), minimum, maximum);
-}
-
-std::optional<double> Table::optional_number(const std::string& key, double minimum, double maximum) const {
-    if (!has(key)) {
-        body_->used.insert(joined(path_, key));
-        return std::nullopt;
+// "0 to 9", or "whole numbers from 0 to 9".
+static std::string range_of(const KeyRow& row) {
+    if (row.is_whole()) {
+        const long low = long(row.minimum), high = long(row.maximum);
+        return fmt::format("{}{} to {}", row.is_vector() ? "whole numbers from " : "", low, high);
     }
-    return number(key, 0, minimum, maximum);
+    return fmt::format("{} to {}", row.minimum, row.maximum);
 }
 
-long Table::integer(const std::string& key, long fallback, long minimum, long maximum) const {
-    WETCURL_TAKE(key);
-    if (!n) return fallback;
-    if (!n->is_integer())
-        fail(key, fmt::format("found {} ({}), a whole number is needed", shown(*n), type_name(*n)));
-    const long v = long(n->as_integer()->get());
-    if (v < minimum || v > maximum) fail(key, fmt::format("found {}, allowed {} to {}", v, minimum, maximum));
+static double in_range(const Table& t, const KeyRow& row, const toml::node& n) {
+    const double v = *n.value<double>();
+    const bool whole = !row.is_whole() || v == std::floor(v);
+    if (!std::isfinite(v) || v < row.minimum || v > row.maximum || !whole)
+        t.fail(row.key, fmt::format("found {}, allowed {}", shown(n), range_of(row)));
     return v;
 }
 
-bool Table::boolean(const std::string& key, bool fallback) const {
-    WETCURL_TAKE(key);
-    if (!n) return fallback;
+double Table::number(const KeyRow& row) const {
+    require_kind(row, row.kind == Kind::number);
+    WETCURL_TAKE(row.key);
+    if (!n) return row.fallback;
+    if (!n->is_number())
+        fail(row.key, fmt::format("found {} ({}), a number is needed", shown(*n), type_name(*n)));
+    return in_range(*this, row, *n);
+}
+
+long Table::integer(const KeyRow& row) const {
+    require_kind(row, row.kind == Kind::integer);
+    WETCURL_TAKE(row.key);
+    if (!n) return long(row.fallback);
+    if (!n->is_integer())
+        fail(row.key, fmt::format("found {} ({}), a whole number is needed", shown(*n), type_name(*n)));
+    in_range(*this, row, *n);
+    return long(n->as_integer()->get());
+}
+
+bool Table::boolean(const KeyRow& row) const {
+    require_kind(row, row.kind == Kind::boolean);
+    WETCURL_TAKE(row.key);
+    if (!n) return row.fallback != 0;
     if (!n->is_boolean())
-        fail(key, fmt::format("found {} ({}), true or false is needed", shown(*n), type_name(*n)));
+        fail(row.key, fmt::format("found {} ({}), true or false is needed", shown(*n), type_name(*n)));
     return n->as_boolean()->get();
 }
 
-std::string Table::text(const std::string& key, const std::string& fallback) const {
-    WETCURL_TAKE(key);
-    if (!n) return fallback;
+std::string Table::text(const KeyRow& row) const {
+    require_kind(row, row.is_text());
+    WETCURL_TAKE(row.key);
+    if (!n) return row.word;
     if (!n->is_string())
-        fail(key, fmt::format("found {} ({}), a string is needed", shown(*n), type_name(*n)));
-    return n->as_string()->get();
+        fail(row.key, fmt::format("found {} ({}), a string is needed", shown(*n), type_name(*n)));
+    const std::string& found = n->as_string()->get();
+    if (row.kind == Kind::word && std::find(row.words.begin(), row.words.end(), found) == row.words.end())
+        fail(row.key, fmt::format("found '{}', allowed: {}{}", found, fmt::join(row.words, ", "),
+                                  did_you_mean(found, {row.words.begin(), row.words.end()})));
+    if (row.kind != Kind::path || found.empty()) return found;
+    if (const std::string wrong = backslashes_in(found, body_->folder); !wrong.empty()) fail(row.key, wrong);
+    return *body_->files.insert((fs::path(body_->folder) / found).lexically_normal().string()).first;
 }
 
-std::string Table::choice(const std::string& key, const std::string& fallback,
-                          const std::vector<std::string>& allowed) const {
-    const std::string found = text(key, fallback);
-    for (const auto& a : allowed)
-        if (a == found) return found;
-    fail(key, fmt::format("found '{}', allowed: {}{}", found, fmt::join(allowed, ", "),
-                          did_you_mean(found, allowed)));
-}
-
-std::vector<double> Table::numbers(const std::string& key, const std::vector<double>& fallback,
-                                   double minimum, double maximum) const {
-    WETCURL_TAKE(key);
-    if (!n) return fallback;
+std::vector<double> Table::numbers(const KeyRow& row) const {
+    require_kind(row, row.is_vector());
+    WETCURL_TAKE(row.key);
+    if (!n) return {row.vector.begin(), row.vector.begin() + long(row.size)};
     const auto* a = n->as_array();
-    if (!a || a->size() != fallback.size())
-        fail(key, fmt::format("found {}, {} numbers in brackets are needed", shown(*n), fallback.size()));
+    if (!a || a->size() != row.size)
+        fail(row.key, fmt::format("found {}, {} numbers in brackets are needed", shown(*n), row.size));
     std::vector<double> out;
     for (const auto& e : *a) {
         if (!e.is_number())
-            fail(key, fmt::format("found {} ({}), numbers are needed", shown(e), type_name(e)));
-        out.push_back(finite_in(*this, key, *e.value<double>(), shown(e), minimum, maximum));
+            fail(row.key, fmt::format("found {} ({}), numbers are needed", shown(e), type_name(e)));
+        out.push_back(in_range(*this, row, e));
     }
     return out;
 }
@@ -516,13 +601,6 @@ std::string Table::Ranges::with(const std::vector<double>& numbers) const {
     std::string text = around[0];
     for (size_t k = 0; k < each.size(); ++k) text += fmt::format("{}{}", numbers[k], around[k + 1]);
     return text;
-}
-
-std::string Table::path(const std::string& key) const {
-    const std::string p = text(key, "");
-    if (p.empty()) return p;
-    if (const std::string wrong = backslashes_in(p, body_->folder); !wrong.empty()) fail(key, wrong);
-    return *body_->files.insert((fs::path(body_->folder) / p).lexically_normal().string()).first;
 }
 
 std::vector<std::string> Table::keys() const {

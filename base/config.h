@@ -1,4 +1,4 @@
-// Scene and recipe files: TOML with the place of every value, typed getters with ranges, and a record of
+// Scene and recipe files: TOML with the place of every value, read by rows (base/rows.h), and a record of
 // what was read, so that an unknown or unused key is an error. toml++ stands behind it, in one translation
 // unit.
 #pragma once
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/rows.h"
 
 namespace wetcurl {
 
@@ -17,6 +18,10 @@ class Table;
 
 // Of a scene or a recipe: whole numbers of files are exact up to here.
 inline constexpr long largest_seed = 9000000000000000;
+
+// Read when a file is loaded.
+inline constexpr KeyRow include_row =
+    KeyRow::path("include", "none", "A file whose keys hold where this file does not write them.");
 
 class Config {
   public:
@@ -34,8 +39,12 @@ class Config {
     void replace(const std::string& text, const std::string& name);
     // A config of its own: what is set or read there is not set or read here.
     Config copy() const;
+    // All tables that a file of this kind may have; they must outlive the config. From now on it is a
+    // std::logic_error to read a key or a table that they do not list.
+    void expect(const std::vector<TableRow>& tables);
     Table root();
-    // Throws Misuse for the first key that nothing read, with the nearest key that something did.
+    // Throws Misuse for the first key that nothing read: with the reason where its row has a condition, else
+    // with the nearest key that is expected (or that was read, where expect() was not called).
     void require_all_used() const;
     // The whole as TOML text, includes and assignments merged: what goes into a cache's provenance.
     std::string text() const;
@@ -51,22 +60,21 @@ class Config {
     std::shared_ptr<Body> body_;
 };
 
-// One table of a Config. Getters mark their key as used; each throws Misuse with file, line, what was found
-// and what is allowed.
+// One table of a Config. Getters take a row, mark its key as used and return its default where the key is not
+// written (0 or "" where it has none). Each throws Misuse with file, line, what was found and what is
+// allowed; std::logic_error for a row of another kind than its own.
 class Table {
   public:
     bool has(const std::string& key) const;
+    bool holds(const When& when) const;
     bool present() const;  // whether the table itself is written
-    double number(const std::string& key, double fallback, double minimum, double maximum) const;
-    long integer(const std::string& key, long fallback, long minimum, long maximum) const;
-    bool boolean(const std::string& key, bool fallback) const;
-    std::string text(const std::string& key, const std::string& fallback) const;
-    // One of `allowed`.
-    std::string choice(const std::string& key, const std::string& fallback,
-                       const std::vector<std::string>& allowed) const;
-    // Exactly `fallback.size()` numbers.
-    std::vector<double> numbers(const std::string& key, const std::vector<double>& fallback, double minimum,
-                                double maximum) const;
+    double number(const KeyRow& row) const;
+    long integer(const KeyRow& row) const;
+    bool boolean(const KeyRow& row) const;
+    // A word, a text, or a path, made absolute from the file's folder.
+    std::string text(const KeyRow& row) const;
+    // A vector: exactly `row.size` numbers.
+    std::vector<double> numbers(const KeyRow& row) const;
     // A value with [low, high] in a number's place, low ≤ high: one such pair, an array of them for a vector,
     // or arrays and inline tables of them.
     struct Ranges {
@@ -76,9 +84,6 @@ class Table {
         std::string with(const std::vector<double>& numbers) const;
     };
     Ranges ranges(const std::string& key) const;
-    std::optional<double> optional_number(const std::string& key, double minimum, double maximum) const;
-    // A path, made absolute from the file's folder; "" where absent.
-    std::string path(const std::string& key) const;
     Table table(const std::string& key) const;
     std::vector<std::string> keys() const;                    // that are written, sorted
     std::vector<Table> tables(const std::string& key) const;  // [[key]]
@@ -89,6 +94,8 @@ class Table {
 
   private:
     friend class Config;
+    void note(const std::string& key) const;
+    void require_kind(const KeyRow& row, bool right) const;
     std::shared_ptr<Config::Body> body_;
     std::string path_;  // "groom", "solid[0]"
     const void* node_ = nullptr;

@@ -2,15 +2,20 @@
 // pairs and the command line share.
 #pragma once
 
+#include <iterator>
 #include <string>
 #include <vector>
+
+#include "base/rows.h"
 
 namespace wetcurl {
 
 // length: times the power of the support radius that makes the shift a length, so that hair of twice the size
 // is shifted twice as far; printed: no factor, SI numbers as they are.
 enum class ShiftUnits { length, printed };
-inline const std::vector<std::string> shift_units_names{"length", "printed"};
+inline constexpr const char* shift_units_words[] = {"length", "printed"};
+inline const std::vector<std::string> shift_units_names(std::begin(shift_units_words),
+                                                        std::end(shift_units_words));
 // Throws Misuse for another name.
 ShiftUnits shift_units_named(const std::string& name);
 std::string name_of(ShiftUnits units);
@@ -23,5 +28,12 @@ inline constexpr const char* colour_units_help =
 
 // Of kappa, the gain of Eq 18, which is never negative.
 inline constexpr double largest_gain = 1e12;
+
+inline constexpr KeyRow gain_row =
+    KeyRow::number("gain", "1", 1, 0, largest_gain,
+                   "Gain of the shifts that a network of the root codec predicts.", "Eq 18, kappa");
+inline constexpr KeyRow shift_units_row =
+    KeyRow::one_of("units", shift_units_words, "length",
+                   "Whether those shifts scale with the hair (length) or are SI numbers (printed).", "Eq 18");
 
 }  // namespace wetcurl

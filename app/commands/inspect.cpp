@@ -10,8 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "app/commands/dataset_recipe.h"
 #include "app/engine/device.h"
 #include "app/engine/run_solids.h"
+#include "app/files/key_rows.h"
 #include "app/files/results.h"
 #include "app/measures/axial_extent.h"
 #include "app/measures/fall.h"
@@ -22,12 +24,19 @@
 #include "learn/codec/pairs.h"
 #include "solver/chain/scene_checks.h"
 #include "solver/run/simulation.h"
+#include "solver/scene/scene_rows.h"
+#include "training/recipe.h"
 
 namespace wetcurl {
 
 namespace {
 
-// Results go to one place: JSON where it is asked for, a table otherwise.
+// Results go to one place: JSON where it is asked for, text otherwise.
+void show(const InspectOptions& o, const Json& json, const std::string& text) {
+    if (!o.json.empty()) return ResultFile(o).write_json(json);
+    std::fputs(text.c_str(), stdout);
+}
+// The same, with the text made of the JSON.
 void show(const InspectOptions& o, const Json& json) {
     if (!o.json.empty()) return ResultFile(o).write_json(json);
     std::string text;
@@ -212,33 +221,6 @@ Json model_json(const InspectOptions& o) {
             {"weights", weights}};
 }
 
-template <class Term>
-void add_rows(Json& rows) {
-    for (const auto& p : Term::parameters)
-        rows.push_back({{"key", std::string(Term::table) + "." + p.key},
-                        {"unit", p.unit},
-                        {"default", p.fallback},
-                        {"minimum", p.minimum},
-                        {"maximum", p.maximum},
-                        {"meaning", p.meaning}});
-}
-
-Json terms_json() {
-    Json rows = Json::array();
-    const ChainTerms none;
-    std::apply([&](const auto&... term) { (add_rows<std::decay_t<decltype(*term)>>(rows), ...); }, none);
-    add_rows<Wetness>(rows);
-    add_rows<Flow>(rows);
-    add_rows<WaterSource>(rows);
-    add_rows<Curl>(rows);
-    add_rows<Cohesion>(rows);
-    add_rows<StrandContact>(rows);
-    add_rows<Air>(rows);
-    add_rows<AirSource>(rows);
-    for_each_baseline([&](const auto& method) { add_rows<std::decay_t<decltype(method)>>(rows); });
-    return {{"parameters", rows}};
-}
-
 Json device_json() {
     Json json{{"processors", omp_get_num_procs()},
               {"lanes_float", lanes_of<float>},
@@ -249,13 +231,34 @@ Json device_json() {
     return json;
 }
 
+// Of a scene, of a data set's recipe, or of a training's, which has other defaults for each codec.
+void show_keys(const InspectOptions& o) {
+    if (o.file.empty() || o.file == "scene") return show(o, json_of(scene_rows()), text_of(scene_rows()));
+    if (o.file == "dataset") return show(o, json_of(dataset_rows()), text_of(dataset_rows()));
+    if (o.file != "train")
+        throw Misuse("inspect keys: found '" + o.file + "', allowed: scene, dataset, train" +
+                     did_you_mean(o.file, {"scene", "dataset", "train"}));
+    Json json;
+    std::string text;
+    for (const auto& [name, codec] : {std::pair{"strand", Codec::strand}, std::pair{"root", Codec::root},
+                                      std::pair{"adhesion", Codec::adhesion}}) {
+        const auto tables = recipe_tables(codec);
+        json[name] = json_of(tables);
+        text += fmt::format("{}# codec {}\n\n{}", text.empty() ? "" : "\n", name, text_of(tables));
+    }
+    show(o, json, text);
+}
+
 }  // namespace
 
 void add_options(CLI::App& app, InspectOptions& o) {
-    app.add_option("what", o.what, "scene | run | pairs | model | terms | device")
+    app.add_option(
+           "what", o.what,
+           "scene | run | pairs | model: a file of that kind; keys: every key of a scene, or of a recipe; "
+           "schema: those of a scene as a JSON schema, for editors; device: this machine")
         ->required()
-        ->check(CLI::IsMember({"scene", "run", "pairs", "model", "terms", "device"}));
-    input_file(app.add_option("file", o.file, "the file"));
+        ->check(CLI::IsMember({"scene", "run", "pairs", "model", "keys", "schema", "device"}));
+    input_file(app.add_option("file", o.file, "the file; with keys: scene (default) | dataset | train"));
     app.add_option("-o,--output", o.output)->group("");  // once images of pairs: said in the error
     app.footer("`wetcurl render --image PAIRS.h5 -o out.png` draws the geometry images of pairs.");
 }
@@ -266,18 +269,22 @@ int inspect_command(const InspectOptions& o) {
             "inspect: -o " + o.output +
             ": it writes no pictures; `wetcurl render --image PAIRS.h5 -o out.png` draws the geometry "
             "images of pairs, --json FILE writes what inspect says");
-    const bool needs_file = o.what != "terms" && o.what != "device";
+    const bool needs_file = o.what != "keys" && o.what != "schema" && o.what != "device";
     if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
-    if (!needs_file && !o.file.empty())
+    if (!needs_file && o.what != "keys" && !o.file.empty())
         throw Misuse("inspect " + o.what + ": found the file " + o.file + ", none is needed");
     if (o.what != "scene") refuse_scene_options(o, "inspect " + o.what);
     refuse_device(o, "inspect");
-    check_files(o, "", {o.file});
+    check_files(o, "", {needs_file ? o.file : ""});
     if (o.what == "scene") show(o, scene_json(o));
     if (o.what == "run") show(o, run_json(o));
     if (o.what == "pairs") show(o, pairs_json(o));
     if (o.what == "model") show(o, model_json(o));
-    if (o.what == "terms") show(o, terms_json());
+    if (o.what == "keys") show_keys(o);
+    if (o.what == "schema") {
+        const Json schema = schema_of(scene_rows(), "A scene of wetcurl");
+        show(o, schema, json_text(schema, 2) + "\n");
+    }
     if (o.what == "device") show(o, device_json());
     return 0;
 }

@@ -1,4 +1,4 @@
-// `wetcurl inspect`: what a file holds.
+// `wetcurl inspect`: what a file holds, and what a scene may say.
 #pragma once
 
 #include "app/options/common_options.h"
@@ -10,10 +10,11 @@ class App;
 namespace wetcurl {
 
 struct InspectOptions : CommonOptions {
-    static constexpr const char *command = "inspect",
-                                *summary = "say what a file holds, or what a scene names and leaves out";
+    static constexpr const char
+        *command = "inspect",
+        *summary = "say what a file holds, what a scene names and leaves out, or what it may say";
     static constexpr bool uses_device = false;
-    std::string what, file;  // scene | run | pairs | model | terms | device
+    std::string what, file;  // scene | run | pairs | model | keys | schema | device
     std::string output;      // allowed for none: render draws
 };
 

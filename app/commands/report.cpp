@@ -16,6 +16,7 @@
 #include "base/config.h"
 #include "base/log.h"
 #include "base/run_cache.h"
+#include "solver/scene/scene.h"
 
 namespace wetcurl {
 
@@ -70,7 +71,10 @@ Json read_stability(const std::string& path) {
 }
 
 std::string title_of(const RunHeader& header) {
-    return Config::parse(header.scene, scene_name(header), header.scene_folder).root().text("title", "");
+    Scene scene;
+    read_parameters(scene, Scene::parameters,
+                    Config::parse(header.scene, scene_name(header), header.scene_folder).root());
+    return scene.title;
 }
 
 ReportPage::Facts facts_of(const std::string& path) {

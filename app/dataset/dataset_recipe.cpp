@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "base/config.h"
+#include "base/parameters.h"
 #include "base/strands.h"
 
 namespace wetcurl {
@@ -24,6 +24,61 @@ struct Entry {
 struct List {
     std::string name, where;
     std::vector<Entry> entries;
+};
+
+constexpr KeyRow seed_row =
+    KeyRow::integer("seed", 1, 0, double(largest_seed), "Seed of all that is picked and drawn.");
+
+constexpr const char *codecs_words[] = {"strand", "root", "both"}, *low_words[] = {"dry", "wet"},
+                     *runs_words[] = {"", "train", "validation", "test"},
+                     *only_words[] = {"", "test", "train"};
+
+// The top of a recipe as it is written.
+struct RecipeTable {
+    std::string title, scene, codecs, runs;
+    bool low_is_wet, displayed;
+    int low_substeps, first, every, together;
+    Vec3d box_lower, box_upper;
+    static constexpr Parameter<RecipeTable> parameters[] = {
+        {KeyRow::text("title", "", "Name of the data set."), &RecipeTable::title},
+        {KeyRow::path("scene", "needed", "Scene that all scenes of the data set start from."),
+         &RecipeTable::scene},
+        {KeyRow::one_of("codecs", codecs_words, "strand", "Codecs to encode for."), &RecipeTable::codecs},
+        {KeyRow::one_of("low", low_words, "dry", "What the low-resolution run is."),
+         &RecipeTable::low_is_wet},
+        {KeyRow::integer("low_substeps", 0, 0, 1'000'000,
+                         "Substeps of its frames; 0: as many as the scene has."),
+         &RecipeTable::low_substeps},
+        {KeyRow::boolean("displayed", true, "Codec strand: the strands after cohesion are targets too."),
+         &RecipeTable::displayed},
+        {KeyRow::integer("first", 0, 0, 1 << 20, "First frame of each scene that is kept."),
+         &RecipeTable::first},
+        {KeyRow::integer("every", 1, 1, 1 << 20, "Frames from one kept frame to the next."),
+         &RecipeTable::every},
+        {KeyRow::integer("together", 1, 1, 1 << 20,
+                         "Frames in a row that are kept each time; at most every."),
+         &RecipeTable::together},
+        {KeyRow::one_of("runs", runs_words, "", "Split whose runs are kept whole too."), &RecipeTable::runs},
+        {KeyRow::numbers("box_lower", "m", {-0.6, -0.6, -0.6}, -100, 100,
+                         "Lower corner of the box of colours."),
+         &RecipeTable::box_lower},
+        {KeyRow::numbers("box_upper", "m", {0.6, 0.6, 0.6}, -100, 100, "Upper corner of the box of colours."),
+         &RecipeTable::box_upper},
+    };
+};
+
+// An entry of a [[pick]] list as it is written.
+struct EntryTable {
+    std::string name, only, text;
+    int weight;
+    static constexpr Parameter<EntryTable> parameters[] = {
+        {KeyRow::text("name", "", "Name of the entry.").without_default("its number"), &EntryTable::name},
+        {KeyRow::one_of("only", only_words, "", "Split that the entry is for; train: validation too."),
+         &EntryTable::only},
+        {KeyRow::text("text", "", "TOML whose tables take the place of the scene's."), &EntryTable::text},
+        {KeyRow::integer("weight", 1, 1, 1000, "An entry of 2 is picked twice as often."),
+         &EntryTable::weight},
+    };
 };
 
 std::vector<Draw> draws_of(const Table& table) {
@@ -45,16 +100,18 @@ double uniform(long seed, const std::string& scene, const std::string& what) {
 class Members {
   public:
     Members(const Table& root, const Config& base) : base_(std::make_shared<const Config>(base.copy())) {
-        seed_ = root.integer("seed", 1, 0, largest_seed), seed_line_ = root.where("seed");
+        seed_ = root.integer(seed_row), seed_line_ = root.where("seed");
         all_ = draws_of(root.table("draw")), test_ = draws_of(root.table("test_draw"));
         const Table pick = root.table("pick");
         for (const auto& name : pick.keys()) {
             List list{name, pick.where(name), {}};
-            for (const Table& t : pick.tables(name))
-                list.entries.push_back({t.text("name", fmt::format("{}", list.entries.size())),
-                                        t.choice("only", "", {"", "test", "train"}), t.text("text", ""),
-                                        t.where("text"), t.integer("weight", 1, 1, 1000),
+            for (const Table& t : pick.tables(name)) {
+                EntryTable read;
+                read.name = fmt::format("{}", list.entries.size());
+                read_parameters(read, EntryTable::parameters, t);
+                list.entries.push_back({read.name, read.only, read.text, t.where("text"), read.weight,
                                         draws_of(t.table("draw"))});
+            }
             lists_.push_back(list);
         }
     }
@@ -129,7 +186,41 @@ class Members {
     std::vector<List> lists_;
 };
 
+KeyRow split_row(const std::string& split) {
+    return KeyRow::integer(split.c_str(), 0, 0, 9999, "Number of scenes of the split.");
+}
+
+std::vector<TableRow> listed_rows() {
+    TableRow top{.name = "", .meaning = "Keys above the first table.", .always = true},
+        splits{.name = "splits", .meaning = "How many scenes each split has; one at least."},
+        entry{.name = "pick.NAME",
+              .meaning =
+                  "One entry of each list, whatever its name, is picked for a scene; where entries are kept "
+                  "for "
+                  "the test, it is tested on those alone.",
+              .repeats = true};
+    top.rows = {include_row};
+    top.rows.insert(top.rows.end(), std::begin(RecipeTable::parameters), std::end(RecipeTable::parameters));
+    top.rows.push_back(seed_row);
+    for (const auto& split : dataset_splits) splits.rows.push_back(split_row(split));
+    entry.rows.insert(entry.rows.end(), std::begin(EntryTable::parameters), std::end(EntryTable::parameters));
+    const std::string ranges =
+        "A scene's key in quotes, and its range: uniform in [low, high]; arrays of them for a "
+        "vector.";
+    return {top,
+            splits,
+            {.name = "draw", .meaning = ranges, .open = true},
+            {.name = "test_draw", .meaning = "The same for the test split, in their place.", .open = true},
+            entry,
+            {.name = "pick.NAME.draw", .meaning = "The same where the entry is picked.", .open = true}};
+}
+
 }  // namespace
+
+const std::vector<TableRow>& dataset_rows() {
+    static const std::vector<TableRow> rows = listed_rows();
+    return rows;
+}
 
 Config DatasetMember::scene() const {
     Config config = base->copy();
@@ -143,24 +234,23 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     for (const auto& assignment : set) config.set(assignment);
     const Table root = config.root();
     DatasetRecipe r;
-    root.text("title", "");
-    const std::string codecs = root.choice("codecs", "strand", {"strand", "root", "both"});
-    r.strand = codecs != "root", r.root = codecs != "strand";
-    r.low_is_wet = root.choice("low", "dry", {"dry", "wet"}) == "wet";
-    r.low_substeps = int(root.integer("low_substeps", 0, 0, 1'000'000));
-    r.displayed = root.boolean("displayed", true);
-    r.first = int(root.integer("first", 0, 0, 1 << 20)), r.every = int(root.integer("every", 1, 1, 1 << 20));
-    r.together = int(root.integer("together", 1, 1, r.every));
-    r.runs = root.choice("runs", "", {"", "train", "validation", "test"});
-    const auto lower = root.numbers("box_lower", {-0.6, -0.6, -0.6}, -100, 100),
-               upper = root.numbers("box_upper", {0.6, 0.6, 0.6}, -100, 100);
+    RecipeTable read;
+    read_parameters(read, RecipeTable::parameters, root);
+    r.strand = read.codecs != "root", r.root = read.codecs != "strand";
+    r.low_is_wet = read.low_is_wet, r.low_substeps = read.low_substeps, r.displayed = read.displayed;
+    r.first = read.first, r.every = read.every, r.together = read.together, r.runs = read.runs;
+    if (r.together > r.every)
+        root.fail("together",
+                  fmt::format("found {}, allowed 1 to {}, the value of every", r.together, r.every));
+    const double lower[] = {read.box_lower.x, read.box_lower.y, read.box_lower.z},
+                 upper[] = {read.box_upper.x, read.box_upper.y, read.box_upper.z};
     for (size_t axis = 0; axis < 3; ++axis)
         if (lower[axis] >= upper[axis])
             root.fail(root.has("box_lower") ? "box_lower" : "box_upper",
                       fmt::format("found {} to {} along {}, allowed is a lower end below the upper one",
                                   lower[axis], upper[axis], "xyz"[axis]));
-    r.box = {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
-    const std::string scene = root.path("scene");
+    r.box = {read.box_lower, read.box_upper};
+    const std::string& scene = read.scene;
     if (scene.empty()) throw Misuse(path + ": scene: names the scene that all others start from");
     if (!std::filesystem::exists(scene)) root.fail("scene", scene + " cannot be read (no such file)");
     r.scene_line = root.where("scene"), r.first_line = root.where("first");
@@ -168,7 +258,7 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     const Members members(root, base);
     const Table splits = root.table("splits");
     for (const auto& split : dataset_splits)
-        for (long k = splits.integer(split, 0, 0, 9999), i = 0; i < k; ++i)
+        for (long k = splits.integer(split_row(split)), i = 0; i < k; ++i)
             r.members.push_back(members.make(split, i));
     if (r.members.empty())
         throw Misuse(path + ": [splits] train, validation and test are 0: there is no scene");

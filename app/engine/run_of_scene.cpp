@@ -35,10 +35,10 @@ Scene scene_of_file(const std::string& path, const SceneOptions& options) {
 }
 
 int substeps_of(const RunHeader& run) {
-    return int(Config::parse(run.scene, scene_name(run), run.scene_folder)
-                   .root()
-                   .table("integrator")
-                   .integer("substeps", Integrator().substeps, 1, 1'000'000));
+    Integrator integrator;
+    read_parameters(integrator, Integrator::parameters,
+                    Config::parse(run.scene, scene_name(run), run.scene_folder).root().table("integrator"));
+    return integrator.substeps;
 }
 
 float support_radius_of(const RunHeader& run) {

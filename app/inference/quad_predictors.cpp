@@ -26,8 +26,8 @@ Quad quad_of(const TransformSettings& t, const PredictionInput& input, const std
     if (input.low.saturation.empty())
         throw Error(input.low_file + ": the run records no wetness ([wetness] in its scene); Eq 18 needs it");
     const Table its = Config::parse(recipe, file + ": its recipe").root().table("reconstruct");
-    return {t.form, t.roots, t.gain ? *t.gain : its.number("gain", 1, 0, largest_gain),
-            t.units ? *t.units : shift_units_named(its.choice("units", "length", shift_units_names)),
+    return {t.form, t.roots, t.gain ? *t.gain : its.number(gain_row),
+            t.units ? *t.units : shift_units_named(its.text(shift_units_row)),
             float(input.scene.cohesion ? input.scene.cohesion->h_c : 0.012)};
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/config.h"
+#include "base/gravity.h"
 
 namespace wetcurl {
 
@@ -24,12 +24,11 @@ Vec3d HeadWindow::acceleration(const Vec3d& x) const {
 }
 
 Vec3d gravity_of(const RunHeader& header) {
-    constexpr double most = 1e4;
-    const auto g = Config::parse(header.scene, scene_name(header), header.scene_folder)
-                       .root()
-                       .table("integrator")
-                       .numbers("gravity", {0, -9.81, 0}, -most, most);
-    return {g[0], g[1], g[2]};
+    Gravity read;
+    read_parameters(
+        read, Gravity::parameters,
+        Config::parse(header.scene, scene_name(header), header.scene_folder).root().table(Gravity::table));
+    return read.gravity;
 }
 
 static HeadWindow heads_of(const RunHeader& header) {

@@ -18,15 +18,19 @@ class PairForces;
 struct BoundaryParticles2013 {
     static constexpr const char *name = "boundary_particles", *part = "boundary",
                                 *title = "boundary particles of Akinci 2013", *table = "baseline";
+    static constexpr When named{"boundary|method", "particles|boundary_particles"};
     static constexpr double water_density = 1000;  // rho_0 [kg/m^3]
     double beta, h, spacing;
     static constexpr Parameter<BoundaryParticles2013> parameters[] = {
-        {"boundary_strength", &BoundaryParticles2013::beta, "N m^3/kg^2", 10, 0, 1e12,
-         "boundary_particles: Akinci 2013, Eq 6, beta: force for each kg of hair and of boundary"},
-        {"boundary_range", &BoundaryParticles2013::h, "m", 0.01, 1e-4, 1,
-         "boundary_particles: Akinci 2013, Eq 7, h: support of A"},
-        {"boundary_spacing", &BoundaryParticles2013::spacing, "m", 0.004, 1e-4, 1,
-         "boundary_particles: between neighbours on the surface"},
+        {KeyRow::number("boundary_strength", "N m^3/kg^2", 10, 0, 1e12,
+                        "Force for each kg of hair and kg of boundary.", "Akinci 2013, Eq 6, beta", named),
+         &BoundaryParticles2013::beta},
+        {KeyRow::number("boundary_range", "m", 0.01, 1e-4, 1, "Support of the kernel A.",
+                        "Akinci 2013, Eq 7, h", named),
+         &BoundaryParticles2013::h},
+        {KeyRow::number("boundary_spacing", "m", 0.004, 1e-4, 1,
+                        "Distance between neighbouring particles on the surface.", "ours", named),
+         &BoundaryParticles2013::spacing},
     };
 
     // On a particle of mass m [kg] by a boundary particle of volume V [m^3], d away from it [m].

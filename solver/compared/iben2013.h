@@ -13,10 +13,13 @@ struct Scene;
 
 struct Iben2013 {
     static constexpr const char *name = "iben", *part = "chain", *title = "Iben 2013", *table = "baseline";
+    static constexpr When named{"chain|method", "iben"};
     double dv_max;
     static constexpr Parameter<Iben2013> parameters[] = {
-        {"velocity_limit", &Iben2013::dv_max, "m/s", 1, 1e-6, 1e9,
-         "iben: the paper's text under Eq 1: largest |v_(i+1) - v_i| along an edge"},
+        {KeyRow::number("velocity_limit", "m/s", 1, 1e-6, 1e9,
+                        "Largest difference of velocity along an edge.", "the text under Eq 1; Selle 2008",
+                        named),
+         &Iben2013::dv_max},
     };
 
     // Root to tip: a particle whose velocity differs by more from the one before it is slowed, and moved as

@@ -18,13 +18,18 @@ class PairForces;
 
 struct Kim2016 {
     static constexpr const char *name = "kim", *part = "cohesion", *title = "Kim 2016", *table = "baseline";
+    static constexpr When named{"cohesion|method", "kim"};
     double gamma, gamma_area, h;
     static constexpr Parameter<Kim2016> parameters[] = {
-        {"strength", &Kim2016::gamma, "N m^3/kg^2", 100, 0, 1e12,
-         "kim: Akinci 2013, Eq 1, gamma: cohesion for each kg² of the pair"},
-        {"area", &Kim2016::gamma_area, "m/s^2", 0.1, 0, 1e6,
-         "kim: Akinci 2013, Eq 4, gamma: acceleration for each difference of normals"},
-        {"radius", &Kim2016::h, "m", 0.012, 1e-4, 1, "kim: Akinci 2013, Eq 2, h: support of C and W"},
+        {KeyRow::number("strength", "N m^3/kg^2", 100, 0, 1e12, "Cohesion for each kg^2 of a pair.",
+                        "Akinci 2013, Eq 1, gamma", named),
+         &Kim2016::gamma},
+        {KeyRow::number("area", "m/s^2", 0.1, 0, 1e6, "Acceleration for each difference of normals.",
+                        "Akinci 2013, Eq 4, gamma", named),
+         &Kim2016::gamma_area},
+        {KeyRow::number("radius", "m", 0.012, 1e-4, 1, "Support of the kernels C and W.",
+                        "Akinci 2013, Eq 2, h", named),
+         &Kim2016::h},
     };
 
     // What i itself and what j add to rho_i [kg/m^3].

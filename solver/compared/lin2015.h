@@ -17,11 +17,15 @@ class PairForces;
 
 struct Lin2015 {
     static constexpr const char *name = "lin", *part = "cohesion", *title = "Lin 2015", *table = "baseline";
+    static constexpr When named{"cohesion|method", "lin"};
     double beta, h;
     static constexpr Parameter<Lin2015> parameters[] = {
-        {"strength", &Lin2015::beta, "N m^3/kg^2", 3e3, 0, 1e12,
-         "lin: Akinci 2013, Eq 6, beta: force for each kg² of the pair"},
-        {"radius", &Lin2015::h, "m", 0.012, 1e-4, 1, "lin: Akinci 2013, Eq 7, h: support of A"},
+        {KeyRow::number("strength", "N m^3/kg^2", 3e3, 0, 1e12, "Force for each kg^2 of a pair.",
+                        "Akinci 2013, Eq 6, beta", named),
+         &Lin2015::beta},
+        {KeyRow::number("radius", "m", 0.012, 1e-4, 1, "Support of the kernel A.", "Akinci 2013, Eq 7, h",
+                        named),
+         &Lin2015::h},
     };
 
     // On i by j: d = x_i - x_j [m], masses [kg], `wet` = sigma_i sigma_j.

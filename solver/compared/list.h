@@ -24,13 +24,13 @@ void for_each_baseline(F f) {
 }
 
 // A name or a key as it reads once its part is said: "particles" for "boundary_particles".
-inline std::string within_part(const std::string& part, const std::string& word) {
-    return word.starts_with(part + "_") ? word.substr(part.size() + 1) : word;
+inline const char* within_part(const std::string& part, const char* word) {
+    return std::string(word).starts_with(part + "_") ? word + part.size() + 1 : word;
 }
 
 // The methods by name; the parts; the methods of one part as that part spells them.
-inline std::vector<std::string> baseline_names() {
-    std::vector<std::string> names;
+inline std::vector<const char*> baseline_names() {
+    std::vector<const char*> names;
     for_each_baseline([&](const auto& method) { names.push_back(method.name); });
     return names;
 }
@@ -41,8 +41,8 @@ inline std::vector<std::string> baseline_parts() {
     });
     return parts;
 }
-inline std::vector<std::string> baselines_of(const std::string& part) {
-    std::vector<std::string> names;
+inline std::vector<const char*> baselines_of(const std::string& part) {
+    std::vector<const char*> names;
     for_each_baseline([&](const auto& method) {
         if (part == method.part) names.push_back(within_part(part, method.name));
     });

@@ -71,12 +71,12 @@ static void move(StrandPoints& strands, double scale, const Vec3d& offset) {
 }
 
 // The grid asked for, or {0, 0} for the finest there is.
-static GridSize grid_wanted(const Table& table, const std::string& file, size_t strands) {
-    const GridSize size = read_grid(table, {1, 1});
+static GridSize grid_wanted(const Table& table, const GroomTable& groom, size_t strands) {
     if (!table.has("grid")) return {0, 0};
-    if (size_t(size.width) * size_t(size.height) <= strands) return size;
-    log_warning(table.where("grid") + ": found " + std::to_string(size.width) + " x " +
-                std::to_string(size.height) + ", but " + file + " has " + std::to_string(strands) +
+    const auto [width, height] = groom.grid;
+    if (size_t(width) * size_t(height) <= strands) return {width, height};
+    log_warning(table.where("grid") + ": found " + std::to_string(width) + " x " + std::to_string(height) +
+                ", but " + groom.file + " has " + std::to_string(strands) +
                 " strands: taking the finest grid that they fill");
     return {0, 0};
 }
@@ -87,7 +87,6 @@ static void rest_procedural_keys(const Table& table, const std::string& file) {
     std::string resting;
     ProceduralGroom ignored;
     read_parameters(ignored, procedural_parameters, table);
-    table.numbers("scalp_centre", {0, 0, 0}, -100, 100);
     for (const auto& row : procedural_parameters)
         if (table.has(row.key)) resting += std::string(" ") + row.key;
     if (table.has("scalp_centre")) resting += " scalp_centre";
@@ -95,20 +94,17 @@ static void rest_procedural_keys(const Table& table, const std::string& file) {
         log_info(table.where() + ": strands come from " + file + "; without effect:" + resting);
 }
 
-static Groom file_groom(const Table& table, const std::string& file) {
-    const FileUnits meant = read_units(table);
-    const double scale = table.number("scale", 1, 1e-6, 1e6);
-    const auto offset = table.numbers("offset", {0, 0, 0}, -1e4, 1e4);
-    const int particles = int(table.integer("particles", ProceduralGroom{}.particles, 2, 10000));
+static Groom file_groom(const Table& table, const GroomTable& groom) {
+    const auto& [file, particles] = std::tie(groom.file, groom.particles);
     rest_procedural_keys(table, file);
-    const auto scalp = read_scalp(table);
+    const auto scalp = read_scalp(groom);
 
-    StrandPoints strands = import_strands(file, meant).strands;
-    move(strands, scale, {offset[0], offset[1], offset[2]});
+    StrandPoints strands = import_strands(file, groom.hair_units()).strands;
+    move(strands, groom.scale, groom.offset);
     const std::vector<Vec3d> roots = roots_of(strands);
     if (scalp) log_info(file + ": " + described(root_depth(strands, *scalp)));
     warn_of_few_particles(table, turns_of(strands), particles);
-    const RootLayout layout = lay_on_grid(roots, scalp.get(), grid_wanted(table, file, roots.size()));
+    const RootLayout layout = lay_on_grid(roots, scalp.get(), grid_wanted(table, groom, roots.size()));
     log_info(file + ": " + described(layout));
 
     Groom full;
@@ -121,10 +117,10 @@ static Groom file_groom(const Table& table, const std::string& file) {
     return coarsened(full, 1);  // strands in the order of their pixels, those without one left out
 }
 
-Groom load_groom(const Table& table, unsigned long long seed, const std::string& groom_override) {
-    const std::string named = table.path("file");
-    const std::string& file = groom_override.empty() ? named : groom_override;
-    if (!file.empty()) return file_groom(table, file);
+Groom load_groom(const Table& table, unsigned long long seed) {
+    GroomTable read;
+    read_parameters(read, GroomTable::parameters, table);
+    if (!read.file.empty()) return file_groom(table, read);
     const ProceduralGroom groom = read_procedural(table, seed);
     warn_of_few_particles(table, turns_of(groom), groom.particles);
     return make_procedural(groom);

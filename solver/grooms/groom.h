@@ -10,13 +10,12 @@
 
 namespace wetcurl {
 
-// Reads `[groom]`. Without `file`: the built-in groom (procedural.h). With it (or with `groom_override`,
-// which goes before it): the file's strands, with `units`, `up`, then x <- `scale` x + `offset` [m], each
-// resampled to `particles` points even in arc length, roots laid on a grid (`grid`, else the finest that they
-// fill), normals from the `scalp` where one is named, else off the middle of the roots. Keys of the built-in
-// groom are then checked and said to rest, since `--groom` lays a file over any scene. Throws Misuse for keys
-// and values, Error for bad files.
-Groom load_groom(const Table& table, unsigned long long seed, const std::string& groom_override);
+// Reads `[groom]`. Without `file`: the built-in groom (procedural.h). With it: the file's strands, with
+// `units`, `up`, then x <- `scale` x + `offset` [m], each resampled to `particles` points even in arc length,
+// roots laid on a grid (`grid`, else the finest that they fill), normals from the `scalp` where one is named,
+// else off the middle of the roots. Keys of the built-in groom are then checked and said to rest, since
+// `--groom` lays a file over any scene. Throws Misuse for keys and values, Error for bad files.
+Groom load_groom(const Table& table, unsigned long long seed);
 
 // The grid of every 1st, 2nd, 4th... root each way: the finest that has at most `at_most` strands, 1 or more.
 // `stride`, where given, receives which. Throws Misuse where at_most < 1, Error where no root is left.

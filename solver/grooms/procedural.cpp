@@ -139,39 +139,22 @@ Vec3d Grower::grow(double u, double v, Vec3f* points) const {
 
 }  // namespace
 
-FileUnits read_units(const Table& table) {
-    return {table.choice("units", "auto", {"m", "cm", "mm", "auto"}), table.choice("up", "y", {"y", "z"})};
-}
-
-std::shared_ptr<const ScalpMesh> read_scalp(const Table& table) {
-    const std::string path = table.path("scalp");
-    if (path.empty()) return nullptr;
-    const FileUnits hair = read_units(table);
-    const FileUnits meant{table.choice("scalp_units", hair.units, {"m", "cm", "mm", "auto"}),
-                          table.choice("scalp_up", hair.up, {"y", "z"})};
-    return std::make_shared<const ScalpMesh>(import_mesh(path, meant));
-}
-
-GridSize read_grid(const Table& table, GridSize fallback) {
-    const auto grid = table.numbers("grid", {double(fallback.width), double(fallback.height)}, 1, 4096);
-    for (double n : grid)
-        if (n != std::floor(n))
-            table.fail("grid", "found " + std::to_string(n) + ", allowed whole numbers from 1 to 4096");
-    return {int(grid[0]), int(grid[1])};
+std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom) {
+    if (groom.scalp.empty()) return nullptr;
+    return std::make_shared<const ScalpMesh>(import_mesh(groom.scalp, groom.units_of_scalp()));
 }
 
 ProceduralGroom read_procedural(const Table& table, unsigned long long seed) {
+    GroomTable read;
+    read_parameters(read, GroomTable::parameters, table);
     ProceduralGroom g;
     g.seed = seed;
-    const GridSize grid = read_grid(table, {g.width, g.height});
-    g.width = grid.width;
-    g.height = grid.height;
-    g.particles = int(table.integer("particles", g.particles, 2, 10000));
+    g.width = read.grid[0], g.height = read.grid[1];
+    g.particles = read.particles;
     read_parameters(g, procedural_parameters, table);
-    g.head = read_scalp(table);
+    g.head = read_scalp(read);
     const Vec3d usual = g.head ? head_centre(g.head->mesh(), g.scalp_radius) : Vec3d{0, 0, 0};
-    const auto centre = table.numbers("scalp_centre", {usual.x, usual.y, usual.z}, -100, 100);
-    g.scalp_centre = {centre[0], centre[1], centre[2]};
+    g.scalp_centre = read.scalp_centre.value_or(usual);
     return g;
 }
 

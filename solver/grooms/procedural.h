@@ -2,6 +2,9 @@
 // round their fall.
 #pragma once
 
+#include <memory>
+#include <string>
+
 #include "base/parameters.h"
 #include "base/strands.h"
 #include "solver/grooms/import.h"
@@ -31,38 +34,92 @@ struct ProceduralGroom {
     Vec3d scalp_centre{0, 0, 0};            // [m]
 };
 
-inline constexpr Parameter<ProceduralGroom> procedural_parameters[] = {
-    {"length", &ProceduralGroom::length, "m", 0.25, 1e-3, 10, "length along a strand"},
-    {"curl_radius", &ProceduralGroom::curl_radius, "m", 0.006, 0, 0.1, "radius of the helix round the core"},
-    {"pitch", &ProceduralGroom::pitch, "m", 0.025, 1e-4, 10, "of the helix: advance along the core, a turn"},
-    {"phase_noise", &ProceduralGroom::phase_noise, "rad", 1.5, 0, 3.141592653589793,
-     "largest shift of the helix's phase"},
-    {"radius_noise", &ProceduralGroom::radius_noise, "1", 0.1, 0, 0.9,
-     "largest change of the curl radius, a fraction"},
-    {"length_noise", &ProceduralGroom::length_noise, "1", 0.1, 0, 0.9,
-     "largest change of the length, a fraction"},
-    {"lift", &ProceduralGroom::lift, "m", 0.02, 1e-3, 0.2, "how far a strand stands out before it falls"},
-    {"comb", &ProceduralGroom::comb, "1", 1.5, 0, 10,
-     "pull away from the part at the brow, against gravity's 1"},
-    {"scalp_radius", &ProceduralGroom::scalp_radius, "m", 0.095, 0.01, 1,
-     "of the ball; of a mesh: its centre's depth below the top"},
-    {"coverage", &ProceduralGroom::coverage, "rad", 1.6, 0.1, 3.0,
-     "from the middle of the hair to its rim, seen from the centre"},
-    {"tilt", &ProceduralGroom::tilt, "rad", 0.7, 0, 1.5,
-     "of the middle of the hair, back from straight up: the face (+Z) stays free"},
+// [groom], less the rows of the built-in groom alone (procedural_parameters) and those of the hair's
+// substance (solver/scene/scene.h).
+struct GroomTable {
+    std::array<int, 2> grid;  // roots each way
+    int particles;            // of each strand
+    std::string scalp;        // a file; "": none
+    std::string scalp_units, scalp_up;
+    std::optional<Vec3d> scalp_centre;  // [m]
+    std::string file;                   // strands; "": the built-in groom
+    std::string units = "auto", up = "y";
+    double scale = 1;
+    Vec3d offset{0, 0, 0};  // [m]
+
+    FileUnits hair_units() const { return {units, up}; }
+    // Those of the hair, where the scalp has none of its own.
+    FileUnits units_of_scalp() const {
+        return {scalp_units.empty() ? units : scalp_units, scalp_up.empty() ? up : scalp_up};
+    }
+    static constexpr const char *units_words[] = {"m", "cm", "mm", "auto"}, *up_words[] = {"y", "z"};
+    static constexpr Parameter<GroomTable> parameters[] = {
+        {KeyRow::integers("grid", {32, 32}, 1, 4096,
+                          "Roots each way; of a file's strands, without it, the finest grid that they fill."),
+         &GroomTable::grid},
+        {KeyRow::integer("particles", 50, 2, 10000, "Particles of each strand."), &GroomTable::particles},
+        {KeyRow::path("scalp", "a ball", "Mesh of the head, .obj or .ply, on which the roots lie."),
+         &GroomTable::scalp},
+        {KeyRow::one_of("scalp_units", units_words, "", "Unit of the numbers in the scalp's file.", "",
+                        {"scalp"})
+             .without_default("as units"),
+         &GroomTable::scalp_units},
+        {KeyRow::one_of("scalp_up", up_words, "", "Axis that points up in the scalp's file.", "", {"scalp"})
+             .without_default("as up"),
+         &GroomTable::scalp_up},
+        {KeyRow::numbers("scalp_centre", "m", {0, 0, 0}, -100, 100, "Centre of the ball or of the head.")
+             .without_default("the origin, or the middle of the scalp's mesh"),
+         &GroomTable::scalp_centre},
+        {KeyRow::path("file", "the built-in groom",
+                      "Strands of another program, .hair, .data, .bin, .ply or .tfx."),
+         &GroomTable::file},
+        {KeyRow::one_of("units", units_words, "auto",
+                        "Unit of the numbers in the file; auto chooses by the size of the hair.", "",
+                        {"file|scalp"}),
+         &GroomTable::units},
+        {KeyRow::one_of("up", up_words, "y", "Axis that points up in the file.", "", {"file|scalp"}),
+         &GroomTable::up},
+        {KeyRow::number("scale", "1", 1, 1e-6, 1e6, "Factor of the strands of the file.", "", {"file"}),
+         &GroomTable::scale},
+        {KeyRow::numbers("offset", "m", {0, 0, 0}, -1e4, 1e4, "Translation of those strands, after scale.",
+                         "", {"file"}),
+         &GroomTable::offset},
+    };
 };
 
-// Reads `[groom]`: the rows above, `grid` = [W, H] (1 to 4096), `particles` (2 to 10000), `scalp_centre` [m],
-// and a head mesh, `scalp`, in the ball's place. Throws Misuse for what is out of range.
+inline constexpr Parameter<ProceduralGroom> procedural_parameters[] = {
+    {KeyRow::number("length", "m", 0.25, 1e-3, 10, "Length along a strand."), &ProceduralGroom::length},
+    {KeyRow::number("curl_radius", "m", 0.006, 0, 0.1, "Radius of the helix round the core; 0: straight."),
+     &ProceduralGroom::curl_radius},
+    {KeyRow::number("pitch", "m", 0.025, 1e-4, 10, "Advance of the helix along the core in a turn."),
+     &ProceduralGroom::pitch},
+    {KeyRow::number("phase_noise", "rad", 1.5, 0, 3.141592653589793,
+                    "Largest shift of the phase of a helix."),
+     &ProceduralGroom::phase_noise},
+    {KeyRow::number("radius_noise", "1", 0.1, 0, 0.9, "Largest change of the curl radius, as a share of it."),
+     &ProceduralGroom::radius_noise},
+    {KeyRow::number("length_noise", "1", 0.1, 0, 0.9, "Largest change of the length, as a share of it."),
+     &ProceduralGroom::length_noise},
+    {KeyRow::number("lift", "m", 0.02, 1e-3, 0.2, "How far a strand stands out before it falls."),
+     &ProceduralGroom::lift},
+    {KeyRow::number("comb", "1", 1.5, 0, 10, "Pull away from the part at the brow, against gravity's 1."),
+     &ProceduralGroom::comb},
+    {KeyRow::number("scalp_radius", "m", 0.095, 0.01, 1,
+                    "Radius of the ball; of a mesh: depth of its centre below the top."),
+     &ProceduralGroom::scalp_radius},
+    {KeyRow::number("coverage", "rad", 1.6, 0.1, 3.0,
+                    "Angle from the middle of the hair to its rim, seen from the centre."),
+     &ProceduralGroom::coverage},
+    {KeyRow::number("tilt", "rad", 0.7, 0, 1.5,
+                    "Angle of the middle of the hair, back from straight up: the face (+Z) stays free."),
+     &ProceduralGroom::tilt},
+};
+
+// Reads `[groom]`. Throws Misuse for what is out of range.
 ProceduralGroom read_procedural(const Table& table, unsigned long long seed);
 
-// `[groom] grid` = [W, H].
-GridSize read_grid(const Table& table, GridSize fallback);
-// `[groom] units` (m | cm | mm | auto) and `up` (y | z), of hair and scalp.
-FileUnits read_units(const Table& table);
-// The head's mesh that `[groom] scalp` names, with `scalp_units` and `scalp_up` where they are not those of
-// the hair; null where it names none.
-std::shared_ptr<const ScalpMesh> read_scalp(const Table& table);
+// The head's mesh that `[groom] scalp` names; null where it names none.
+std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom);
 
 // Of a strand of no noise, as its curl winds once it is open.
 CurlTurns turns_of(const ProceduralGroom& groom);

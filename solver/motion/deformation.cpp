@@ -25,8 +25,7 @@ float slope_at(double h0, float x0, float x1, double h1, float x2) {
 
 }  // namespace
 
-Mesh mesh_of(const Table& table, double metres) {
-    const std::string file = table.path("file");
+Mesh mesh_of(const Table& table, const std::string& file, double metres) {
     if (!std::filesystem::exists(file)) table.fail("file", "no file '" + file + "'");
     return read_mesh(file, metres);
 }
@@ -39,13 +38,14 @@ Deformation::Deformation(const Table& solid, double metres) {
             "found one keyframe, needed two or more; file = \"...\" names a mesh that keeps its shape");
     std::string first;
     for (const Table& t : tables) {
-        const double time = t.number("time", 0, 0, 1e6);
-        const std::string file = t.path("file");
+        MeshKeyframeTable read;
+        read_parameters(read, MeshKeyframeTable::parameters, t);
+        const auto& [time, file] = read;
         if (file.empty()) t.fail("file", "a keyframe needs file = \"….obj\" or \"….ply\"");
         if (!keys_.empty() && !(time > keys_.back().time))
             t.fail("time", "found " + std::to_string(time) + " s, allowed above " +
                                std::to_string(keys_.back().time) + " s, the time of the keyframe before");
-        Mesh mesh = mesh_of(t, metres);
+        Mesh mesh = mesh_of(t, file, metres);
         if (keys_.empty()) {
             first = file;
             triangles_ = mesh.triangles;

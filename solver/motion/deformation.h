@@ -1,18 +1,32 @@
 // A mesh that deforms: keyframes of one connectivity, C1 between them as Motion is.
 #pragma once
 
+#include <string>
 #include <vector>
 
-#include "base/config.h"
 #include "base/geometry/mesh.h"
+#include "base/parameters.h"
 
 namespace wetcurl {
 
+// [[solid.mesh]].
+struct MeshKeyframeTable {
+    double time;
+    std::string file;
+    static constexpr Parameter<MeshKeyframeTable> parameters[] = {
+        {KeyRow::number("time", "s", 0, 0, 1e6, "Time of the keyframe; times grow from one to the next."),
+         &MeshKeyframeTable::time},
+        {KeyRow::path("file", "needed",
+                      "Mesh of the keyframe, .obj or .ply, with the triangles of the first."),
+         &MeshKeyframeTable::file},
+    };
+};
+
 class Deformation {
   public:
-    // [[solid.mesh]] time [s], file = "….obj" or "….ply": two or more. `metres`: what one unit of the files
-    // is. Throws Misuse (file and line) for times that do not grow, a mesh that is missing or has other
-    // triangles than the first; Error for one that cannot be read.
+    // Two or more [[solid.mesh]] of a solid. `metres`: what one unit of the files is. Throws Misuse (file and
+    // line) for times that do not grow, a mesh that is missing or has other triangles than the first; Error
+    // for one that cannot be read.
     Deformation(const Table& solid, double metres);
     // Held before the first keyframe and after the last.
     Mesh at(double time) const;
@@ -31,7 +45,7 @@ class Deformation {
     std::vector<Key> keys_;
 };
 
-// The mesh that a key `file` names; throws Misuse where there is none.
-Mesh mesh_of(const Table& table, double metres);
+// The mesh of `file`, which the key `file` of a table names; throws Misuse where there is none.
+Mesh mesh_of(const Table& table, const std::string& file, double metres);
 
 }  // namespace wetcurl

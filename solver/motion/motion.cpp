@@ -13,31 +13,27 @@ namespace wetcurl {
 
 using std::numbers::pi;
 
-static Vec3d vec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
-
-Motion::Motion(Table t) {
-    pivot_ = vec3(t.numbers("pivot", {0, 0, 0}, -1e4, 1e4));
-    axis_ = vec3(t.numbers("axis", {0, 1, 0}, -1, 1));
-    const double angle = t.number("angle", 0, -720, 720);
-    shift_ = vec3(t.numbers("shift", {0, 0, 0}, -100, 100));
-    period_ = t.number("period", 0, 0, 1e4);
-    start_ = t.number("start", 0, 0, 1e4);
+Motion::Motion(const Table& t) {
+    MotionTable read;
+    read_parameters(read, MotionTable::parameters, t);
+    pivot_ = read.pivot, axis_ = read.axis, shift_ = read.shift;
+    period_ = read.period, start_ = read.start;
     if (norm(axis_) < 1e-6) t.fail("axis", "found a zero vector, a direction is needed");
     axis_ = normalized(axis_, axis_);
-    angle_ = angle * pi / 180;
+    angle_ = read.angle * pi / 180;
     if (period_ == 0 && (angle_ != 0 || norm(shift_) > 0))
         t.fail("period", "an oscillation needs a period above 0 [s]");
-    for (Table k : t.tables("keyframe")) {
-        const auto r = k.numbers("rotation", {0, 0, 0}, -3600, 3600),
-                   x = k.numbers("translation", {0, 0, 0}, -1e4, 1e4);
-        keys_.push_back({k.number("time", 0, 0, 1e6),
-                         {r[0] * pi / 180, r[1] * pi / 180, r[2] * pi / 180, x[0], x[1], x[2]}});
+    for (const Table& k : t.tables("keyframe")) {
+        KeyframeTable key;
+        read_parameters(key, KeyframeTable::parameters, k);
+        const Vec3d &r = key.rotation, &x = key.translation;
+        keys_.push_back({key.time, {r.x * pi / 180, r.y * pi / 180, r.z * pi / 180, x.x, x.y, x.z}});
     }
-    if (const std::string path = t.path("file"); !path.empty()) read_file(t, path);
+    if (!read.file.empty()) read_file(t, read.file);
     finish(t);
 }
 
-void Motion::read_file(Table t, const std::string& path) {
+void Motion::read_file(const Table& t, const std::string& path) {
     std::ifstream in(path);
     if (!in) t.fail("file", "no file '" + path + "'");
     std::string line;
@@ -58,7 +54,7 @@ void Motion::read_file(Table t, const std::string& path) {
     if (keys_.empty()) t.fail("file", "'" + path + "' holds no keyframe");
 }
 
-void Motion::finish(Table t) {
+void Motion::finish(const Table& t) {
     for (size_t k = 1; k < keys_.size(); ++k)
         if (!(keys_[k].time > keys_[k - 1].time))
             t.fail("keyframe", "times must grow; keyframe " + std::to_string(k) + " does not");

@@ -6,23 +6,42 @@ namespace wetcurl {
 namespace {
 
 // `method` is the shorthand of one part alone.
-bool is_shorthand(Table baseline) { return baseline.has("method"); }
+bool is_shorthand(const Table& baseline) { return baseline.has("method"); }
+
+// The row that names the method of a part, or of any part under `method`.
+const KeyRow& naming_row(const char* key) {
+    static const std::vector<KeyRow> rows = [] {
+        static std::vector<std::vector<const char*>> words;
+        static const auto parts = baseline_parts();
+        words.reserve(parts.size() + 1);
+        std::vector<KeyRow> out;
+        auto add = [&](const char* name, std::vector<const char*> names, const char* meaning) {
+            words.push_back(std::move(names));
+            out.push_back(KeyRow::one_of(name, words.back(), "", meaning).without_default("ours"));
+        };
+        for (const auto& part : parts)
+            add(part.c_str(), baselines_of(part), "Compared method in place of this part of ours.");
+        add("method", baseline_names(), "One compared method alone: a shorthand of the key of its part.");
+        return out;
+    }();
+    return *std::find_if(rows.begin(), rows.end(),
+                         [&](const KeyRow& row) { return row.key == std::string(key); });
+}
 
 // As the scene says it: method = "lin", or cohesion = "lin".
 template <class Method>
-std::string spelled(Table baseline) {
+std::string spelled(const Table& baseline) {
     if (is_shorthand(baseline)) return std::string("method = \"") + Method::name + "\"";
     return std::string(Method::part) + " = \"" + within_part(Method::part, Method::name) + "\"";
 }
 
 template <class Method>
-bool names(Table t) {
-    if (is_shorthand(t)) return t.choice("method", "", baseline_names()) == Method::name;
-    return t.has(Method::part) &&
-           t.choice(Method::part, "", baselines_of(Method::part)) == within_part(Method::part, Method::name);
+bool names(const Table& t) {
+    if (is_shorthand(t)) return t.text(naming_row("method")) == Method::name;
+    return t.text(naming_row(Method::part)) == within_part(Method::part, Method::name);
 }
 
-void require_methods(Table t) {
+void require_methods(const Table& t) {
     const auto parts = baseline_parts();
     bool any = is_shorthand(t);
     std::string forms;  // chain = "iben", …
@@ -34,19 +53,20 @@ void require_methods(Table t) {
         any = any || t.has(part);
         const auto names = baselines_of(part);
         forms += (forms.empty() ? "" : ", ") + part + " = ";
-        for (const auto& name : names) forms += (name == names.front() ? "\"" : " | \"") + name + "\"";
+        for (const char* name : names)
+            forms += (name == names.front() ? "\"" : " | \"") + std::string(name) + "\"";
     }
     if (!any) t.fail("", "found no compared method, needed is at least one of " + forms + ", or `method`");
 }
 
 // A method's row as the table spells it: under `method`, which names one alone, it may go without its part.
-std::string key_of(Table t, const char* part, const std::string& row) {
-    const std::string alone = within_part(part, row);
+const char* key_of(const Table& t, const char* part, const char* row) {
+    const char* alone = within_part(part, row);
     return is_shorthand(t) && t.has(alone) && !t.has(row) ? alone : row;
 }
 
 // Rows that are not `taken` are unknown keys.
-void refuse_other_rows(Table t, const std::vector<std::string>& taken) {
+void refuse_other_rows(const Table& t, const std::vector<std::string>& taken) {
     std::string allowed;
     for (const auto& key : taken) allowed += (allowed.empty() ? "" : ", ") + key;
     auto refuse = [&]<class Method>(const Method&, const char* row, const std::string& key) {
@@ -62,7 +82,7 @@ void refuse_other_rows(Table t, const std::vector<std::string>& taken) {
     });
 }
 
-void check_iben(Scene& scene, Table root, const std::string& as) {
+void check_iben(Scene& scene, const Table& root, const std::string& as) {
     if (root.has("stiffness"))  // Eq 13 is what the paper adds to it
         root.fail("stiffness", as + " runs without [stiffness]; leave one of them out");
     if (scene.integrator.is_implicit()) root.table("integrator").fail("kind", as + " steps explicitly");
@@ -77,14 +97,14 @@ void check_iben(Scene& scene, Table root, const std::string& as) {
 }
 
 // Forces on wet hair in the place of our table `ours`.
-void check_wet_forces(const Scene& scene, Table root, const std::string& as, const char* ours) {
+void check_wet_forces(const Scene& scene, const Table& root, const std::string& as, const char* ours) {
     if (scene.flow)
         root.table(Wetness::table).fail("flow", as + " reads the saturation once; leave [wetness.flow] out");
     if (!scene.wetness) root.fail("baseline", as + " acts on wet hair and needs a [wetness] table");
     if (root.has(ours)) root.fail(ours, as + " runs without [" + ours + "]; leave one of them out");
 }
 
-void check_boundary(const Scene& scene, Table root, const std::string& as) {
+void check_boundary(const Scene& scene, const Table& root, const std::string& as) {
     check_wet_forces(scene, root, as, Adhesion::table);
     if (scene.solids.empty()) root.fail("baseline", as + " needs a [[solid]] to lie on");
     if (scene.has_deforming_solid())
@@ -93,7 +113,23 @@ void check_boundary(const Scene& scene, Table root, const std::string& as) {
 
 }  // namespace
 
-void read_baselines(Scene& scene, Table root) {
+std::vector<KeyRow> baseline_rows() {
+    std::vector<KeyRow> rows;
+    for (const auto& part : baseline_parts()) rows.push_back(naming_row(part.c_str()));
+    rows.push_back(naming_row("method"));
+    for_each_baseline([&](const auto& method) {
+        for (KeyRow row : method.parameters) {
+            rows.push_back(row);
+            const char* alone = within_part(method.part, row.key);
+            if (alone == row.key) continue;
+            row.key = alone, row.when = {"method", method.name};
+            rows.push_back(row);
+        }
+    });
+    return rows;
+}
+
+void read_baselines(Scene& scene, const Table& root) {
     if (!root.has("baseline")) return;
     const Table t = root.table("baseline");
     require_methods(t);
@@ -101,16 +137,17 @@ void read_baselines(Scene& scene, Table root) {
     auto read = [&]<class Method>(Slot<Method>& slot) {
         if (!names<Method>(t)) return;
         slot.emplace();
-        for (const auto& row : Method::parameters) {
-            taken.push_back(key_of(t, Method::part, row.key));
-            (*slot).*row.member = t.number(taken.back(), row.fallback, row.minimum, row.maximum);
+        for (auto row : Method::parameters) {
+            row.key = key_of(t, Method::part, row.key);
+            taken.push_back(row.key);
+            read_parameter(*slot, row, t);
         }
     };
     std::apply([&](auto&... slot) { (read(slot), ...); }, scene.baselines);
     refuse_other_rows(t, taken);
 }
 
-void check_baselines(Scene& scene, Table root) {
+void check_baselines(Scene& scene, const Table& root) {
     const Table t = root.table("baseline");
     for_each_present(scene.baselines, [&]<class Method>(const Method&) {
         const std::string as = "[baseline] " + spelled<Method>(t);

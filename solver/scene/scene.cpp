@@ -5,35 +5,29 @@
 #include <filesystem>
 
 #include "base/log.h"
-#include "base/shift_units.h"
 #include "solver/grooms/groom.h"
 #include "solver/scene/read_compared.h"
+#include "solver/scene/read_solids.h"
 #include "solver/scene/rest_state.h"
+#include "solver/scene/scene_rows.h"
 
 namespace wetcurl {
 
 namespace {
 
-Vec3d vec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
-
-bool is_printed(Table t, const std::string& fallback = "variational") {
-    return t.choice("form", fallback, {"variational", "printed"}) == "printed";
-}
-
-// A term, where its table is written (and printed, where it is a printed form's alone).
+// A term, where its table is written (and what it needs in that table).
 template <class TermSlot>
-void read_term(TermSlot& slot, Table root) {
+void read_term(TermSlot& slot, const Table& root) {
     using Term = typename TermSlot::value_type;
     if (!root.has(Term::table)) return;
     const Table t = root.table(Term::table);
-    if constexpr (requires { Term::printed_only; })
-        if (!is_printed(t)) return;
+    if constexpr (requires { Term::when; })
+        if (!t.holds(Term::when)) return;
     slot.emplace();
     read_parameters(*slot, Term::parameters, t);
-    if constexpr (requires { slot->printed; }) slot->printed = is_printed(t);
 }
 
-void read_chain(Scene& scene, Table root) {
+void read_chain(Scene& scene, const Table& root) {
     std::apply([&](auto&... slot) { (read_term(slot, root), ...); }, scene.chain);
     if (auto& twist = scene.term<Twist>()) {
         twist->k_b = scene.term<Bend>()->k_b;
@@ -43,24 +37,24 @@ void read_chain(Scene& scene, Table root) {
     if (!scene.integrator.is_implicit() && !root.table("integrator").has("limiter")) limit = {0.1};
     if (limit && !(limit->most > 0)) limit.reset();
     if (limit) limit->stiffen(1 / (scene.fps * scene.integrator.substeps), spring_sum(scene.chain));
-    if (scene.term<Adhesion>()) scene.adhesion_model = root.table("adhesion").path("model");
+    if (scene.term<Adhesion>())
+        read_parameters(scene, Scene::adhesion_parameters, root.table(Adhesion::table));
 }
 
-WaterSource read_water_source(Table t) {
+WaterSource read_water_source(const Table& t) {
     WaterSource source;
     read_parameters(source, WaterSource::parameters, t);
     if (source.until <= source.from)
         t.fail(t.has("until") ? "until" : "from", "a source must end after it begins");
-    if (t.choice("shape", "plane", {"plane", "sphere"}) == "sphere")
-        source.shape = Sphere{t.number("radius", 0.1, 1e-4, 100)};
+    if (source.kind == "sphere")
+        source.shape = Sphere{source.radius};
     else
         source.shape = Plane{};
-    source.center = vec3(t.numbers("center", {0, 0, 0}, -1000, 1000));
     source.motion = Motion(t.table("motion"));
     return source;
 }
 
-void read_flow(Scene& scene, Table root) {
+void read_flow(Scene& scene, const Table& root) {
     if (!root.has(Wetness::table)) return;
     const Table wetness = root.table(Wetness::table);
     if (!wetness.has("flow")) {
@@ -74,22 +68,14 @@ void read_flow(Scene& scene, Table root) {
         scene.flow->sources.push_back(read_water_source(source));
 }
 
-void read_wet(Scene& scene, Table root) {
+void read_wet(Scene& scene, const Table& root) {
     read_term(scene.wetness, root);
-    if (scene.wetness) {
-        const Table t = root.table("wetness");
-        scene.wetness->pattern = t.choice("pattern", "uniform", wetness_patterns);
-        scene.wetness->region_center = vec3(t.numbers("center", {0, 0.1, 0}, -100, 100));
-        scene.wetness->file = t.path("file");
-        if (scene.wetness->pattern == "file" && scene.wetness->file.empty())
-            t.fail("pattern", "'file' needs file = \"RUN.h5\", whose saturation is taken");
-    }
+    if (scene.wetness && scene.wetness->pattern == "file" && scene.wetness->file.empty())
+        root.table("wetness").fail("pattern", "'file' needs file = \"RUN.h5\", whose saturation is taken");
     read_flow(scene, root);
     read_term(scene.curl, root);
     if (scene.curl) {
         const Table t = root.table("curl");
-        scene.curl->radius = t.optional_number("radius", 0, 1);
-        scene.curl->pitch = t.optional_number("pitch", 0, 10);
         if (scene.curl->radius.has_value() != scene.curl->pitch.has_value())
             t.fail(scene.curl->radius ? "radius" : "pitch",
                    "a helix needs both radius and pitch, or neither");
@@ -97,7 +83,6 @@ void read_wet(Scene& scene, Table root) {
             t.fail("form", "'printed' needs the radius and pitch of its helix");
     }
     read_term(scene.cohesion, root);
-    if (scene.cohesion) scene.cohesion->passes = int(root.table("cohesion").integer("passes", 10, 1, 1000));
     if (scene.cohesion && scene.cohesion->strength > 0) {
         const Table t = root.table("cohesion");
         if (scene.names_baseline())
@@ -116,91 +101,31 @@ void read_wet(Scene& scene, Table root) {
         root.fail("curl", "[curl] blends the target of [bend], which this scene does not name");
 }
 
-double units_of(Table t) {
-    const std::string units = t.choice("units", "m", {"m", "cm", "mm"});
-    return units == "m" ? 1 : units == "cm" ? 0.01 : 0.001;
-}
-
-Shape level_set_of(Table t, double spacing) {
-    const Mesh mesh = mesh_of(t, units_of(t));
-    try {
-        return LevelSet::cached(mesh, spacing);
-    } catch (const Error& e) {
-        throw Error(t.where("file") + ": " + t.path("file") + ": " + e.what());
-    }
-}
-
-Solid read_solid(Table t, size_t index) {
-    Solid solid;
-    solid.name = t.text("name", "solid " + std::to_string(index));
-    const std::string shape = t.choice("shape", "sphere", {"sphere", "capsule", "box", "plane", "mesh"});
-    if (shape == "sphere") solid.shape = Sphere{t.number("radius", 0.1, 1e-4, 100)};
-    if (shape == "capsule")
-        solid.shape = Capsule{t.number("half_length", 0.1, 0, 100), t.number("radius", 0.05, 1e-4, 100)};
-    if (shape == "box") solid.shape = Box{vec3(t.numbers("half", {0.1, 0.1, 0.1}, 1e-4, 100))};
-    if (shape == "plane") solid.shape = Plane{};
-    if (shape == "mesh") {
-        solid.spacing = t.number("spacing", 0, 0, 1);
-        if (t.has("mesh")) {
-            if (t.has("file"))
-                t.fail("file",
-                       "is the mesh of a solid that keeps its shape; [[solid.mesh]] are one's that deforms");
-            solid.deformation = std::make_shared<const Deformation>(t, units_of(t));
-        } else if (t.has("file")) {
-            solid.shape = level_set_of(t, solid.spacing);
-        } else {
-            t.fail("shape",
-                   "'mesh' needs file = \"….obj\" or \"….ply\", or [[solid.mesh]] tables to deform between");
-        }
-    }
-    const std::string attached = t.choice("attached", "none", {"none", "head"});
-    solid.attached = attached == "head";
-    solid.friction = t.number("friction", 0.3, 0, 100);
-    if (solid.attached && t.has("motion"))
-        t.fail("motion", "a solid that is attached to the head moves with it");
-    if (!solid.attached) solid.motion = Motion(t.table("motion"));
-    return solid;
-}
-
-void read_solids(Scene& scene, Table root) {
-    if (scene.term<Adhesion>() && !root.has("solid"))
-        root.fail("adhesion", "[adhesion] needs a [[solid]] to stick to");
-    const auto tables = root.tables("solid");
-    for (size_t i = 0; i < tables.size(); ++i) scene.solids.push_back(read_solid(tables[i], i));
-}
-
-AirSource read_air_source(Table t) {
+AirSource read_air_source(const Table& t) {
     AirSource source;
     read_parameters(source, AirSource::parameters, t);
-    source.center = vec3(t.numbers("center", {0, 0, 0}, -1000, 1000));
-    source.velocity = vec3(t.numbers("velocity", {0, 0, 1}, -1000, 1000));
     return source;
 }
 
-void read_air(Scene& scene, Table root) {
-    if (!root.has("air")) return;
-    const Table t = root.table("air");
-    Air& air = scene.air.emplace();
-    read_parameters(air, Air::parameters, t);
-    const auto grid = t.numbers("grid", {64, 64, 64}, 8, 512);
-    for (size_t axis = 0; axis < 3; ++axis) {
-        air.grid[axis] = int(grid[axis]);
-        if (air.grid[axis] != grid[axis]) t.fail("grid", "found a part of a cell, allowed are whole ones");
-    }
-    air.center = vec3(t.numbers("center", {0, 0, 0}, -1000, 1000));
-    air.wind = vec3(t.numbers("wind", {0, 0, 0}, -1000, 1000));
-    air.two_way = t.boolean("two_way", false);
-    for (const Table& source : t.tables("source")) air.sources.push_back(read_air_source(source));
+void read_air(Scene& scene, const Table& root) {
+    read_term(scene.air, root);
+    if (!scene.air) return;
+    for (const Table& source : root.table("air").tables("source"))
+        scene.air->sources.push_back(read_air_source(source));
 }
 
-void read_learned(Scene& scene, Table root) {
+void read_learned(Scene& scene, const Table& root) {
     if (!root.has("learned")) return;
     const Table t = root.table("learned");
-    if (!t.has("model")) t.fail("model", "needed: the file of a network, trained or yet to be");
-    scene.learned = {t.path("model"),
-                     t.has("reconstruct") ? t.choice("reconstruct", "core", {"paper", "core"}) : "",
-                     t.optional_number("gain", 0, largest_gain),
-                     t.has("units") ? t.choice("units", "length", shift_units_names) : ""};
+    read_parameters(scene.learned.emplace(), Learned::parameters, t);
+    if (scene.learned->model.empty()) t.fail("model", "needed: the file of a network, trained or yet to be");
+}
+
+void read_integrator(Scene& scene, const Table& t) {
+    Integrator& in = scene.integrator;
+    read_parameters(in, Integrator::parameters, t);
+    read_parameters(in, Gravity::parameters, t);
+    if (scene.baseline<Iben2013>() && !t.has("kind")) in.kind = "explicit";
 }
 
 Scene read_scene(Config config, const SceneOptions& options) {
@@ -209,38 +134,27 @@ Scene read_scene(Config config, const SceneOptions& options) {
     if (options.seed) config.set("seed=" + std::to_string(*options.seed), "--seed");
     if (!options.groom.empty())
         config.set("groom.file='" + std::filesystem::absolute(options.groom).string() + "'", "--groom");
-    Table root = config.root();
+    config.expect(scene_rows());
+    const Table root = config.root();
     Scene scene;
-    scene.title = root.text("title", "");
-    scene.frames = int(root.integer("frames", 100, 1, 1'000'000));
-    scene.fps = root.number("fps", 24, 1, 10000);
-    scene.seed = (unsigned long long)root.integer("seed", 1, 0, largest_seed);
+    read_parameters(scene, Scene::parameters, root);
     scene.text = config.text();
     scene.folder = config.folder();
 
     read_baselines(scene, root);
-    Table t = root.table("integrator");
-    Integrator& in = scene.integrator;
-    in.kind = t.choice("kind", scene.baseline<Iben2013>() ? "explicit" : "implicit",
-                       {"implicit", "backward_euler", "explicit"});
-    in.substeps = int(t.integer("substeps", 10, 1, 1'000'000));
-    in.max_linearisations = int(t.integer("looks", 4, 1, 1000));
-    in.relinearise_angle = t.number("turn", 0.002, 0, 10);
-    in.settle = t.number("settle", 0, 0, 1000);
-    in.gravity = vec3(t.numbers("gravity", {0, -9.81, 0}, -1e5, 1e5));
-
-    Table g = root.table("groom");
-    scene.linear_density = g.number("linear_density", 6.5e-6, 1e-12, 1e3);
-    scene.volume_density = g.number("density", 1300, 1, 1e5);
-    scene.rest = g.choice("rest", "drawn", {"drawn", "sag_free"});
-    const Groom full = load_groom(g, scene.seed, "");
+    read_integrator(scene, root.table("integrator"));
+    const Table g = root.table("groom");
+    read_parameters(scene, Scene::groom_parameters, g);
+    const Groom full = load_groom(g, scene.seed);
     scene.motion = Motion(root.table("motion"));
     read_chain(scene, root);
     // Of the full groom, so that a thinned run is smoothed as its twin.
     if (auto& core = scene.term<Core>()) core->beta = filter_beta(mean_segment(full), core->alpha_c);
     read_term(scene.strand_contact, root);
     read_wet(scene, root);
-    read_solids(scene, root);
+    if (scene.term<Adhesion>() && !root.has("solid"))
+        root.fail("adhesion", "[adhesion] needs a [[solid]] to stick to");
+    scene.solids = read_solids(root);
     read_air(scene, root);
     read_learned(scene, root);
     check_baselines(scene, root);

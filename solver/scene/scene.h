@@ -8,6 +8,8 @@
 
 #include "base/config.h"
 #include "base/geometry/shapes.h"
+#include "base/gravity.h"
+#include "base/shift_units.h"
 #include "base/strands.h"
 #include "solver/compared/list.h"
 #include "solver/motion/deformation.h"
@@ -22,16 +24,31 @@
 
 namespace wetcurl {
 
-struct Integrator {
-    // implicit: BDF2; backward_euler: implicit, of order one; explicit: symplectic Euler, the paper's
+struct Integrator : Gravity {
+    static constexpr const char* kinds[] = {"implicit", "backward_euler", "explicit"};
     std::string kind = "implicit";
     int substeps = 10;           // a frame
     int max_linearisations = 4;  // in a substep (key `looks`)
     double relinearise_angle =
         0.002;          // [rad] rotation of an edge above which a substep is linearised again (key `turn`)
     double settle = 0;  // [s] simulated before frame 0 with everything held at its first pose
-    Vec3d gravity{0, -9.81, 0};
     bool is_implicit() const { return kind != "explicit"; }
+    static constexpr Parameter<Integrator> parameters[] = {
+        {KeyRow::one_of(
+             "kind", kinds, "implicit",
+             "BDF2, backward Euler, or the paper's symplectic Euler; with [baseline] chain = \"iben\" "
+             "the default is explicit."),
+         &Integrator::kind},
+        {KeyRow::integer("substeps", 10, 1, 1'000'000, "Substeps of a frame."), &Integrator::substeps},
+        {KeyRow::integer("looks", 4, 1, 1000, "Largest number of linearisations of a substep."),
+         &Integrator::max_linearisations},
+        {KeyRow::number("turn", "rad", 0.002, 0, 10,
+                        "Rotation of an edge above which a substep is linearised again."),
+         &Integrator::relinearise_angle},
+        {KeyRow::number("settle", "s", 0, 0, 1000,
+                        "Time simulated before frame 0, with head and solids held at their first pose."),
+         &Integrator::settle},
+    };
 };
 
 struct Solid {
@@ -52,6 +69,18 @@ struct Learned {
     // Of Eq 18, for models of the root codec.
     std::optional<double> gain;  // kappa; none: the model's own
     std::string units;           // length | printed; "": the model's own
+    static constexpr const char* reconstructions[] = {"paper", "core"};
+    static constexpr const char* own = "the model's own";
+    static constexpr Parameter<Learned> parameters[] = {
+        {KeyRow::path("model", "needed", "File of the network, trained or yet to be trained."),
+         &Learned::model},
+        {KeyRow::one_of("reconstruct", reconstructions, "", "How the root codec reconstructs strands.",
+                        "Eq 18; core is ours")
+             .without_default(own),
+         &Learned::reconstruct},
+        {gain_row.without_default(own), &Learned::gain},
+        {shift_units_row.without_default(own), &Learned::units},
+    };
 };
 
 struct Scene {
@@ -81,6 +110,29 @@ struct Scene {
     std::vector<float> saturation;   // (strand, particle) at the start; empty without wetness
     std::string text, folder;        // the resolved TOML, and where its relative paths start
     std::vector<std::string> files;  // what it was read from: scene, includes, hair, meshes, networks
+
+    static constexpr const char* rests[] = {"drawn", "sag_free"};
+    static constexpr Parameter<Scene> parameters[] = {
+        {KeyRow::text("title", "", "Name of the scene in messages, reports and pictures."), &Scene::title},
+        {KeyRow::integer("frames", 100, 1, 1'000'000, "Frames to simulate."), &Scene::frames},
+        {KeyRow::number("fps", "1/s", 24, 1, 10000, "Frames of a second."), &Scene::fps},
+        {KeyRow::integer("seed", 1, 0, double(largest_seed), "Seed of all that is random."), &Scene::seed},
+    };
+    static constexpr Parameter<Scene> groom_parameters[] = {
+        {KeyRow::number("linear_density", "kg/m", 6.5e-6, 1e-12, 1e3,
+                        "Mass of a metre of dry hair; the default is hair 80 um across."),
+         &Scene::linear_density},
+        {KeyRow::number("density", "kg/m^3", 1300, 1, 1e5, "Density of hair.", "rho"),
+         &Scene::volume_density},
+        {KeyRow::one_of(
+             "rest", rests, "drawn",
+             "The shape at rest is the groom as drawn, or the one that hangs as drawn under gravity "
+             "(sag_free); that one needs [bend]."),
+         &Scene::rest},
+    };
+    static constexpr Parameter<Scene> adhesion_parameters[] = {
+        {KeyRow::path("model", "Eq 11", "File of a network in place of Eq 11."), &Scene::adhesion_model},
+    };
 
     template <class Term>
     Slot<Term>& term() {

@@ -4,21 +4,29 @@
 // default (Akinci's has an infinite slope at both ends).
 #pragma once
 
-#include "base/parameters.h"
 #include "solver/terms/chain.h"
+#include "solver/terms/form.h"
 
 namespace wetcurl {
 
 struct Adhesion {
-    static constexpr const char *name = "adhesion", *table = "adhesion";
+    static constexpr const char *name = "adhesion", *table = "adhesion",
+                                *about = "Adhesion of wet hair to solids; needs [wetness] and a [[solid]].";
     static constexpr bool couples_two_edges = false;
     double a_max, h_a, hold;
     bool printed = false;
     static constexpr Parameter<Adhesion> parameters[] = {
-        {"strength", &Adhesion::a_max, "m/s^2", 60, 0, 1e6,
-         "a_max: the largest pull at saturation 1; the paper's v = a_max h^3 / 0.00495"},
-        {"range", &Adhesion::h_a, "m", 0.01, 1e-6, 1, "Eq 12, h: beyond it wet hair lets go"},
-        {"hold", &Adhesion::hold, "1/s", 60, 0, 1e6, "tangential hold of hair nearer than h/2 (ours)"},
+        {KeyRow::number("strength", "m/s^2", 60, 0, 1e6,
+                        "Largest pull on hair of saturation 1; the paper's v is strength h^3 / 0.00495.",
+                        "Eq 11, a_max"),
+         &Adhesion::a_max},
+        {KeyRow::number("range", "m", 0.01, 1e-6, 1, "Distance from the solid beyond which wet hair is free.",
+                        "Eq 12, h"),
+         &Adhesion::h_a},
+        {KeyRow::number("hold", "1/s", 60, 0, 1e6,
+                        "Rate at which hair nearer than half the range stops sliding.", "ours"),
+         &Adhesion::hold},
+        {form_row, &Adhesion::printed},
     };
 
     // Shape with peak 1 on (1/2, 1] of q = phi/h, and its slope in q; 0 elsewhere.

@@ -13,9 +13,12 @@ struct AirDrag {
     static constexpr bool couples_two_edges = false;
     double c;
     static constexpr Parameter<AirDrag> parameters[] = {
-        {"drag", &AirDrag::c, "kg/(m s)", 1e-4, 0, 1e3,
-         "force per length and slip; 80 um across has 0.8e-4 at 0.1 m/s and 2e-4 at 1 m/s (White 1991, "
-         "C_d = 1 + 10 Re^(-2/3))"},
+        {KeyRow::number(
+             "drag", "kg/(m s)", 1e-4, 0, 1e3,
+             "Force for each metre of hair and each m/s between air and hair; hair 80 um across has "
+             "0.8e-4 at 0.1 m/s and 2e-4 at 1 m/s.",
+             "White 1991, C_d = 1 + 10 Re^(-2/3)"),
+         &AirDrag::c},
     };
 
     template <class S>

@@ -4,20 +4,27 @@
 // the damping acts on the rate of e_i - t_i, so that a rigid swing is free.
 #pragma once
 
-#include "base/parameters.h"
 #include "solver/terms/chain.h"
+#include "solver/terms/form.h"
 
 namespace wetcurl {
 
 struct Bend {
-    static constexpr const char *name = "bend", *table = "bend";
+    static constexpr const char *name = "bend", *table = "bend",
+                                *about = "Springs which turn edges back to the rest shape, and torsion.";
     static constexpr bool couples_two_edges = true;
     double k_b, c_b;
     bool printed = false;
     static constexpr Parameter<Bend> parameters[] = {
-        {"stiffness", &Bend::k_b, "N/m", 0.05, 0, 1e12,
-         "Eq 4, k_b = EI / l^3 for a beam of flexural rigidity EI"},
-        {"damping", &Bend::c_b, "N s/m", 5e-6, 0, 1e6, "Eq 4, c_b: on the rate of e_i - t_i"},
+        {KeyRow::number("stiffness", "N/m", 0.05, 0, 1e12,
+                        "Force for each metre between an edge and its target; EI / l^3 of a beam of flexural "
+                        "rigidity EI with segments of length l.",
+                        "Eq 4, k_b"),
+         &Bend::k_b},
+        {KeyRow::number("damping", "N s/m", 5e-6, 0, 1e6,
+                        "Damping of the rate at which an edge departs from its target.", "Eq 4, c_b"),
+         &Bend::c_b},
+        {form_row, &Bend::printed},
     };
 
     WETCURL_HD double spring() const { return k_b; }

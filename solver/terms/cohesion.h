@@ -20,24 +20,41 @@
 namespace wetcurl {
 
 struct Cohesion {
-    static constexpr const char *name = "cohesion", *table = "cohesion";
+    static constexpr const char *name = "cohesion", *table = "cohesion",
+                                *about = "Clumping of wet strands; needs [wetness].";
     double h_c, lambda, coherence, stretch, strength, spacing = 0, relaxation = 1;
     int passes = 10;
     static constexpr Parameter<Cohesion> parameters[] = {
-        {"radius", &Cohesion::h_c, "m", 0.012, 1e-6, 1, "Eq 10, h: support of W"},
-        {"tightness", &Cohesion::lambda, "1", 0.85, 0, 0.999, "Eq 10, lambda"},
-        {"coherence", &Cohesion::coherence, "m", 0.01, 0, 1,
-         "length along the strand over which the displacement is smoothed (ours)"},
-        {"stretch", &Cohesion::stretch, "1", 0.05, 0, 1000,
-         "most that a displayed edge is longer than the simulated one, around a solid 1 or more (ours)"},
-        {"strength", &Cohesion::strength, "1/s^2", 0, 0, 1e12,
-         "Sec. VI.A.2, of forces in every substep beside what is displayed; 0: none (ours)"},
-        {"spacing", &Cohesion::spacing, "m", 0, 0, 1,
-         "about how far apart along a strand Eq 10 is asked for, with what is between interpolated; 0: at "
-         "each "
-         "particle (ours)"},
-        {"relaxation", &Cohesion::relaxation, "1", 1, 1, 3.4,
-         "about how many passes an over-relaxed sweep stands for; 1: each is taken (ours)"},
+        {KeyRow::number("radius", "m", 0.012, 1e-6, 1, "Distance within which wet strands attract.",
+                        "Eq 10, h: support of W"),
+         &Cohesion::h_c},
+        {KeyRow::number("tightness", "1", 0.85, 0, 0.999,
+                        "Share of the way to the mean of its neighbours that a particle moves in a pass.",
+                        "Eq 10, lambda"),
+         &Cohesion::lambda},
+        {KeyRow::number("coherence", "m", 0.01, 0, 1,
+                        "Length along the strand over which the displacement is smoothed.", "ours"),
+         &Cohesion::coherence},
+        {KeyRow::number(
+             "stretch", "1", 0.05, 0, 1000,
+             "Largest strain of a displayed edge against the simulated one; around a solid 1 or more.",
+             "ours"),
+         &Cohesion::stretch},
+        {KeyRow::number("strength", "1/s^2", 0, 0, 1e12,
+                        "Strength of forces in every substep, beside what is displayed; 0: none.",
+                        "ours, after Sec. VI.A.2"),
+         &Cohesion::strength},
+        {KeyRow::number(
+             "spacing", "m", 0, 0, 1,
+             "Approximate distance along a strand between particles at which Eq 10 is computed; those "
+             "between are interpolated; 0: at each particle.",
+             "ours"),
+         &Cohesion::spacing},
+        {KeyRow::number(
+             "relaxation", "1", 1, 1, 3.4,
+             "Approximate number of passes that one over-relaxed sweep replaces; 1: no such sweeps.", "ours"),
+         &Cohesion::relaxation},
+        {KeyRow::integer("passes", 10, 1, 1000, "Passes of Eq 10 in a frame.", "Eq 10"), &Cohesion::passes},
     };
 
     // Sweeps that stand for the passes.

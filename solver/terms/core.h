@@ -4,22 +4,29 @@
 #pragma once
 
 #include "base/geometry/filter.h"
-#include "base/parameters.h"
 #include "solver/terms/chain.h"
+#include "solver/terms/form.h"
 
 namespace wetcurl {
 
 struct Core {
-    static constexpr const char *name = "core", *table = "core";
+    static constexpr const char *name = "core", *table = "core",
+                                *about = "Springs of the smoothed strand, which keep a curl from unwinding.";
     static constexpr bool couples_two_edges = false;  // its majoriser k_c D^T D
     double k_c, c_c, alpha_c;
     double beta = 1;  // of the filter, from alpha_c and the mean segment length
     bool printed = false;
     static constexpr Parameter<Core> parameters[] = {
-        {"stiffness", &Core::k_c, "N/m", 0.02, 0, 1e12, "Eq 5, k_c"},
-        {"damping", &Core::c_c, "N s/m", 5e-6, 0, 1e6, "Eq 5, c_c"},
-        {"smoothing", &Core::alpha_c, "m", 0.02, 0, 1,
-         "Eq 2, alpha_c: length over which the strand is smoothed"},
+        {KeyRow::number("stiffness", "N/m", 0.02, 0, 1e12,
+                        "Force of a segment of the smoothed strand for each metre of extension.",
+                        "Eq 5, k_c"),
+         &Core::k_c},
+        {KeyRow::number("damping", "N s/m", 5e-6, 0, 1e6, "Damping of that extension.", "Eq 5, c_c"),
+         &Core::c_c},
+        {KeyRow::number("smoothing", "m", 0.02, 0, 1, "Length over which the strand is smoothed.",
+                        "Eq 2, alpha_c"),
+         &Core::alpha_c},
+        {form_row, &Core::printed},
     };
 
     WETCURL_HD double spring() const { return k_c; }

@@ -9,22 +9,35 @@
 #include <optional>
 #include <vector>
 
-#include "base/parameters.h"
+#include "solver/terms/form.h"
 #include "solver/terms/wet_curl.h"
 
 namespace wetcurl {
 
 struct Curl {
-    static constexpr const char *name = "curl", *table = "curl";
+    static constexpr const char *name = "curl", *table = "curl",
+                                *about = "Curl exaggeration: wet hair curls more tightly; needs [wetness].";
     double w_h, contraction, tightening;
     std::optional<double> radius, pitch;  // [m], pitch of a full turn; both or none
     bool printed = false;
     static constexpr Parameter<Curl> parameters[] = {
-        {"weight", &Curl::w_h, "1", 1, 0, 1, "Eq 9, w_h"},
-        {"contraction", &Curl::contraction, "1", 0.75, 0.2, 1,
-         "axial extent of the wet curl, in that of the dry one (Fig 28)"},
-        {"tightening", &Curl::tightening, "1", 2, 1, 16,
-         "most that a turn grows for it: hair with little curl of its own contracts less (ours)"},
+        {KeyRow::number("weight", "1", 1, 0, 1, "Share of the wet shape at saturation 1.", "Eq 9, w_h"),
+         &Curl::w_h},
+        {KeyRow::number("contraction", "1", 0.75, 0.2, 1,
+                        "Axial extent of the wet curl by that of the dry one, where no helix is named.",
+                        "ours, Fig 28"),
+         &Curl::contraction},
+        {KeyRow::number("tightening", "1", 2, 1, 16,
+                        "Largest factor by which a turn grows for it: nearly straight hair contracts less.",
+                        "ours"),
+         &Curl::tightening},
+        {KeyRow::number("radius", "m", 0, 0, 1, "Radius of the helix of wet hair; with pitch.", "Eq 7, r")
+             .without_default("the strand's own curl, contracted"),
+         &Curl::radius},
+        {KeyRow::number("pitch", "m", 0, 0, 10, "Pitch of a full turn of that helix; with radius.", "Eq 7, p")
+             .without_default("the strand's own curl, contracted"),
+         &Curl::pitch},
+        {form_row, &Curl::printed},
     };
 };
 

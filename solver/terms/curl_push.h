@@ -10,11 +10,13 @@ namespace wetcurl {
 
 struct CurlPush {
     static constexpr const char *name = "curl (printed)", *table = "curl";
-    static constexpr bool couples_two_edges = false, printed_only = true;
+    static constexpr bool couples_two_edges = false;
+    static constexpr When when{"form", "printed"};  // of its slot too
     double k_w;
     static constexpr Parameter<CurlPush> parameters[] = {
-        {"push", &CurlPush::k_w, "N/m", 0.01, 0, 1e6,
-         "Eq 9 as printed: force for each metre of the helix's edge"},
+        {KeyRow::number("push", "N/m", 0.01, 0, 1e6, "Force for each metre of the helix's edge.",
+                        "Eq 9 as printed", when),
+         &CurlPush::k_w},
     };
 
     template <class S>

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "base/geometry/kernels.h"
@@ -31,15 +32,28 @@ struct FlowingSource {
 
 // A body of water, or a ball of spray: hair inside its surface takes up water, sigma' = rate (1 - sigma).
 struct WaterSource {
-    static constexpr const char* table = "wetness.source";
+    static constexpr const char *table = "wetness.source",
+                                *about = "A body of water, or a ball of spray, which wets the hair in it.";
+    static constexpr const char* shapes[] = {"plane", "sphere"};
     double rate, from, until;
-    Shape shape;            // a plane wets what lies below it
-    Vec3d center{0, 0, 0};  // of the shape where its motion begins [m]
+    std::string kind = "plane";  // one of the shapes
+    double radius = 0.1;         // of the sphere [m]
+    Shape shape;                 // of that kind and radius; a plane wets what lies below it
+    Vec3d center{0, 0, 0};       // of the shape where its motion begins [m]
     Motion motion;
     static constexpr Parameter<WaterSource> parameters[] = {
-        {"rate", &WaterSource::rate, "1/s", 5, 0, 1e6, "at which dry hair takes up water in it (ours)"},
-        {"from", &WaterSource::from, "s", 0, 0, 1e6, "when it begins to wet"},
-        {"until", &WaterSource::until, "s", 1e6, 0, 1e6, "when it ends"},
+        {KeyRow::number("rate", "1/s", 5, 0, 1e6, "Rate at which dry hair inside takes up water.", "ours"),
+         &WaterSource::rate},
+        {KeyRow::number("from", "s", 0, 0, 1e6, "Time at which it begins to wet."), &WaterSource::from},
+        {KeyRow::number("until", "s", 1e6, 0, 1e6, "Time at which it ends; later than from."),
+         &WaterSource::until},
+        {KeyRow::one_of("shape", shapes, "plane", "A plane, which wets what lies below it, or a sphere."),
+         &WaterSource::kind},
+        {KeyRow::number("radius", "m", 0.1, 1e-4, 100, "Radius of the sphere.", "", {"shape", "sphere"}),
+         &WaterSource::radius},
+        {KeyRow::numbers("center", "m", {0, 0, 0}, -1000, 1000,
+                         "Centre of the sphere or a point of the plane, before the motion."),
+         &WaterSource::center},
     };
     // For dt [s] from `time` on; a level set is the host's.
     FlowingSource over(double time, double dt) const {
@@ -97,20 +111,32 @@ struct FlowRules {
 };
 
 struct Flow : FlowRules {
-    static constexpr const char *name = "flow", *table = "wetness.flow";
+    static constexpr const char *name = "flow", *table = "wetness.flow",
+                                *about =
+                                    "Water which runs along strands, passes between them, drips and dries.";
     std::vector<WaterSource> sources;
-    static constexpr Parameter<Flow> parameters[] = {
-        {"conductivity", &Flow::K, "m/s", 3e-3, 0, 1,
-         "K: speed at which a full strand drains; rho g d^2 / (3 mu) of a film, d = 30 um (Nusselt 1916)"},
-        {"suction", &Flow::H, "m", 0.05, 0, 10,
-         "H: height that dry hair draws water to; 2 gamma / (rho g r), r = 0.3 mm between hairs (Jurin "
-         "1718)"},
-        {"dripping", &Flow::dripping, "1", 1, 0, 1,
-         "share of the water that runs to the tip which falls off it (1: free drainage)"},
-        {"drying", &Flow::drying, "1/s", 2e-3, 0, 1e3, "rate at which saturation dries away (ours)"},
-        {"exchange", &Flow::exchange, "1/s", 2, 0, 1e4,
-         "rate at which two particles that touch even out (ours, after Rungjiratananon 2012)"},
-        {"reach", &Flow::reach, "m", 0.002, 1e-5, 1, "distance at which strands no longer touch"},
+    static constexpr Parameter<FlowRules> parameters[] = {
+        {KeyRow::number(
+             "conductivity", "m/s", 3e-3, 0, 1,
+             "Speed at which a saturated strand drains: rho g d^2 / (3 mu) of a film of d = 30 um.",
+             "K, Nusselt 1916"),
+         &FlowRules::K},
+        {KeyRow::number(
+             "suction", "m", 0.05, 0, 10,
+             "Height that dry hair draws water to: 2 gamma / (rho g r) with r = 0.3 mm between hairs.",
+             "H, Jurin 1718"),
+         &FlowRules::H},
+        {KeyRow::number("dripping", "1", 1, 0, 1,
+                        "Share of the water which reaches the tip that falls off it; 1: free drainage."),
+         &FlowRules::dripping},
+        {KeyRow::number("drying", "1/s", 2e-3, 0, 1e3, "Rate at which saturation dries away.", "ours"),
+         &FlowRules::drying},
+        {KeyRow::number("exchange", "1/s", 2, 0, 1e4,
+                        "Rate at which the saturations of two particles that touch become equal.",
+                        "ours, after Rungjiratananon 2012"),
+         &FlowRules::exchange},
+        {KeyRow::number("reach", "m", 0.002, 1e-5, 1, "Distance at which strands no longer touch."),
+         &FlowRules::reach},
     };
 };
 

@@ -9,15 +9,23 @@
 namespace wetcurl {
 
 struct Stiffness {
-    static constexpr const char *name = "stiffness", *table = "stiffness";
+    static constexpr const char *name = "stiffness", *table = "stiffness",
+                                *about =
+                                    "Dynamic stiffness: drag on the motion against the root, by saturation.";
     static constexpr bool couples_two_edges = false;
     double c_wet, c_dry, c_all;
     static constexpr Parameter<Stiffness> parameters[] = {
-        {"wet", &Stiffness::c_wet, "1/s", 0.024, 0, 1e6,
-         "Eq 13, -ln(Upsilon_0) / dt at saturation 1 (paper: 0.9999 at 1/240 s)"},
-        {"dry", &Stiffness::c_dry, "1/s", 0, 0, 1e6, "Eq 13, -ln(Upsilon_1) / dt at saturation 0 (paper: 1)"},
-        {"global", &Stiffness::c_all, "1/s", 0.0012, 0, 1e6,
-         "-ln(xi) / dt on all hair (paper: 0.999995 at 1/240 s)"},
+        {KeyRow::number("wet", "1/s", 0.024, 0, 1e6,
+                        "Drag at saturation 1: -ln(Upsilon_0) / dt; the paper has 0.9999 at 1/240 s.",
+                        "Eq 13, Upsilon_0"),
+         &Stiffness::c_wet},
+        {KeyRow::number("dry", "1/s", 0, 0, 1e6,
+                        "Drag at saturation 0: -ln(Upsilon_1) / dt; the paper has 1, no drag.",
+                        "Eq 13, Upsilon_1"),
+         &Stiffness::c_dry},
+        {KeyRow::number("global", "1/s", 0.0012, 0, 1e6,
+                        "Drag on all hair: -ln(xi) / dt; the paper has 0.999995 at 1/240 s.", "Eq 13, xi"),
+         &Stiffness::c_all},
     };
 
     template <class S>

@@ -14,8 +14,11 @@ struct StrainLimit {
     double most;                    // strain
     double others = 0, per_kg = 0;  // [N/m], [N/m/kg]: the spring, see `stiffness`
     static constexpr Parameter<StrainLimit> parameters[] = {
-        {"limiter", &StrainLimit::most, "1", 0, 0, 10,
-         "the largest strain of an edge; 0: no limiter. Default of kind = \"explicit\": 0.1 (Selle 2008)"},
+        {KeyRow::number(
+             "limiter", "1", 0, 0, 10,
+             "Largest strain of an edge; 0: no limit. With kind = \"explicit\" the default is 0.1.",
+             "Selle 2008"),
+         &StrainLimit::most},
     };
 
     // Beside it both inertia over a step of `dt` and the other terms' springs, summed, are soft.

@@ -23,15 +23,21 @@
 namespace wetcurl {
 
 struct StrandContact {
-    static constexpr const char *name = "strand contact", *table = "strand_contact";
+    static constexpr const char *name = "strand contact", *table = "strand_contact",
+                                *about = "Contact and friction between strands.";
     double radius, strength, friction;
     static constexpr Parameter<StrandContact> parameters[] = {
-        {"radius", &StrandContact::radius, "m", 0.006, 1e-5, 0.1,
-         "distance that particles of two strands keep, where they are not drawn nearer (ours)"},
-        {"strength", &StrandContact::strength, "1/s", 20, 0, 50,
-         "rate at which two that are nearer part (ours); the most that was seen to feed no energy"},
-        {"friction", &StrandContact::friction, "1/s", 5, 0, 1e9,
-         "rate at which the slip of two in touch dies (ours)"},
+        {KeyRow::number("radius", "m", 0.006, 1e-5, 0.1,
+                        "Distance that particles of two strands keep, unless the groom has them nearer.",
+                        "ours"),
+         &StrandContact::radius},
+        {KeyRow::number("strength", "1/s", 20, 0, 50,
+                        "Rate at which two particles that are nearer move apart; larger ones add energy.",
+                        "ours"),
+         &StrandContact::strength},
+        {KeyRow::number("friction", "1/s", 5, 0, 1e9, "Rate at which the slip of two that touch dies.",
+                        "ours"),
+         &StrandContact::friction},
     };
 
     // The shares of a step of dt [s], alike for all pairs.

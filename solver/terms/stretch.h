@@ -8,13 +8,17 @@
 namespace wetcurl {
 
 struct Stretch {
-    static constexpr const char *name = "stretch", *table = "stretch";
+    static constexpr const char *name = "stretch", *table = "stretch",
+                                *about = "Springs along each strand, which keep its length.";
     static constexpr bool couples_two_edges = false;
     double k_s, c_s;
     static constexpr Parameter<Stretch> parameters[] = {
-        {"stiffness", &Stretch::k_s, "N/m", 5, 0, 1e12,
-         "Eq 1, k_s: force of one segment for each metre of extension"},
-        {"damping", &Stretch::c_s, "N s/m", 2e-5, 0, 1e6, "Eq 1, c_s: along the segment"},
+        {KeyRow::number("stiffness", "N/m", 5, 0, 1e12, "Force of a segment for each metre of extension.",
+                        "Eq 1, k_s"),
+         &Stretch::k_s},
+        {KeyRow::number("damping", "N s/m", 2e-5, 0, 1e6, "Damping of the extension, along the segment.",
+                        "Eq 1, c_s"),
+         &Stretch::c_s},
     };
 
     WETCURL_HD double spring() const { return k_s; }

@@ -21,8 +21,10 @@ struct Twist {
     static constexpr bool couples_two_edges = true;
     double torsion, k_b;
     static constexpr Parameter<Twist> parameters[] = {
-        {"torsion", &Twist::torsion, "1", 0.75, 0, 1e3,
-         "GJ / EI, torsional against flexural rigidity (ours); 0: a twist costs nothing and stays"},
+        {KeyRow::number("torsion", "1", 0.75, 0, 1e3,
+                        "Torsional rigidity GJ by flexural rigidity EI; 0: a twist costs nothing and stays.",
+                        "ours, after Bergou 2008"),
+         &Twist::torsion},
     };
 
     // GJ / l [N m], where EI = k_b l³.

@@ -150,7 +150,7 @@ TEST_F(Commands, options_that_nothing_reads_are_refused) {
     infer.device = "cuda";
     expect_error<Misuse>([&] { infer_command(infer); }, {"--device cuda", "interpolation"});
     InspectOptions inspect;
-    inspect.what = "terms";
+    inspect.what = "schema";
     inspect.file = "a.h5";
     expect_error<Misuse>([&] { inspect_command(inspect); }, {"a.h5", "none is needed"});
     EXPECT_FALSE(fs::exists(infer.output));

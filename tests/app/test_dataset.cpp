@@ -291,7 +291,7 @@ TEST_F(Dataset, drawn_values_fill_their_ranges_and_the_test_has_its_own) {
         if (m.picked.at("motion") != "shake") continue;
         const auto shift = Config::parse("shift = " + assigned(m).at("motion.shift"), "drawn")
                                .root()
-                               .numbers("shift", {0, 0, 0}, -1, 1);
+                               .numbers(KeyRow::numbers("shift", "m", {0, 0, 0}, -1, 1, ""));
         const double low[3] = {-0.06, 0.01, 0.05};
         for (size_t k = 0; k < 3; ++k)
             add(m, "motion.shift " + std::to_string(k), shift[k], low[k], low[k] + 0.01);
@@ -644,6 +644,31 @@ TEST_F(Dataset, a_wrong_value_of_a_scene_is_blamed_on_the_line_that_holds_it_bef
     scratch.file("head.toml", base);
     scratch.file("base.toml", "\n\ninclude = \"head.toml\"\n");
     refused(wet + scenes(1, 0, 0), {"train-0000", "head.toml:10: integrator.substeps", "found 0"});
+}
+
+// Each key of the recipe, but what is drawn: a value of another kind is refused with its line.
+TEST_F(Dataset, every_row_of_a_recipe_refuses_another_kind_with_its_line) {
+    size_t rows = 0;
+    for (const auto& table : dataset_rows()) {
+        EXPECT_TRUE(table.meaning.ends_with("."));
+        for (const auto& row : table.rows) {
+            SCOPED_TRACE(table.name + " " + row.key);
+            EXPECT_TRUE(std::string(row.meaning).ends_with("."));
+            if (row.key == std::string(include_row.key)) continue;  // read when a file is loaded
+            const std::string header = table.name.empty()       ? ""
+                                       : table.name == "splits" ? "[splits]\n"
+                                                                : "[[pick.motion]]\n",
+                              text = table.name.empty() ? "" : "scene = \"base.toml\"\n";
+            const std::string line = std::string(row.key) + " = {}\n";
+            const int place = int(std::count(text.begin(), text.end(), '\n') +
+                                  std::count(header.begin(), header.end(), '\n')) +
+                              1;
+            expect_error<Misuse>([&] { read(text + header + line); },
+                                 {":" + std::to_string(place) + ": ", row.key, "needed"});
+            ++rows;
+        }
+    }
+    EXPECT_GT(rows, 15u);
 }
 
 TEST_F(Dataset, a_box_of_colours_that_is_upside_down_is_refused_with_its_line) {

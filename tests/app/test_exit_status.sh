@@ -8,9 +8,9 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 
-expect 0 '' "'$wetcurl' inspect terms"
-expect 1 'standard output: cannot be written' "'$wetcurl' inspect terms >/dev/full"
-expect 1 'standard output: cannot be written' "'$wetcurl' inspect terms --json - >/dev/full"
+expect 0 '' "'$wetcurl' inspect keys"
+expect 1 'standard output: cannot be written' "'$wetcurl' inspect keys >/dev/full"
+expect 1 'standard output: cannot be written' "'$wetcurl' inspect keys --json - >/dev/full"
 expect 1 'standard output: cannot be written' "'$wetcurl' --help >/dev/full"
 # What follows a value is no value more.
 expect 0 '' "'$wetcurl' inspect scene --set frames=3 --set seed=4 '$scene'"

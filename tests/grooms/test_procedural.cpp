@@ -183,27 +183,7 @@ TEST(Procedural, equal_areas_of_the_square_are_equal_areas_of_the_scalp) {
     }
 }
 
-TEST(Procedural, every_parameter_matters) {
-    const std::string usual = groom("grid = [8, 8]").hash();
-    for (const auto& row : procedural_parameters) {
-        ProceduralGroom g = parameters("grid = [8, 8]");
-        g.*row.member *= 1.01;
-        EXPECT_NE(make_procedural(g).hash(), usual) << row.key;
-    }
-}
-
-TEST(Procedural, a_value_out_of_range_names_file_line_and_what_is_allowed) {
-    auto refused = [](const std::string& line, const std::string& key) {
-        expect_error<Misuse>([&] { parameters("\n" + line); }, {"scene.toml:2", key});
-    };
-    for (const auto& row : procedural_parameters) {
-        refused(std::string(row.key) + " = " + std::to_string(row.maximum + 1), row.key);
-        refused(std::string(row.key) + " = -0.001", row.key);
-    }
-    for (const char* grid : {"[0, 4]", "[4, 4.5]", "[4]", "[4, 5000]", "7"})
-        refused("grid = " + std::string(grid), "grid");
-    for (const char* particles : {"1", "10001", "5.5", "'many'"})
-        refused("particles = " + std::string(particles), "particles");
+TEST(Procedural, a_head_mesh_that_is_not_there_is_named) {
     expect_error([&] { parameters("scalp = '/no/such/head.obj'"); }, {"/no/such/head.obj"});
 }
 

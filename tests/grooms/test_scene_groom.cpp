@@ -12,9 +12,10 @@ namespace {
 
 using namespace testing;
 
-Groom load(const std::string& toml, const std::string& folder = ".", const std::string& groom_override = "") {
+Groom load(const std::string& toml, const std::string& folder = ".", const std::string& file = "") {
     Config config = Config::parse("[groom]\n" + toml, "scene.toml", folder);
-    const Groom g = load_groom(config.root().table("groom"), 1, groom_override);
+    if (!file.empty()) config.set("groom.file='" + file + "'", "--groom");
+    const Groom g = load_groom(config.root().table("groom"), 1);
     config.require_all_used();
     return g;
 }
@@ -117,7 +118,7 @@ TEST(SceneGroom, a_scalp_gives_the_normals) {
             0.998);
 }
 
-TEST(SceneGroom, an_override_goes_before_the_scene_and_its_own_keys_rest) {
+TEST(SceneGroom, a_file_laid_over_a_built_in_groom_leaves_its_keys_to_rest) {
     Scratch scratch;
     const std::string file = scratch.file("hair.data", data_file(hedgehog(100, 5)));
     const Groom g = load("curl_radius = 0.01\npitch = 0.03\nunits = 'm'\n", ".", file);

@@ -22,7 +22,7 @@ std::vector<Vec3d> coil(double radius, double pitch, int turns, int of_a_turn) {
 std::string log_of(const std::string& toml, const std::string& folder) {
     ::testing::internal::CaptureStderr();
     Config config = Config::parse("[groom]\n" + toml, "scene.toml", folder);
-    load_groom(config.root().table("groom"), 1, "");
+    load_groom(config.root().table("groom"), 1);
     return ::testing::internal::GetCapturedStderr();
 }
 

@@ -409,37 +409,6 @@ until = 0.5
     }
 }
 
-TEST(Flow, every_key_changes_the_result) {
-    const RunFrame base = after(scene_of(flowing, half_wet), 6);
-    auto changes = [&](const std::string& text, const std::string& set, const std::string& what) {
-        auto settings = half_wet;
-        if (!set.empty()) settings.push_back(set);
-        const RunFrame other = after(scene_of(text, settings), 6);
-        EXPECT_NE(base.saturation, other.saturation) << what;
-        EXPECT_FALSE(same_bits(base.seen(), other.seen())) << what;
-    };
-    const double now[] = {0.05, 0.05, 1, 0.3, 8, 0.01};
-    for (size_t k = 0; k < std::size(Flow::parameters); ++k) {
-        const auto& row = Flow::parameters[k];
-        changes(flowing, std::string("wetness.flow.") + row.key + "=" + std::to_string(0.99 * now[k]),
-                row.key);
-    }
-    for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
-             {"rate = 20", "rate = 20.2"},
-             {"center = [0, -0.1, 0]", "center = [0, -0.09, 0]"},
-             {"translation = [0, 0.06", "translation = [0, 0.09"},
-             {"radius = 0.06", "radius = 0.07"},
-             {"rate = 3", "rate = 3.03"},
-             {"shape = \"plane\"", "shape = \"sphere\""},
-             {"from = 0.04", "from = 0.09"},
-             {"until = 0.2", "until = 0.1"}}) {
-        std::string text = flowing;
-        ASSERT_NE(text.find(from), std::string::npos) << from;
-        text.replace(text.find(from), from.size(), to);
-        changes(text, "", to);
-    }
-}
-
 TEST(Flow, is_not_there_where_it_is_not_named) {
     auto lists = [](const std::string& text) {
         const Scene scene = scene_of(text);
@@ -471,12 +440,6 @@ TEST(Flow, bad_values_name_file_and_line) {
         SCOPED_TRACE(text);
         expect_error<Misuse>([&] { scene_of(head + text); }, {line, said});
     };
-    for (const auto& row : WaterSource::parameters) {
-        const std::string source = std::string("[wetness.flow]\n[[wetness.source]]\n") + row.key + " = ";
-        for (const std::string wrong : {"\"much\"", "true"}) misuse(source + wrong, "scene.toml:7", row.key);
-        for (double wrong : {row.minimum - 1, 2 * row.maximum + 1})
-            misuse(source + std::to_string(wrong), "scene.toml:7", "allowed");
-    }
     const std::string source = "[wetness.flow]\n[[wetness.source]]\n";
     misuse(source + "shape = \"spere\"", "scene.toml:7", "did you mean 'sphere'");
     misuse(source + "radius = 0.1", "scene.toml:7", "radius");  // a sphere's, unused by a plane

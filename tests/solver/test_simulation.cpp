@@ -351,63 +351,6 @@ TEST(Simulation, memory_is_220_bytes_a_wet_particle_and_100_a_dry_one_at_most) {
     EXPECT_LE(bytes_each(*dry), 100);
 }
 
-// --- every parameter matters
-
-// Each row's value changed by 1 % of itself (from 0: set to a fifth of its range or to 1), or to what is
-// given `instead`; the picture must change.
-template <class Owner, size_t N>
-void expect_rows_matter(const string& table, const Parameter<Owner> (&rows)[N], const string& text,
-                        const std::vector<string>& setting, const std::vector<string>& only = {},
-                        const std::map<string, double>& instead = {}) {
-    constexpr int frames = 6;
-    const RunFrame base = after(scene_of(text, setting), frames);
-    for (const auto& row : rows) {
-        if (!only.empty() && std::find(only.begin(), only.end(), row.key) == only.end()) continue;
-        double value = row.fallback == 0 ? std::min(1.0, row.maximum / 5) : row.fallback * 1.01;
-        if (value > row.maximum) value = row.fallback * 0.99;
-        if (instead.contains(row.key)) value = instead.at(row.key);
-        auto changed = setting;
-        char assignment[128];
-        std::snprintf(assignment, sizeof assignment, "%s.%s=%.17g", table.c_str(), row.key, value);
-        changed.push_back(assignment);
-        const RunFrame other = after(scene_of(text, changed), frames);
-        EXPECT_FALSE(same_bits(base.seen(), other.seen())) << assignment;
-        EXPECT_LT(farthest(base.seen(), other.seen()), 1) << assignment;
-    }
-}
-
-TEST(Simulation, every_parameter_of_every_term_changes_the_result) {
-    expect_rows_matter("stretch", Stretch::parameters, wet_scene, {});
-    expect_rows_matter("bend", Bend::parameters, wet_scene, {});
-    expect_rows_matter("core", Core::parameters, wet_scene, {});
-    expect_rows_matter("stiffness", Stiffness::parameters, wet_scene, {});
-    expect_rows_matter("adhesion", Adhesion::parameters, wet_scene, {});
-    // A little more than 1 still takes each pass.
-    expect_rows_matter("cohesion", Cohesion::parameters, wet_scene, {}, {}, {{"relaxation", 2}});
-    expect_rows_matter("curl", Curl::parameters, wet_scene, {});
-    expect_rows_matter("curl", CurlPush::parameters, wet_scene,
-                       {"curl.form='printed'", "curl.radius=0.008", "curl.pitch=0.02"});
-    expect_rows_matter("wetness", Wetness::parameters, wet_scene, {"wetness.jitter=0"},
-                       {"level", "absorbed", "jitter"});
-    expect_rows_matter("wetness", Wetness::parameters, wet_scene, {"wetness.pattern='tip'"}, {"edge"});
-    expect_rows_matter("wetness", Wetness::parameters, wet_scene,
-                       {"wetness.pattern='region'", "wetness.center=[0, 0.05, -0.08]"}, {"radius"});
-}
-
-TEST(Simulation, keys_outside_the_tables_change_the_result_too) {
-    const RunFrame base = after(scene_of(wet_scene, {"curl.radius=0.008", "curl.pitch=0.02"}), 5);
-    for (const char* set :
-         {"curl.radius=0.0085", "curl.pitch=0.022", "bend.form='printed'", "core.form='printed'",
-          "cohesion.passes=9", "integrator.substeps=5", "integrator.gravity=[0, -9, 0]",
-          "integrator.settle=0.1", "seed=2", "groom.linear_density=6e-6", "groom.rest='sag_free'",
-          "adhesion.form='printed'", "fps=25", "integrator.kind='explicit'",
-          "integrator.kind='backward_euler'", "wetness.pattern='root'", "motion.angle=21"}) {
-        std::vector<string> changed{"curl.radius=0.008", "curl.pitch=0.02"};
-        changed.push_back(set);
-        EXPECT_FALSE(same_bits(base.seen(), after(scene_of(wet_scene, changed), 5).seen())) << set;
-    }
-}
-
 TEST(Simulation, a_term_at_zero_stiffness_is_there_all_the_same) {
     const Scene zero =
         scene_of(dry_scene, {"bend.stiffness=0", "core.stiffness=0", "bend.damping=0", "core.damping=0"});

@@ -231,14 +231,6 @@ TEST(StrandContact, keeps_a_shaken_groom_apart_and_feeds_no_energy) {
     EXPECT_LT(with.excess, 0.01 * with.scale);
 }
 
-TEST(StrandContact, every_parameter_matters) {
-    const std::string text = shaken + "[strand_contact]\nradius = 0.006\n";
-    const RunFrame base = after(scene_of(text), 3);
-    for (const char* set :
-         {"strand_contact.radius=0.00606", "strand_contact.strength=20.2", "strand_contact.friction=5.05"})
-        EXPECT_FALSE(same_bits(base.positions, after(scene_of(text, {set}), 3).positions)) << set;
-}
-
 TEST(StrandContact, is_not_there_where_it_is_not_named) {
     auto names_it = [](const Scene& scene) {
         const auto simulation = make_simulation(scene, "float");

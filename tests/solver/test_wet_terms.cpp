@@ -509,14 +509,14 @@ TEST(Contact, friction_slows_what_slides_and_keeps_what_does_not) {
 
 ProceduralGroom small_groom(int width) {
     ProceduralGroom g;
-    for (const auto& row : procedural_parameters) g.*row.member = row.fallback;
+    read_parameters(g, procedural_parameters, Config::parse("", "defaults").root());
     g.width = g.height = width;
     g.particles = 12;
     return g;
 }
 Wetness wetness(const std::string& pattern) {
     Wetness w;
-    for (const auto& row : Wetness::parameters) w.*row.member = row.fallback;
+    read_parameters(w, Wetness::parameters, Config::parse("", "defaults").root());
     w.pattern = pattern;
     return w;
 }

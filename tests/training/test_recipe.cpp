@@ -47,46 +47,70 @@ TEST(Recipe, DefaultsOfTheStrandCodecAreThoseThatTrained) {
     EXPECT_EQ(r.architecture, "first");
 }
 
+// Values that a row must refuse.
+std::vector<std::string> refused_by(const KeyRow& row) {
+    if (row.kind == Kind::word) return {"3", "no_such_word"};
+    if (row.kind == Kind::text) return {"3", "true"};
+    if (row.kind == Kind::boolean) return {"1", "'true'"};
+    const bool whole = row.kind == Kind::integer;
+    std::vector<std::string> out{"'many'", "true", "[1]"};
+    for (double value : {row.minimum - 1, row.maximum * 2 + 1})
+        out.push_back(whole ? std::to_string(long(value)) : text(value));
+    if (whole) out.push_back("2.5");
+    return out;
+}
+// Another one than its default that it takes.
+std::string allowed_by(const KeyRow& row, double fallback) {
+    if (row.kind == Kind::word) return row.words[size_t(fallback) == 0 ? 1 : 0];
+    if (row.kind == Kind::text) return row.key == std::string("leave_out") ? "length" : "cuda";
+    if (row.kind == Kind::boolean) return fallback != 0 ? "false" : "true";
+    if (row.kind == Kind::integer) return std::to_string(long(std::min(fallback + 1, row.maximum)));
+    return text(row.minimum + 0.5 * (std::min(row.maximum, 2 * fallback + 1) - row.minimum));
+}
+
 TEST(Recipe, EveryRowIsReadAndKeptInItsRange) {
     for (Codec codec : codecs)
-        for (const auto& row : recipe_rows()) {
-            const double fallback = row.fallback(codec);
-            if (std::isnan(fallback)) {
-                expect_error<Misuse>([&] { with(codec, {std::string(row.key) + "=16"}); },
-                                     {});  // not of this codec
+        for (const auto& row : recipe_rows) {
+            const std::string key = row.full_key();
+            SCOPED_TRACE(key);
+            if (!row.has(codec)) {
+                expect_error<Misuse>([&] { with(codec, {key + "=16"}); }, {});  // not of this codec
                 continue;
             }
-            const std::string key = row.key, last = key.substr(key.find('.') + 1);
-            const double other =
-                row.whole ? std::min(fallback + 1, row.maximum)
-                          : row.minimum + 0.5 * (std::min(row.maximum, 2 * fallback + 1) - row.minimum);
-            ASSERT_NE(other, fallback) << key;
-            EXPECT_EQ(with(codec, {key + "=" + (row.whole ? std::to_string(long(other)) : text(other))}).*
-                          row.member,
-                      other)
-                << key;
-            expect_error<Misuse>(
-                [&] {
-                    with(codec,
-                         {key + "=" +
-                          (row.whole ? std::to_string(long(row.minimum) - 1) : text(row.minimum - 1))});
+            const std::string other = allowed_by(row, row.default_of(codec));
+            const Recipe usual = with(codec, {}), changed = with(codec, {key + "=" + other});
+            const bool same = std::visit(
+                [&](auto member) {
+                    if constexpr (requires { usual.*member == changed.*member; } &&
+                                  !std::is_same_v<decltype(member), std::optional<Vec3d> Recipe::*>)
+                        return usual.*member == changed.*member;
+                    else
+                        return true;
                 },
-                {last});
-            expect_error<Misuse>(
-                [&] {
-                    with(codec,
-                         {key + "=" +
-                          (row.whole ? std::to_string(long(row.maximum) + 1) : text(row.maximum * 2 + 1))});
-                },
-                {last});
-            expect_error<Misuse>([&] { with(codec, {key + "=\"many\""}); }, {last});
-            if (row.whole) expect_error<Misuse>([&] { with(codec, {key + "=2.5"}); }, {last});
+                row.member);
+            EXPECT_FALSE(same) << other;
+            for (const auto& wrong : refused_by(row)) {
+                SCOPED_TRACE(wrong);
+                expect_error<Misuse>([&] { with(codec, {key + "=" + wrong}); }, {row.key});
+            }
         }
 }
 
-TEST(Recipe, KeysAreUnique) {
-    std::set<std::string> keys;
-    for (const auto& row : recipe_rows()) EXPECT_TRUE(keys.insert(row.key).second) << row.key;
+TEST(Recipe, ItsListingHasEachKeyOnceWithADefaultAndASentence) {
+    for (Codec codec : codecs) {
+        std::set<std::string> keys;
+        for (const auto& table : recipe_tables(codec)) {
+            EXPECT_TRUE(table.meaning.ends_with("."));
+            for (const auto& row : table.rows) {
+                EXPECT_TRUE(keys.insert(table.name + "." + row.key).second) << row.key;
+                EXPECT_TRUE(std::string(row.meaning).ends_with(".")) << row.key;
+                if (row.is_number()) {
+                    EXPECT_TRUE(row.fallback >= row.minimum && row.fallback <= row.maximum) << row.key;
+                }
+            }
+        }
+        EXPECT_GT(keys.size(), 12u);
+    }
 }
 
 TEST(Recipe, UnknownKeysNameFileLineAndTheNearestName) {
