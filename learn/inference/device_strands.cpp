@@ -43,8 +43,7 @@ class OnDevice final : public LearnedStrands {
         cores_ = view(kernels_->cores(), {n, n}, device_);
         departed_ = view(kernels_->departed(), {n, 4 * l}, device_);
         moved_ = view(kernels_->moved(), {n, 4 * l}, device_);
-        image_ = view(kernels_->image(), {1, static_channels + dynamic_channels, grid_.height, grid_.width},
-                      device_);
+        image_ = view(kernels_->image(), {1, strand_channels, grid_.height, grid_.width}, device_);
     }
 
     const ModelCard& card() const override { return card_; }
