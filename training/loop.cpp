@@ -14,6 +14,7 @@
 #include "base/interrupt.h"
 #include "base/output_file.h"
 #include "base/strands.h"
+#include "models/device.h"
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "training/checkpoint.h"
@@ -179,7 +180,7 @@ class Trainer {
     }
 
     // The network of a model file, whose inputs and outputs stay scaled as they are there.
-    std::shared_ptr<Model> begun_with(const std::string& path) {
+    std::shared_ptr<TorchNetwork> begun_with(const std::string& path) {
         auto [card, model] = load_model(path);
         auto require_same = [&](const char* what, const auto& found, const auto& here) {
             std::ostringstream text;
@@ -457,7 +458,7 @@ class Trainer {
     long epochs_ = 0, total_steps_ = 0, first_step_ = 0;
     std::unique_ptr<TrainingData> data_;
     ModelCard card_;
-    std::shared_ptr<Model> model_;
+    std::shared_ptr<TorchNetwork> model_;
     std::unique_ptr<Optimiser> optimiser_;
     std::unique_ptr<Loss> loss_;
     std::unique_ptr<Group> group_;

@@ -10,7 +10,7 @@ namespace wetcurl {
 class Optimiser {
   public:
     // Moves the model's weights and gradients into flat vectors of which they become views.
-    Optimiser(Model& model, double weight_decay, double gradient_clip);
+    Optimiser(TorchNetwork& model, double weight_decay, double gradient_clip);
     void clear_gradients() { shared.zero_(); }
     // One step down the gradient, whose norm, before clipping, it returns; one that is not finite changes
     // nothing.

@@ -49,9 +49,9 @@ void require_rounds(int rounds) {
 
 namespace {
 
-class OnHost final : public LearnedStrands {
+class StrandsOnCpu final : public LearnedStrands {
   public:
-    OnHost(std::unique_ptr<Network> network, StrandCodec codec)
+    StrandsOnCpu(std::unique_ptr<Network> network, StrandCodec codec)
         : network_(std::move(network)),
           codec_(std::move(codec)),
           rounds_(length_rounds_of(network_->card())),
@@ -157,7 +157,7 @@ class OnHost final : public LearnedStrands {
 }  // namespace
 
 std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec) {
-    return std::make_unique<OnHost>(std::move(network), std::move(codec));
+    return std::make_unique<StrandsOnCpu>(std::move(network), std::move(codec));
 }
 
 }  // namespace wetcurl
