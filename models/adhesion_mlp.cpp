@@ -2,10 +2,12 @@
 // Figure 18, Eq 20.
 #include "models/adhesion_mlp.h"
 
+#include "base/network_channels.h"
+
 namespace wetcurl {
 
 namespace {
-constexpr int sizes[] = {12, 6, 5, 4, 1};
+constexpr int sizes[] = {adhesion_inputs, 6, 5, 4, 1};
 }
 
 AdhesionMlp::AdhesionMlp() {

@@ -16,14 +16,14 @@ int scaled_channels(int channels, double width) {
     return 8 * std::max(1, int(std::ceil(channels * width / 8)));
 }
 
-long parameter_count(const Model& model) {
+long parameter_count(const TorchNetwork& model) {
     long n = 0;
     for (const auto& p : model.parameters()) n += p.numel();
     return n;
 }
 
 // Children are registered in the order in which they run: the last gives single precision.
-void Model::freeze() {
+void TorchNetwork::freeze() {
     const auto layers = children();
     for (size_t k = 0; k < layers.size(); ++k) {
         torch::NoGradGuard no_grad;
@@ -63,7 +63,7 @@ static void count(double pixels, const Tensor& weight) {
     if (counted) *counted += 2 * pixels * double(weight.numel());
 }
 
-double operations_of(Model& model, const Tensor& input) {
+double operations_of(TorchNetwork& model, const Tensor& input) {
     const torch::NoGradGuard no_grad;
     double operations = 0;
     struct Counting {

@@ -12,13 +12,14 @@
 #include <vector>
 
 #include "base/dense_layers.h"
+#include "base/network_channels.h"
 
 namespace wetcurl {
 
 using torch::Tensor;
 
-// A network as LibTorch sees it.
-struct Model : torch::nn::Module {
+// A network as LibTorch sees it; what the rest of the program sees is a Network (learn/codec/network.h).
+struct TorchNetwork : torch::nn::Module {
     // (B, C, H, W) to (B, output_channels, upscale * H, upscale * W), single precision in and out.
     virtual Tensor forward(const Tensor& input) = 0;
     // The same function of a pixel, where nothing but dense layers makes it.
@@ -37,16 +38,16 @@ struct Model : torch::nn::Module {
 
 // What an image network takes and gives: channels, and whether at twice the resolution.
 struct ImageChannels {
-    int in = 3, out = 3;
+    int in = colour_channels, out = colour_channels;
     bool doubles = true;
 };
 
 // Multiplications and additions of the layers in a run on `input`, on the CPU; depthwise ones apart.
-double operations_of(Model& model, const Tensor& input);
+double operations_of(TorchNetwork& model, const Tensor& input);
 
 // `channels` at width 1, multiplied and rounded up to a multiple of 8.
 int scaled_channels(int channels, double width);
-long parameter_count(const Model& model);
+long parameter_count(const TorchNetwork& model);
 
 // A convolution with an odd square kernel that keeps the size (stride 1), by He's initialisation.
 torch::nn::Conv2d convolution(int in, int out, int kernel);
@@ -55,7 +56,7 @@ void set_zero(torch::nn::Module& layer);
 
 // The layer on x, its weights cast to x's type.
 Tensor run_layer(torch::nn::Conv2d& layer, const Tensor& x);
-// relu of it, on a GPU in one kernel where Convolutions::fastest allows it (models/registry.h).
+// relu of it, on a GPU in one kernel where Convolutions::fastest allows it (models/device.h).
 Tensor run_relu(torch::nn::Conv2d& layer, const Tensor& x);
 // (P, C) rows to (P, out): what a 1x1 convolution does to P pixels.
 Tensor run_layer(torch::nn::Linear& layer, const Tensor& rows);

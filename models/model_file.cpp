@@ -81,7 +81,7 @@ ModelCard card_of(const H5Reader& file) {
     return card;
 }
 
-std::shared_ptr<Model> model_of(const std::string& path, const ModelCard& card) {
+std::shared_ptr<TorchNetwork> model_of(const std::string& path, const ModelCard& card) {
     try {
         return make_model(card);
     } catch (const Error& error) {
@@ -91,14 +91,14 @@ std::shared_ptr<Model> model_of(const std::string& path, const ModelCard& card) 
 
 }  // namespace
 
-void write_weights(H5Writer& file, const Model& model) {
+void write_weights(H5Writer& file, const TorchNetwork& model) {
     for (const auto& p : model.named_parameters()) {
         const Tensor host = p.value().detach().to(torch::kCPU, torch::kFloat).contiguous();
         file.write(weights + p.key(), host.data_ptr<float>(), shape_of(host));
     }
 }
 
-void read_weights(const H5Reader& file, Model& model) {
+void read_weights(const H5Reader& file, TorchNetwork& model) {
     torch::NoGradGuard no_grad;
     auto parameters = model.named_parameters();
     for (const auto& name : file.list("weights"))
@@ -110,11 +110,11 @@ void read_weights(const H5Reader& file, Model& model) {
     }
 }
 
-void save_model(const std::string& path, const ModelCard& card, const Model& model, bool overwrite) {
+void save_model(const std::string& path, const ModelCard& card, const TorchNetwork& model, bool overwrite) {
     save_model(OutputFile(path, overwrite), card, model);
 }
 
-void save_model(OutputFile place, const ModelCard& card, const Model& model) {
+void save_model(OutputFile place, const ModelCard& card, const TorchNetwork& model) {
     H5Writer file(std::move(place), model_format, model_version);
     file.attribute("codec", card.codec);
     file.attribute("architecture", card.architecture);
@@ -137,7 +137,7 @@ void save_model(OutputFile place, const ModelCard& card, const Model& model) {
 
 ModelCard read_card(const std::string& path) { return card_of(H5Reader(path, model_format, model_version)); }
 
-std::pair<ModelCard, std::shared_ptr<Model>> load_model(const std::string& path) {
+std::pair<ModelCard, std::shared_ptr<TorchNetwork>> load_model(const std::string& path) {
     const H5Reader file(path, model_format, model_version);
     ModelCard card = card_of(file);
     auto model = model_of(path, card);

@@ -13,16 +13,16 @@
 namespace wetcurl {
 
 // Throws Error where it cannot be written, or is there and `overwrite` is false.
-void save_model(const std::string& path, const ModelCard& card, const Model& model, bool overwrite);
+void save_model(const std::string& path, const ModelCard& card, const TorchNetwork& model, bool overwrite);
 // Into a place that was secured before.
-void save_model(OutputFile place, const ModelCard& card, const Model& model);
+void save_model(OutputFile place, const ModelCard& card, const TorchNetwork& model);
 // Throws Error where the file is missing, cut short, foreign, newer, holds a value that is not finite, or
 // weights that do not fit the network it names.
 ModelCard read_card(const std::string& path);
-std::pair<ModelCard, std::shared_ptr<Model>> load_model(const std::string& path);
+std::pair<ModelCard, std::shared_ptr<TorchNetwork>> load_model(const std::string& path);
 
 // The weights under "weights/NAME" of a file.
-void write_weights(H5Writer& file, const Model& model);
-void read_weights(const H5Reader& file, Model& model);
+void write_weights(H5Writer& file, const TorchNetwork& model);
+void read_weights(const H5Reader& file, TorchNetwork& model);
 
 }  // namespace wetcurl

@@ -6,7 +6,7 @@
 
 namespace wetcurl {
 
-class RecursiveResidual : public Model {
+class RecursiveResidual : public TorchNetwork {
   public:
     explicit RecursiveResidual(double width, ImageChannels channels = {});
     // Codec root: up(input) and the residual.

@@ -1,15 +1,10 @@
 // The list of the networks.
 #include "models/registry.h"
 
-#include <ATen/Context.h>
-#include <torch/cuda.h>
-#include <torch/utils.h>
-
 #include <algorithm>
-#include <cstdlib>
-#include <thread>
 
 #include "base/error.h"
+#include "base/network_channels.h"
 #include "models/adhesion_mlp.h"
 #include "models/recursive_residual.h"
 #include "models/strand_image.h"
@@ -29,11 +24,13 @@ Tensor array_of(const ModelCard& card, const std::string& name, int n, float fal
     return torch::tensor(found->second);
 }
 
-std::shared_ptr<Model> make_unet(const ModelCard& card) { return std::make_shared<UnetVgg19>(card.width); }
-std::shared_ptr<Model> make_recursive(const ModelCard& card) {
+std::shared_ptr<TorchNetwork> make_unet(const ModelCard& card) {
+    return std::make_shared<UnetVgg19>(card.width);
+}
+std::shared_ptr<TorchNetwork> make_recursive(const ModelCard& card) {
     return std::make_shared<RecursiveResidual>(card.width);
 }
-std::shared_ptr<Model> make_adhesion(const ModelCard&) { return std::make_shared<AdhesionMlp>(); }
+std::shared_ptr<TorchNetwork> make_adhesion(const ModelCard&) { return std::make_shared<AdhesionMlp>(); }
 struct Normalisation {
     Tensor mean, deviation, scale;
 };
@@ -43,16 +40,16 @@ Normalisation normalisation_of(const ModelCard& card) {
             array_of(card, "output_scale", card.output_channels, 1)};
 }
 template <bool neighbours>
-std::shared_ptr<Model> make_strand(const ModelCard& card) {
+std::shared_ptr<TorchNetwork> make_strand(const ModelCard& card) {
     const Normalisation n = normalisation_of(card);
     return std::make_shared<StrandMlp>(card.width, n.mean, n.deviation, n.scale, neighbours);
 }
-template <class Network>
-std::shared_ptr<Model> make_strand_image(const ModelCard& card) {
+template <class ImageNetwork>
+std::shared_ptr<TorchNetwork> make_strand_image(const ModelCard& card) {
     const Normalisation n = normalisation_of(card);
-    return std::make_shared<StrandImage<Network>>(card.width, n.mean, n.deviation, n.scale);
+    return std::make_shared<StrandImage<ImageNetwork>>(card.width, n.mean, n.deviation, n.scale);
 }
-std::shared_ptr<Model> make_linear(const ModelCard& card) {
+std::shared_ptr<TorchNetwork> make_linear(const ModelCard& card) {
     const Normalisation n = normalisation_of(card);
     return std::make_shared<StrandLinear>(n.mean, n.deviation, n.scale);
 }
@@ -67,15 +64,62 @@ std::vector<std::string> names_for(const std::string& codec) {
 }  // namespace
 
 const std::vector<Architecture>& architectures() {
+    constexpr int colours = colour_channels, amplitudes = strand_coefficients;
+    // Channels and upscale are those of the codec.
     static const std::vector<Architecture> list = {
-        {"unet_vgg19", "root", 3, 3, 2, true, true, make_unet},
-        {"recursive_residual", "root", 3, 3, 2, true, true, make_recursive},
-        {"strand_mlp", "strand", 0, 72, 1, true, false, make_strand<false>},
-        {"strand_depthwise", "strand", 0, 72, 1, true, true, make_strand<true>},
-        {"strand_linear", "strand", 0, 72, 1, false, false, make_linear},
-        {"strand_unet_vgg19", "strand", 0, 72, 1, true, true, make_strand_image<UnetVgg19>},
-        {"strand_recursive_residual", "strand", 0, 72, 1, true, true, make_strand_image<RecursiveResidual>},
-        {"adhesion_mlp", "adhesion", 12, 1, 1, false, false, make_adhesion},
+        {.name = "unet_vgg19",
+         .codec = "root",
+         .input_channels = colours,
+         .output_channels = colours,
+         .upscale = 2,
+         .scalable = true,
+         .neighbours = true,
+         .make = make_unet},
+        {.name = "recursive_residual",
+         .codec = "root",
+         .input_channels = colours,
+         .output_channels = colours,
+         .upscale = 2,
+         .scalable = true,
+         .neighbours = true,
+         .make = make_recursive},
+        {.name = "strand_mlp",
+         .codec = "strand",
+         .output_channels = amplitudes,
+         .scalable = true,
+         .neighbours = false,
+         .make = make_strand<false>},
+        {.name = "strand_depthwise",
+         .codec = "strand",
+         .output_channels = amplitudes,
+         .scalable = true,
+         .neighbours = true,
+         .make = make_strand<true>},
+        {.name = "strand_linear",
+         .codec = "strand",
+         .output_channels = amplitudes,
+         .scalable = false,
+         .neighbours = false,
+         .make = make_linear},
+        {.name = "strand_unet_vgg19",
+         .codec = "strand",
+         .output_channels = amplitudes,
+         .scalable = true,
+         .neighbours = true,
+         .make = make_strand_image<UnetVgg19>},
+        {.name = "strand_recursive_residual",
+         .codec = "strand",
+         .output_channels = amplitudes,
+         .scalable = true,
+         .neighbours = true,
+         .make = make_strand_image<RecursiveResidual>},
+        {.name = "adhesion_mlp",
+         .codec = "adhesion",
+         .input_channels = adhesion_inputs,
+         .output_channels = 1,
+         .scalable = false,
+         .neighbours = false,
+         .make = make_adhesion},
     };
     return list;
 }
@@ -102,33 +146,11 @@ const Architecture& architecture_for(const std::string& name, const std::string&
     return found;
 }
 
-std::shared_ptr<Model> make_model(const ModelCard& card) {
+std::shared_ptr<TorchNetwork> make_model(const ModelCard& card) {
     const Architecture* architecture = find_architecture(card.architecture);
     if (!architecture)
         throw Error("model: found architecture '" + card.architecture + "', which is not known here");
     return architecture->make(card);
-}
-
-torch::Device device_named(const std::string& name) {
-    if (name == "cpu") return torch::kCPU;
-    const bool numbered = name.rfind("cuda:", 0) == 0 && name.size() > 5 && name.size() < 9 &&
-                          name.find_first_not_of("0123456789", 5) == std::string::npos;
-    if (name != "cuda" && !numbered) throw Misuse("device: found '" + name + "', allowed cpu, cuda, cuda:N");
-    const int index = numbered ? std::atoi(name.c_str() + 5) : 0;
-    const int count = int(torch::cuda::device_count());
-    if (index >= count)
-        throw Error("device " + name + ": this machine and this LibTorch have " + std::to_string(count) +
-                    " CUDA devices; --device cpu works everywhere");
-    return torch::Device(torch::kCUDA, c10::DeviceIndex(index));
-}
-
-void choose(Convolutions how) {
-    at::globalContext().setDeterministicCuDNN(how == Convolutions::repeatable);
-    at::globalContext().setBenchmarkCuDNN(how == Convolutions::fastest);
-}
-
-void set_threads(int threads) {
-    torch::set_num_threads(threads > 0 ? threads : int(std::max(1u, std::thread::hardware_concurrency())));
 }
 
 }  // namespace wetcurl

@@ -12,11 +12,12 @@ namespace wetcurl {
 
 struct Architecture {
     std::string name, codec;
-    int input_channels;  // 0: any
-    int output_channels, upscale;
-    bool scalable;    // whether a width other than 1 is allowed
-    bool neighbours;  // whether a pixel's output depends on others
-    std::shared_ptr<Model> (*make)(const ModelCard& card);
+    int input_channels = 0;  // 0: any
+    int output_channels = 0;
+    int upscale = 1;          // pixels of the output a pixel, each way
+    bool scalable = false;    // whether a width other than 1 is allowed
+    bool neighbours = false;  // whether a pixel's output depends on others
+    std::shared_ptr<TorchNetwork> (*make)(const ModelCard& card) = nullptr;
 };
 
 // The first of a codec is its default.
@@ -27,15 +28,6 @@ const Architecture* find_architecture(const std::string& name);
 const Architecture& architecture_for(const std::string& name, const std::string& codec, double width);
 // A fresh network as the card says, initialised from LibTorch's random state; `card.parameters` is not looked
 // at.
-std::shared_ptr<Model> make_model(const ModelCard& card);
-
-// "cpu", "cuda" or "cuda:1". Throws Misuse for another name, Error where there is no such device.
-torch::Device device_named(const std::string& name);
-// How CUDA devices convolve from now on: by the same kernels each time; or by those that were the fastest
-// when each size came first, which need not be the same, nor give the same bits, in the next process.
-enum class Convolutions { repeatable, fastest };
-void choose(Convolutions how);
-// 0: all of the machine's.
-void set_threads(int threads);
+std::shared_ptr<TorchNetwork> make_model(const ModelCard& card);
 
 }  // namespace wetcurl

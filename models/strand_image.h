@@ -5,9 +5,9 @@
 
 namespace wetcurl {
 
-// Network: UnetVgg19 or RecursiveResidual. Any grid fits.
-template <class Network>
-class StrandImage : public Model {
+// ImageNetwork: UnetVgg19 or RecursiveResidual. Any grid fits.
+template <class ImageNetwork>
+class StrandImage : public TorchNetwork {
   public:
     // `mean`, `deviation` (C) and `scale` (outputs) as of StrandMlp.
     StrandImage(double width, const Tensor& mean, const Tensor& deviation, const Tensor& scale)
@@ -15,7 +15,7 @@ class StrandImage : public Model {
           deviation_(register_buffer("deviation", deviation)),
           scale_(register_buffer("scale", scale)),
           image_(register_module("image",
-                                 std::make_shared<Network>(
+                                 std::make_shared<ImageNetwork>(
                                      width, ImageChannels{int(mean.size(0)), int(scale.size(0)), false}))) {}
 
     // As of StrandMlp; pixels whose inputs are all 0 hold no strand and come in as 0.
@@ -29,7 +29,7 @@ class StrandImage : public Model {
 
   private:
     Tensor mean_, deviation_, scale_;  // stored with the card, not with the weights
-    std::shared_ptr<Network> image_;
+    std::shared_ptr<ImageNetwork> image_;
 };
 
 }  // namespace wetcurl

@@ -92,7 +92,7 @@ void StrandMlp::freeze() {
                                    torch::stack({coarse, fine}), rest});
         frozen_ = frozen;
     }
-    Model::freeze();
+    TorchNetwork::freeze();
 }
 
 Tensor StrandMlp::run(const Frozen& frozen, const Tensor& input) const {
@@ -123,7 +123,7 @@ Tensor StrandMlp::run(const Frozen& frozen, const Tensor& input) const {
 }
 #else
 struct StrandMlp::Frozen {};
-void StrandMlp::freeze() { Model::freeze(); }
+void StrandMlp::freeze() { TorchNetwork::freeze(); }
 Tensor StrandMlp::run(const Frozen&, const Tensor&) const { return {}; }
 #endif
 

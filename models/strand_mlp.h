@@ -7,7 +7,7 @@
 
 namespace wetcurl {
 
-class StrandMlp : public Model {
+class StrandMlp : public TorchNetwork {
   public:
     // 256 channels at width 1; `mean`, `deviation` (C) and `scale` (outputs): of the inputs and of the
     // residual. `neighbours`: a depthwise 5x5 convolution before each block; pixels whose inputs are all 0
@@ -35,7 +35,7 @@ class StrandMlp : public Model {
 };
 
 // Linear regression on the same inputs, what a network has to beat; weight_decay is its ridge.
-class StrandLinear : public Model {
+class StrandLinear : public TorchNetwork {
   public:
     StrandLinear(const Tensor& mean, const Tensor& deviation, const Tensor& scale);
     // As of StrandMlp.

@@ -108,7 +108,7 @@ Tensor by_blocks(const Tensor& weight) {
 }  // namespace
 
 void UnetVgg19::freeze() {
-    Model::freeze();
+    TorchNetwork::freeze();
     frozen_ = nullptr;
     const torch::NoGradGuard no_grad;
     const Tensor& last = last_->weight;
@@ -215,7 +215,7 @@ Tensor UnetVgg19::run(const Frozen& frozen, const Tensor& input, const Tensor& b
 }
 #else
 struct UnetVgg19::Frozen {};
-void UnetVgg19::freeze() { Model::freeze(); }
+void UnetVgg19::freeze() { TorchNetwork::freeze(); }
 #endif
 
 Tensor UnetVgg19::answer(const Tensor& input, const Tensor& base) {

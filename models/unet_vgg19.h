@@ -11,7 +11,7 @@
 
 namespace wetcurl {
 
-class UnetVgg19 : public Model {
+class UnetVgg19 : public TorchNetwork {
   public:
     // Without doubling r6 is left out.
     explicit UnetVgg19(double width, ImageChannels channels = {});

@@ -238,13 +238,14 @@ class StrandData : public TrainingData {
         const Tensor constant = deviation <= 1e-5 * mean.abs() + 1e-9;
         mean_ = mean.to(torch::kFloat);
         deviation_ = torch::where(constant, torch::full_like(deviation, mute), deviation).to(torch::kFloat);
-        if (!recipe_.leave_out.empty() && channels() != static_channels + dynamic_channels)
+        if (!recipe_.leave_out.empty() && channels() != strand_channels)
             throw Error("pairs: found " + std::to_string(channels()) + " inputs, leave_out knows names for " +
-                        std::to_string(static_channels + dynamic_channels));
+                        std::to_string(strand_channels));
         std::istringstream left_out(recipe_.leave_out);
         for (std::string name; left_out >> name;)
             for (const InputGroup& group : strand_inputs)
-                if (name == group.name) deviation_.narrow(0, group.first, group.count).fill_(mute);
+                if (name == group.name)
+                    deviation_.narrow(0, group.channels.first, group.channels.count).fill_(mute);
         const Tensor size = (targets / rows).sqrt();
         // Amplitudes that hardly move keep a thousandth of the largest, so that none is out of reach.
         scale_ = torch::maximum(size, 1e-3 * size.max()).clamp_min(1e-9).to(torch::kFloat);
@@ -269,7 +270,8 @@ class StrandData : public TrainingData {
             const Run& r = runs_[place.run];
             inputs.push_back(inputs_of(place));
             targets.push_back(r.target[place.frame]);
-            bases.push_back(r.dynamic[place.frame].narrow(1, 0, strand_coefficients));
+            bases.push_back(
+                r.dynamic[place.frame].narrow(1, dynamic_layout.base.first, dynamic_layout.base.count));
         }
         const Tensor rows = torch::cat(inputs);
         Batch out{image(rows), image(torch::cat(targets)), torch::cat(bases), {}, {}};
@@ -334,7 +336,7 @@ class RootData : public TrainingData {
     }
 
     void describe(ModelCard& card) const override {
-        card.input_channels = 3;
+        card.input_channels = colour_channels;
         card.arrays["b_min"] = {float(lower_[0]), float(lower_[1]), float(lower_[2])};
         card.arrays["b_max"] = {float(upper_[0]), float(upper_[1]), float(upper_[2])};
     }
@@ -390,8 +392,8 @@ class RootData : public TrainingData {
     void add_run(const PairsReader& file, int r) {
         const RootPairs run = file.root(r);
         const std::string where = run_name(file, r);
-        Run out{torch::empty({run.frames, 3, run.height, run.width}),
-                torch::empty({run.frames, 3, 2 * run.height, 2 * run.width}),
+        Run out{torch::empty({run.frames, colour_channels, run.height, run.width}),
+                torch::empty({run.frames, colour_channels, 2 * run.height, 2 * run.width}),
                 torch::tensor(vector<int>(run.mask.begin(), run.mask.end()))
                     .ne(0)
                     .to(torch::kFloat)
@@ -502,7 +504,8 @@ class AdhesionData : public TrainingData {
 
   private:
     static constexpr long rows_a_batch = 1 << 16;
-    static constexpr long force_before = 7;  // input of particle i: its F.n in the step before
+    // Of particle i.
+    static constexpr long force_before = AdhesionChannels::first(0) + AdhesionChannels::force;
 
     long half() const {
         return std::min(long(recipe_.epoch_samples) / 2, long(contact_.size() + free_.size()));

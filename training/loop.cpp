@@ -5,6 +5,9 @@
 #include <c10/core/DeviceGuard.h>
 #include <torch/utils.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <chrono>
 #include <filesystem>
 #include <numbers>
@@ -14,6 +17,7 @@
 #include "base/interrupt.h"
 #include "base/output_file.h"
 #include "base/strands.h"
+#include "models/device.h"
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "training/checkpoint.h"
@@ -39,11 +43,31 @@ class Stopwatch {
     Clock::time_point start_ = Clock::now();
 };
 
+// Sums over batches, which processes add up: doubles alone.
+struct ValidationSums {
+    double samples = 0, with_positions = 0;  // batches with positions
+    // Weighed by the samples; base: of no network at all.
+    double loss = 0, base_loss = 0, distance = 0, base_distance = 0;
+    double contacts = 0, squares_in_contact = 0, base_squares_in_contact = 0;  // adhesion
+};
+struct DistanceSums {
+    double samples = 0, distance = 0;
+};
+
 struct Validation {
     double loss = 0, base_loss = 0;          // the same loss of no network at all
     double distance = 0, base_distance = 0;  // [m]
     bool positions = false;
     double contact_loss = 0, contact_base_loss = 0;  // adhesion: over the samples in contact
+
+    explicit Validation(const ValidationSums& sums)
+        : loss(mean(sums.loss, sums.samples)),
+          base_loss(mean(sums.base_loss, sums.samples)),
+          distance(mean(sums.distance, sums.samples)),
+          base_distance(mean(sums.base_distance, sums.samples)),
+          positions(sums.with_positions > 0),
+          contact_loss(mean(sums.squares_in_contact, sums.contacts)),
+          contact_base_loss(mean(sums.base_squares_in_contact, sums.contacts)) {}
     // Of adhesion, whose loss is a mean square in units of the largest force of Eq 11.
     std::vector<std::pair<std::string, double>> nrmse() const {
         return {{"validation_nrmse", std::sqrt(loss)},
@@ -51,6 +75,7 @@ struct Validation {
                 {"validation_nrmse_in_contact", std::sqrt(contact_loss)},
                 {"base_nrmse_in_contact", std::sqrt(contact_base_loss)}};
     }
+    static double mean(double sum, double count) { return sum / std::max(count, 1.0); }
 };
 
 class Trainer {
@@ -179,7 +204,7 @@ class Trainer {
     }
 
     // The network of a model file, whose inputs and outputs stay scaled as they are there.
-    std::shared_ptr<Model> begun_with(const std::string& path) {
+    std::shared_ptr<TorchNetwork> begun_with(const std::string& path) {
         auto [card, model] = load_model(path);
         auto require_same = [&](const char* what, const auto& found, const auto& here) {
             std::ostringstream text;
@@ -254,21 +279,22 @@ class Trainer {
     // The same of a batch that processes share: sums over each one's samples, added up, over the count of
     // all.
     double differentiate_share(const Batch& host, bool asked_to_stop) {
-        const Tensor extra = optimiser_->extra();  // loss, count, how many were asked to stop
+        const Tensor extra = optimiser_->extra();
         if (!host.empty()) {
             const double count = loss_->count(host);
             const Batch batch = host.to(device_);
             const Tensor loss = count * loss_->of(output_of(batch), batch);
             loss.backward();
-            extra[0].copy_(loss.detach());
-            extra[1].fill_(count);
+            extra[Optimiser::loss].copy_(loss.detach());
+            extra[Optimiser::samples].fill_(count);
         }
-        extra[2].fill_(asked_to_stop ? 1 : 0);
+        extra[Optimiser::stops].fill_(asked_to_stop ? 1 : 0);
         group_->sum(optimiser_->shared);
-        optimiser_->gradient().div_(extra[1].clamp_min(1));
+        optimiser_->gradient().div_(extra[Optimiser::samples].clamp_min(1));
         const Tensor found = extra.cpu();
-        stop_agreed_ = found[2].item<float>() > 0;
-        return found[0].item<double>() / std::max(found[1].item<double>(), 1.0);
+        stop_agreed_ = found[Optimiser::stops].item<float>() > 0;
+        return found[Optimiser::loss].item<double>() /
+               std::max(found[Optimiser::samples].item<double>(), 1.0);
     }
 
     // One step; the loss before it.
@@ -296,41 +322,44 @@ class Trainer {
         throw Error(text.str());
     }
 
+    // Of all processes together; `Sums` holds doubles alone.
+    template <class Sums>
+    Sums summed(const Sums& own) {
+        using Numbers = std::array<double, sizeof(Sums) / sizeof(double)>;
+        Numbers numbers = std::bit_cast<Numbers>(own);
+        const Tensor all = torch::tensor(at::ArrayRef<double>(numbers), torch::kDouble).to(device_);
+        group_->sum(all);
+        const Tensor found = all.cpu();
+        std::copy_n(found.data_ptr<double>(), numbers.size(), numbers.begin());
+        return std::bit_cast<Sums>(numbers);
+    }
+
     Validation validate() {
         const torch::NoGradGuard no_grad;
-        // loss, base_loss, distance, base_distance, count, batches with positions; in contact: squares, the
-        // base's, count
-        double sums[9] = {};
+        ValidationSums sums;
         for (long i = ranks_.mine; i < data_->validation_batches(); i += ranks_.of) {
             const Batch batch = data_->validation_batch(i).to(device_);
             const Tensor output = output_of(batch), base = loss_->base_output(batch);
             const double weight = loss_->count(batch);
             auto add = [&](double& to, const Tensor& value) { to += weight * value.item<double>(); };
-            add(sums[0], loss_->of(output, batch));
-            add(sums[1], loss_->of(base, batch));
+            add(sums.loss, loss_->of(output, batch));
+            add(sums.base_loss, loss_->of(base, batch));
             if (const Tensor distance = loss_->distance(output, batch); distance.defined()) {
-                add(sums[2], distance);
-                add(sums[3], loss_->distance(base, batch));
-                ++sums[5];
+                add(sums.distance, distance);
+                add(sums.base_distance, loss_->distance(base, batch));
+                ++sums.with_positions;
             }
-            sums[4] += weight;
+            sums.samples += weight;
             if (codec_ == Codec::adhesion) {
                 auto squares = [&](const Tensor& of) {
                     return ((of - batch.target).square() * batch.mask).sum().item<double>();
                 };
-                sums[6] += squares(output);
-                sums[7] += squares(base);
-                sums[8] += batch.mask.sum().item<double>();
+                sums.squares_in_contact += squares(output);
+                sums.base_squares_in_contact += squares(base);
+                sums.contacts += batch.mask.sum().item<double>();
             }
         }
-        const Tensor all = torch::tensor(at::ArrayRef<double>(sums), torch::kDouble).to(device_);
-        group_->sum(all);
-        const Tensor found = all.cpu();
-        auto mean = [&](long i, long count) {
-            return found[i].item<double>() / std::max(found[count].item<double>(), 1.0);
-        };
-        return {mean(0, 4), mean(1, 4), mean(2, 4), mean(3, 4), found[5].item<double>() > 0,
-                mean(6, 8), mean(7, 8)};
+        return Validation(summed(sums));
     }
 
     // Mean distance [m] of the first batches that this epoch drew, by the weights after it; none where the
@@ -339,19 +368,17 @@ class Trainer {
         constexpr long most = 8;
         if (codec_ == Codec::adhesion) return {};
         const torch::NoGradGuard no_grad;
-        double sums[2] = {};  // distance, count
+        DistanceSums sums;
         for (long step = 0; step < std::min(most, data_->steps()); ++step) {
             const Batch host = data_->batch(step);
             if (host.empty()) continue;
             const Batch batch = host.to(device_);
             const double weight = loss_->count(batch);
-            sums[0] += weight * loss_->distance(output_of(batch), batch).item<double>();
-            sums[1] += weight;
+            sums.distance += weight * loss_->distance(output_of(batch), batch).item<double>();
+            sums.samples += weight;
         }
-        const Tensor all = torch::tensor(at::ArrayRef<double>(sums), torch::kDouble).to(device_);
-        group_->sum(all);
-        const Tensor found = all.cpu();
-        return found[0].item<double>() / std::max(found[1].item<double>(), 1.0);
+        sums = summed(sums);
+        return sums.distance / std::max(sums.samples, 1.0);
     }
 
     // The end of an epoch: its line in the log, a validation where one is due, the best kept.
@@ -379,9 +406,9 @@ class Trainer {
             } else {
                 const auto nrmse = found.nrmse();
                 line.insert(line.end(), nrmse.begin(), nrmse.end());
-                note << ", held out nRMSE " << nrmse[0].second << " (force of the step before "
-                     << nrmse[1].second << "), in contact " << nrmse[2].second << " (" << nrmse[3].second
-                     << ")";
+                note << ", held out nRMSE " << std::sqrt(found.loss) << " (force of the step before "
+                     << std::sqrt(found.base_loss) << "), in contact " << std::sqrt(found.contact_loss)
+                     << " (" << std::sqrt(found.contact_base_loss) << ")";
             }
             best_note_ = note.str();
             keep_if_best(found.loss);
@@ -457,7 +484,7 @@ class Trainer {
     long epochs_ = 0, total_steps_ = 0, first_step_ = 0;
     std::unique_ptr<TrainingData> data_;
     ModelCard card_;
-    std::shared_ptr<Model> model_;
+    std::shared_ptr<TorchNetwork> model_;
     std::unique_ptr<Optimiser> optimiser_;
     std::unique_ptr<Loss> loss_;
     std::unique_ptr<Group> group_;

@@ -4,6 +4,7 @@
 #include <torch/cuda.h>
 
 #include "learn/inference/inference.h"
+#include "models/device.h"
 #include "models/registry.h"
 #include "training/losses.h"
 #include "training/optimiser.h"
@@ -44,7 +45,7 @@ MeasuredNetwork measured_training(const ModelCard& card, std::array<long, 4> sha
     TrainRequest request;
     request.set = {"precision='bfloat16'"};
     const Recipe recipe = read_recipe(request, Codec::root, {card.architecture});
-    const std::shared_ptr<Model> model = make_model(card);
+    const std::shared_ptr<TorchNetwork> model = make_model(card);
     model->to(on);
     model->body = torch::kBFloat16;
     const auto optimiser = std::make_shared<Optimiser>(*model, recipe.weight_decay, recipe.gradient_clip);

@@ -5,8 +5,8 @@
 #endif
 #include "learn/codec/network_module.h"
 #include "learn/inference/inference.h"
+#include "models/device.h"
 #include "models/model_file.h"
-#include "models/registry.h"
 #include "training/loop.h"
 #include "training/measured.h"
 

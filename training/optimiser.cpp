@@ -12,7 +12,7 @@ static Tensor as_laid_out(const Tensor& flat, const Tensor& like) {
     return flat.view({like.size(0), like.size(2), like.size(3), like.size(1)}).permute({0, 3, 1, 2});
 }
 
-Optimiser::Optimiser(Model& model, double weight_decay, double gradient_clip)
+Optimiser::Optimiser(TorchNetwork& model, double weight_decay, double gradient_clip)
     : weight_decay_(weight_decay), clip_(gradient_clip) {
     torch::NoGradGuard no_grad;
     parameters_ = model.parameters();

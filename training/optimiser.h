@@ -10,15 +10,17 @@ namespace wetcurl {
 class Optimiser {
   public:
     // Moves the model's weights and gradients into flat vectors of which they become views.
-    Optimiser(Model& model, double weight_decay, double gradient_clip);
+    Optimiser(TorchNetwork& model, double weight_decay, double gradient_clip);
     void clear_gradients() { shared.zero_(); }
     // One step down the gradient, whose norm, before clipping, it returns; one that is not finite changes
     // nothing.
     double step(double learning_rate);
 
-    // (n + 3): the gradient, and behind it numbers that are cleared with it, so that what processes share is
-    // one vector.
-    static constexpr long extras = 3;
+    // What processes sum besides the gradient: the loss, how many samples it is of, and how many of them
+    // were asked to stop.
+    enum Extra : long { loss, samples, stops, extras };
+    // (n + extras): the gradient, and behind it these, which are cleared with it, so that what processes
+    // share is one vector.
     Tensor shared;
     Tensor gradient() const { return gradient_; }
     Tensor extra() const { return shared.narrow(0, gradient_.numel(), extras); }

@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "base/config.h"
+#include "base/network_channels.h"
 #include "base/shift_units.h"
-#include "learn/codec/strand_codec.h"
 
 namespace wetcurl {
 namespace {

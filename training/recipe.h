@@ -23,7 +23,7 @@ struct Recipe {
     bool deterministic;     // on CUDA devices
     std::string target;     // codec strand: "strands", which Eq 10 follows, or "displayed", after it
     std::string units;      // of Eq 18, codec root: "length" or "printed" (base/shift_units.h)
-    std::string leave_out;  // codec strand: names of inputs (learn/codec/strand_codec.h), blanks between
+    std::string leave_out;  // codec strand: names of inputs (base/network_channels.h), blanks between
     std::string
         text;  // the whole recipe as TOML, `device` and `checkpoint_seconds` apart: they change no result
 };

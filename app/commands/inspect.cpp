@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "app/commands/dataset_recipe.h"
+#include "app/dataset/dataset_recipe.h"
 #include "app/engine/device.h"
 #include "app/engine/run_solids.h"
 #include "app/files/key_rows.h"

@@ -194,8 +194,8 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
     };
     const std::vector<float> answers = answers_to(inputs);
 
-    // Particle i's numbers lie in the middle of the twelve.
-    constexpr int distance = 6, before = 7;
+    constexpr int own = AdhesionChannels::first(0), distance = own + AdhesionChannels::distance,
+                  before = own + AdhesionChannels::force;
     const std::string force = "F.n / (sigma m a_max)", of = stem_of(model);
     double squares = 0, by_persistence = 0;
     size_t touching = 0;
@@ -255,8 +255,9 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
     Chart worth;
     worth.title = "what each input is worth to " + of;
     worth.x_label = "root mean square change of F.n without it [sigma m a_max]";
-    const char* what[4] = {"contact", "v.n / sqrt(a_max h)", "phi / h", "F.n before"};
-    const char* whose[3] = {"i-1", "i", "i+1"};
+    constexpr int each = AdhesionChannels::of_particle;
+    const char* what[each] = {"contact", "v.n / sqrt(a_max h)", "phi / h", "F.n before"};
+    const char* whose[AdhesionChannels::particles] = {"i-1", "i", "i+1"};
     for (int k = 0; k < adhesion_inputs; ++k) {
         double mean_of = 0, moved = 0;
         for (size_t s = 0; s < samples.size(); ++s)
@@ -266,9 +267,9 @@ std::vector<Chart> adhesion_charts(const PairsReader& pairs, Network& network, c
         const auto changed = answers_to(without);
         for (size_t s = 0; s < samples.size(); ++s)
             if (samples[s].contact) moved += std::pow(double(changed[s]) - double(answers[s]), 2);
-        worth.bars.push_back({fmt::format("{} of {}", what[k % 4], whose[k / 4]),
+        worth.bars.push_back({fmt::format("{} of {}", what[k % each], whose[k / each]),
                               std::sqrt(moved / double(std::max<size_t>(touching, 1))),
-                              k / 4 == 1 ? blue : sky});
+                              k / each == own / each ? blue : sky});
     }
     return {scatter, profile, worth};
 }

@@ -23,13 +23,13 @@ namespace {
 // strand.
 std::vector<float> profile_of(const ModelCard& card, const Groom& groom) {
     const auto mean = card.arrays.find("input_mean");
-    if (mean == card.arrays.end() || mean->second.size() < size_t(strand_coefficients + saturation_pieces))
+    if (mean == card.arrays.end() || mean->second.size() < size_t(static_layout.saturation.end()))
         throw Error("neither the run nor --wetness nor the model says how wet the hair is");
     const int n = groom.rest.particles;
     std::vector<float> sigma;
     for (int s = 0; s < groom.rest.count; ++s)
         for (int i = 0; i < n; ++i)
-            sigma.push_back(mean->second[size_t(strand_coefficients +
+            sigma.push_back(mean->second[size_t(static_layout.saturation.first +
                                                 std::min(i * saturation_pieces / n, saturation_pieces - 1))]);
     return sigma;
 }

@@ -7,15 +7,13 @@
 #include <array>
 #include <cstdint>
 
+#include "base/network_channels.h"
+
 namespace wetcurl {
 
-inline constexpr int adhesion_inputs = 12;
-
 struct AdhesionSample {
-    // Particles i-1, i, i+1; for each: contact flag, v.n / sqrt(a_max h), phi / h, F.n / (sigma m a_max) of
-    // the step before.
-    std::array<float, adhesion_inputs> input{};
-    float target = 0;     // F.n / (sigma m a_max) of this step
+    std::array<float, adhesion_inputs> input{};  // AdhesionChannels
+    float target = 0;                            // F.n / (sigma m a_max) of this step
     uint8_t contact = 0;  // whether particle i is in contact: training draws as many of each kind
 };
 

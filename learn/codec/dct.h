@@ -6,12 +6,10 @@
 
 #include <vector>
 
+#include "base/network_channels.h"
 #include "base/vec3.h"
 
 namespace wetcurl {
-
-inline constexpr int dct_kept = 24;                       // amplitudes an axis
-inline constexpr int strand_coefficients = 3 * dct_kept;  // channel = dct_kept * axis + k
 
 class StrandDct {
   public:

@@ -11,13 +11,12 @@
 namespace wetcurl {
 
 void require_fit(const ModelCard& card, const StrandCodec& codec) {
-    constexpr int inputs = static_channels + dynamic_channels;
     const std::string network = "network " + card.architecture + ": ";
     if (card.codec != "strand")
         throw Error(network + "found one of codec " + card.codec + ", allowed is codec strand");
-    if (card.input_channels != inputs)
+    if (card.input_channels != strand_channels)
         throw Error(network + "found " + std::to_string(card.input_channels) + " inputs, allowed " +
-                    std::to_string(inputs) + " (made by another wetcurl? encode and train again)");
+                    std::to_string(strand_channels) + " (made by another wetcurl? encode and train again)");
     // Amplitudes do not know how many particles they come of, as long as these carry them all.
     if (codec.particles() < dct_kept)
         throw Error(network + "predicts " + std::to_string(dct_kept) + " amplitudes an axis, the hair has " +
@@ -50,13 +49,13 @@ void require_rounds(int rounds) {
 
 namespace {
 
-class OnHost final : public LearnedStrands {
+class StrandsOnCpu final : public LearnedStrands {
   public:
-    OnHost(std::unique_ptr<Network> network, StrandCodec codec)
+    StrandsOnCpu(std::unique_ptr<Network> network, StrandCodec codec)
         : network_(std::move(network)),
           codec_(std::move(codec)),
           rounds_(length_rounds_of(network_->card())),
-          input_(size_t(static_channels + dynamic_channels) * codec_.pixels()),
+          input_(size_t(strand_channels) * codec_.pixels()),
           answer_(size_t(strand_coefficients) * codec_.pixels()) {
         require_fit(network_->card(), codec_);
         std::copy(codec_.fixed().begin(), codec_.fixed().end(), input_.begin());
@@ -73,7 +72,7 @@ class OnHost final : public LearnedStrands {
     void crop(const std::vector<uint8_t>& wanted) override {
         crop_ = crop_to(codec_.grid(), wanted, network_->reach(), card().architecture);
         const size_t seen = size_t(crop_->seen.height) * crop_->seen.width;
-        seen_.resize(inputs * seen), answer_of_seen_.resize(strand_coefficients * seen);
+        seen_.resize(strand_channels * seen), answer_of_seen_.resize(strand_coefficients * seen);
         std::fill(answer_.begin(), answer_.end(), 0.f);
     }
     void bind(const Vec3f* low, Vec3f* out, bool on_device) override {
@@ -101,10 +100,10 @@ class OnHost final : public LearnedStrands {
     }
 
   private:
-    static constexpr int inputs = static_channels + dynamic_channels;
     void ask() {
         if (!crop_)
-            return network_->run(input_.data(), {1, inputs, codec_.height(), codec_.width()}, answer_.data());
+            return network_->run(input_.data(), {1, strand_channels, codec_.height(), codec_.width()},
+                                 answer_.data());
         const GridBox answered = crop_->answered, seen = crop_->seen;
         // f(place in images of `seen`, place in those of the grid), row by row of a box within `seen`.
         auto for_each_row = [&](const GridBox& box, int channels, auto f) {
@@ -113,10 +112,10 @@ class OnHost final : public LearnedStrands {
                     f((c * seen.height + (r - seen.row)) * seen.width + (box.column - seen.column),
                       (c * codec_.height() + r) * codec_.width() + box.column);
         };
-        for_each_row(seen, inputs, [&](size_t in_seen, size_t in_grid) {
+        for_each_row(seen, strand_channels, [&](size_t in_seen, size_t in_grid) {
             std::copy_n(&input_[in_grid], seen.width, &seen_[in_seen]);
         });
-        network_->run(seen_.data(), {1, inputs, seen.height, seen.width}, answer_of_seen_.data());
+        network_->run(seen_.data(), {1, strand_channels, seen.height, seen.width}, answer_of_seen_.data());
         for_each_row(answered, strand_coefficients, [&](size_t in_seen, size_t in_grid) {
             std::copy_n(&answer_of_seen_[in_seen], answered.width, &answer_[in_grid]);
         });
@@ -158,7 +157,7 @@ class OnHost final : public LearnedStrands {
 }  // namespace
 
 std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec) {
-    return std::make_unique<OnHost>(std::move(network), std::move(codec));
+    return std::make_unique<StrandsOnCpu>(std::move(network), std::move(codec));
 }
 
 }  // namespace wetcurl

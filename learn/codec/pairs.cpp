@@ -6,7 +6,7 @@
 #include <functional>
 #include <utility>
 
-#include "learn/codec/dct.h"
+#include "base/network_channels.h"
 
 namespace wetcurl {
 
@@ -58,8 +58,8 @@ void PairsWriter::begin(const RootPairs& run) {
     file_.write(group_ + "/mask_low", run.mask_low.data(), {h, w});
     file_.write(group_ + "/mask", run.mask.data(), {2 * h, 2 * w});
     inputs_name_ = "/input";
-    inputs_shape_ = {3, h, w};
-    target_shape_ = {3, 2 * h, 2 * w};
+    inputs_shape_ = {size_t(colour_channels), h, w};
+    target_shape_ = {size_t(colour_channels), 2 * h, 2 * w};
 }
 
 void PairsWriter::append(const float* inputs, const float* target, const float* displayed) {
@@ -164,8 +164,8 @@ RootPairs PairsReader::root(int run) const {
     require(Codec::root);
     const std::string group = group_name(run);
     const auto d = frames_shape(file_, group + "/input");
-    require_shape(file_, group + "/input", {d[0], 3, d[2], d[3]});
-    require_shape(file_, group + "/target", {d[0], 3, 2 * d[2], 2 * d[3]});
+    require_shape(file_, group + "/input", {d[0], size_t(colour_channels), d[2], d[3]});
+    require_shape(file_, group + "/target", {d[0], size_t(colour_channels), 2 * d[2], 2 * d[3]});
     RootPairs out;
     out.frames = int(d[0]);
     out.height = int(d[2]);

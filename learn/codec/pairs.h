@@ -8,7 +8,7 @@
 // and the inputs with their hashes ("input 000 dry", "input 000 wet": "FILE HASH").
 //
 // codec strand, F frames, (H, W) the high-resolution root grid:
-//   static (85, H, W) f32, dynamic (F, 153, H, W) f32: channels in learn/codec/strand_codec.h; the first 72
+//   static (85, H, W) f32, dynamic (F, 153, H, W) f32: channels in base/network_channels.h; the first 72
 //   of `dynamic` are the base; target (F, 72, H, W) f32: wet amplitudes before cohesion, less the base;
 //   displayed (F, 72, H, W) f32, where known: the same after cohesion; mask (H, W) u8: 1 where a strand is;
 //   length (H, W) f32 [m]; frame (F) i32, where known: which of the run's frames these are, rising.

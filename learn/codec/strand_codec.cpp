@@ -52,70 +52,68 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
     mask_.assign(pixels(), 0);
     for (int pixel : pixel_of_) mask_[size_t(pixel)] = 1;
     fixed_.assign(size_t(static_channels) * pixels(), 0);
+    auto plane = [&](const Channels& channels) { return fixed_.data() + size_t(channels.first) * pixels(); };
     length_.assign(pixels(), 0);
     edges_.assign(high.rest.points.size(), 0);
     const Strands& rest = shape ? *shape : high.rest;
-    encode(rest, Pose{}, fixed_.data());
+    encode(rest, Pose{}, plane(static_layout.rest));
     const auto radius = curl_radii(rest);
     for (int s = 0; s < strands; ++s) {
         const size_t pixel = size_t(pixel_of_[size_t(s)]);
-        float* at = fixed_.data() + pixel;
         if (!saturation.empty())
-            profile(saturation.data() + size_t(s) * n, n, at + size_t(strand_coefficients) * pixels(),
-                    pixels());
+            profile(saturation.data() + size_t(s) * n, n, plane(static_layout.saturation) + pixel, pixels());
         length_[pixel] = float(arc_length(high.rest.strand(s), n));
         for (int i = 1; i < n; ++i)
             edges_[size_t(s) * n + i] = norm(high.rest.at(s, i) - high.rest.at(s, i - 1));
-        at += size_t(strand_coefficients + saturation_pieces) * pixels();
-        for (float x :
-             {length_[pixel], radius[size_t(s)], 0.0f, root_spacing(high, int(pixel)), float(reach)}) {
-            *at = x;
-            at += pixels();
-        }
+        plane(static_layout.length)[pixel] = length_[pixel];
+        plane(static_layout.radius)[pixel] = radius[size_t(s)];
+        plane(static_layout.spacing)[pixel] = root_spacing(high, int(pixel));
+        plane(static_layout.reach)[pixel] = float(reach);
     }
-    constexpr int shared = static_channels - 3;
-    for (int twin : carrier_.around().twin)
-        fixed_[size_t(shared) * pixels() + size_t(pixel_of_[size_t(twin)])] = 1;
+    for (int twin : carrier_.around().twin) plane(static_layout.shared)[size_t(pixel_of_[size_t(twin)])] = 1;
 }
 
 void StrandCodec::dynamic(const Strands& low, const HeadWindow& heads, float* out) {
-    constexpr int slots = history_lags.back() + 1, modes = 3 * history_modes;
+    constexpr int slots = history_lags.back() + 1;
+    constexpr Channels change = past_layout.change;
+    const size_t area = pixels(), strands = size_t(roots_.count()), numbers = size_t(past_layout.count);
     carrier_.apply(low, heads.now, base_);
     project(base_, out);
-    const size_t area = pixels(), strands = size_t(roots_.count());
-    float* motion = out + size_t(strand_coefficients) * area;
-    std::fill_n(motion, size_t(dynamic_channels - strand_coefficients) * area, 0.0f);
+    std::fill(out + size_t(dynamic_layout.base.end()) * area, out + size_t(dynamic_channels) * area, 0.0f);
     const bool first = frames_ == 0;
-    if (first) past_.resize(size_t(slots) * strands * history_numbers);
+    if (first) past_.resize(size_t(slots) * strands * numbers);
     auto past = [&](int lag, size_t s) {
         const size_t slot = size_t((frames_ + slots - lag) % slots);
-        return past_.data() + (slot * strands + s) * history_numbers;
+        return past_.data() + (slot * strands + s) * numbers;
     };
     const Vec3f gravity = cast<float>(heads.gravity), turning = cast<float>(heads.angular_velocity());
 #pragma omp parallel for schedule(static)
     for (size_t s = 0; s < strands; ++s) {
         const size_t pixel = size_t(pixel_of_[s]);
+        auto at = [&](int channel) -> float& { return out[size_t(channel) * area + pixel]; };
+        auto put = [&](const Channels& to, const Vec3f& v) {
+            at(to.first) = v.x, at(to.first + 1) = v.y, at(to.first + 2) = v.z;
+        };
         const Quatf to_root = conjugate(roots_.rotation_at(int(s), heads.now));
         const Vec3f pull = cast<float>(heads.acceleration(cast<double>(roots_.root[s])));
+        put(dynamic_layout.gravity, rotate(to_root, gravity));
+        put(dynamic_layout.turning, rotate(to_root, turning));
+        put(dynamic_layout.acceleration, rotate(to_root, pull));
+
         float* now = past(0, s);
-        for (int m = 0; m < modes; ++m)
-            now[m] = out[size_t(m / history_modes * dct_kept + m % history_modes) * area + pixel];
-        const Vec3f g = rotate(to_root, gravity), w = rotate(to_root, turning), a = rotate(to_root, pull);
-        const float moves[6] = {w.x, w.y, w.z, a.x, a.y, a.z};
-        std::copy_n(moves, 6, now + modes);
+        for (int m = 0; m < change.count; ++m)
+            now[change.first + m] = at(dynamic_layout.base.first + history_amplitude(m));
+        for (int axis = 0; axis < 3; ++axis) {
+            now[past_layout.turning.first + axis] = at(dynamic_layout.turning.first + axis);
+            now[past_layout.acceleration.first + axis] = at(dynamic_layout.acceleration.first + axis);
+        }
         if (first)
-            for (int lag = 1; lag < slots; ++lag) std::copy_n(now, history_numbers, past(lag, s));
-        float* at = motion + pixel;
-        auto put = [&](float x) {
-            *at = x;
-            at += area;
-        };
-        for (float x : {g.x, g.y, g.z}) put(x);
-        for (float x : moves) put(x);
-        for (int lag : history_lags) {
-            const float* then = past(lag, s);
-            for (int m = 0; m < modes; ++m) put(now[m] - then[m]);
-            for (int m = modes; m < history_numbers; ++m) put(then[m]);
+            for (int lag = 1; lag < slots; ++lag) std::copy_n(now, numbers, past(lag, s));
+        for (size_t l = 0; l < history_lags.size(); ++l) {
+            const float* then = past(history_lags[l], s);
+            const int to = dynamic_layout.past(int(l)).first;
+            for (int k = 0; k < past_layout.count; ++k)
+                at(to + k) = change.holds(k) ? now[k] - then[k] : then[k];
         }
     }
     ++frames_;

@@ -6,53 +6,17 @@
 // strands around it have moved from theirs (learn/codec/carried_rest.h), at full resolution; the network sees
 // its amplitudes, and answers with those of what is to be added to it.
 //
-// static (85): 0-71 amplitudes of that rest shape, 72-79 saturation profile (means over eighths of the
-//   strand, root first), 80 length [m], 81 curl radius at rest [m], 82 whether the low-resolution run has the
-//   strand, 83 mean distance to the roots beside it on the grid [m], 84 reach of Eq 10 [m].
-// dynamic (153): 0-71 amplitudes of the base, 72-74 gravity [m/s^2], 75-77 angular velocity of the head
-//   [rad/s], 78-80 acceleration of the root [m/s^2]; then 18 for each of the frames 1, 2, 4 and 8 before:
-//   how the first 4 amplitudes an axis of the base have changed since (12) [m], angular velocity and
-//   acceleration at that frame (6). Before the first frame all was as in it.
-// target (72): amplitudes of the wet strand before cohesion, less the base; displayed (72): after it.
-// All vectors in the strand's head-fixed root frame (learn/codec/root_frame.h); amplitudes:
-// learn/codec/dct.h. Pixels without a strand hold zeros.
+// Its images, channel by channel: base/network_channels.h. Static is what does not change from frame to
+// frame, dynamic what one frame brings. A target is the amplitudes of the wet strand, before cohesion or
+// after it (displayed), less those of the base.
 #pragma once
 
-#include <array>
-
+#include "base/network_channels.h"
 #include "learn/codec/carried_rest.h"
 #include "learn/codec/dct.h"
 #include "learn/codec/frame_window.h"
 
 namespace wetcurl {
-
-inline constexpr int saturation_pieces = 8;
-inline constexpr std::array<int, 4> history_lags{1, 2, 4, 8};  // [frames]
-inline constexpr int history_modes = 4;                        // amplitudes an axis
-inline constexpr int history_numbers = 3 * history_modes + 6;  // of a strand and frame
-inline constexpr int static_channels = strand_coefficients + saturation_pieces + 5;
-inline constexpr int motion_channels = 9;
-inline constexpr int dynamic_channels =
-    strand_coefficients + motion_channels + int(history_lags.size()) * history_numbers;
-
-// The inputs by name, static ones first: what a training can leave out.
-struct InputGroup {
-    const char* name;
-    int first, count;
-};
-inline constexpr std::array<InputGroup, 10> strand_inputs{{
-    {"rest", 0, strand_coefficients},
-    {"saturation", strand_coefficients, saturation_pieces},
-    {"length", static_channels - 5, 1},
-    {"radius", static_channels - 4, 1},
-    {"shared", static_channels - 3, 1},
-    {"density", static_channels - 2, 2},
-    {"base", static_channels, strand_coefficients},
-    {"gravity", static_channels + strand_coefficients, 3},
-    {"motion", static_channels + strand_coefficients + 3, 6},
-    {"history", static_channels + strand_coefficients + motion_channels,
-     dynamic_channels - strand_coefficients - motion_channels},
-}};
 
 class StrandCodec {
   public:
@@ -75,14 +39,14 @@ class StrandCodec {
     const RestCarrier& carrier() const { return carrier_; }
     const std::vector<int>& pixel_of() const { return pixel_of_; }  // (strand)
 
-    const std::vector<float>& fixed() const { return fixed_; }    // "static": (85, H, W)
+    const std::vector<float>& fixed() const { return fixed_; }    // "static": (static_channels, H, W)
     const std::vector<uint8_t>& mask() const { return mask_; }    // (H, W)
     const std::vector<float>& length() const { return length_; }  // (H, W) [m]
     // (strand, particle): how long the edge to it is at rest [m], 0 at the root.
     const std::vector<float>& edges() const { return edges_; }
 
-    // out (153, H, W): features of one frame, whose base it takes up; low: world positions of the dry
-    // low-resolution strands [m]. For every frame of a run, in order.
+    // out (dynamic_channels, H, W): features of one frame, whose base it takes up; low: world positions of
+    // the dry low-resolution strands [m]. For every frame of a run, in order.
     void dynamic(const Strands& low, const HeadWindow& heads, float* out);
     // The next frame is the first of another run.
     void restart() { frames_ = 0; }
@@ -108,8 +72,10 @@ class StrandCodec {
     StrandDct dct_;
     RootFrames roots_;
     RestCarrier carrier_;
-    Strands base_;             // offsets in the root frames
-    std::vector<float> past_;  // (lag 0 to 8, round robin; strand, 18)
+    Strands base_;  // offsets in the root frames
+    // (frames up to the longest lag, round robin; strand, past_layout.count): the amplitudes themselves where
+    // past_layout has their change.
+    std::vector<float> past_;
     long frames_ = 0;
     std::vector<float> fixed_, length_, edges_;
     std::vector<uint8_t> mask_;

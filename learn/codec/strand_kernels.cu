@@ -13,7 +13,7 @@ namespace wetcurl {
 namespace {
 
 constexpr int threads = 128, tile = 32, tile_rows = 4;
-constexpr int slots = history_lags.back() + 1, modes = 3 * history_modes;
+constexpr int slots = history_lags.back() + 1;
 
 unsigned blocks_of(int count, int size = threads) { return unsigned((count + size - 1) / size); }
 
@@ -183,27 +183,35 @@ __global__ void __launch_bounds__(carriers)
 __global__ void describe_kernel(const HeadState* head, int pixels, const int* __restrict__ strand,
                                 const Quatf* __restrict__ turn, const Vec3f* __restrict__ root, float* past,
                                 float* dynamic) {
+    // A device sees the layout's numbers alone.
+    constexpr int base = dynamic_layout.base.first, gravity = dynamic_layout.gravity.first,
+                  turning = dynamic_layout.turning.first, pull = dynamic_layout.acceleration.first,
+                  history = dynamic_layout.history.first, numbers = past_layout.count,
+                  modes = past_layout.change.end(), past_turning = past_layout.turning.first - modes,
+                  past_pull = past_layout.acceleration.first - modes;
+    static_assert(past_layout.change.first == 0);
     const int s = int(blockIdx.x) * threads + int(threadIdx.x), m = int(blockIdx.y);
     if (s >= pixels || strand[s] < 0) return;
-    float moves[6] = {};
+    const auto at = [&](int channel) -> float& { return dynamic[size_t(channel) * pixels + s]; };
+    float motion[numbers - modes] = {};
     if (m >= modes) {
         const Quatf to_root = conjugate(turn[s]);
         const Vec3f x = root[s];
         const Vec3f g = rotate(to_root, head->gravity), w = rotate(to_root, head->turning),
                     a = rotate(to_root, head->pull + x.x * head->pull_x[0] + x.y * head->pull_x[1] +
                                             x.z * head->pull_x[2]);
-        moves[0] = w.x, moves[1] = w.y, moves[2] = w.z, moves[3] = a.x, moves[4] = a.y, moves[5] = a.z;
-        if (m == history_numbers) {
-            float* at = dynamic + size_t(strand_coefficients) * pixels + s;
-            for (float value : {g.x, g.y, g.z, w.x, w.y, w.z, a.x, a.y, a.z}) *at = value, at += pixels;
+        if (m == numbers) {
+            at(gravity) = g.x, at(gravity + 1) = g.y, at(gravity + 2) = g.z;
+            at(turning) = w.x, at(turning + 1) = w.y, at(turning + 2) = w.z;
+            at(pull) = a.x, at(pull + 1) = a.y, at(pull + 2) = a.z;
             return;
         }
+        motion[past_turning] = w.x, motion[past_turning + 1] = w.y, motion[past_turning + 2] = w.z;
+        motion[past_pull] = a.x, motion[past_pull + 1] = a.y, motion[past_pull + 2] = a.z;
     }
     // A ring of the last frames: `slot` holds this one.
-    auto then = [&](int slot) -> float& { return past[(size_t(slot) * history_numbers + m) * pixels + s]; };
-    const float now = m < modes
-                          ? dynamic[size_t(m / history_modes * dct_kept + m % history_modes) * pixels + s]
-                          : moves[m - modes];
+    auto then = [&](int slot) -> float& { return past[(size_t(slot) * numbers + m) * pixels + s]; };
+    const float now = m < modes ? at(base + history_amplitude(m)) : motion[m - modes];
     for (int k = 0; head->first && k < slots; ++k) then(k) = now;
     then(head->slot) = now;
     constexpr int lags[] = {history_lags[0], history_lags[1], history_lags[2], history_lags[3]},
@@ -211,10 +219,7 @@ __global__ void describe_kernel(const HeadState* head, int pixels, const int* __
     static_assert(sizeof lags / sizeof lags[0] == count);
     float before[count];
     for (int l = 0; l < count; ++l) before[l] = then((head->slot + slots - lags[l]) % slots);
-    for (int l = 0; l < count; ++l) {
-        const int channel = strand_coefficients + motion_channels + l * history_numbers + m;
-        dynamic[size_t(channel) * pixels + s] = m < modes ? now - before[l] : before[l];
-    }
+    for (int l = 0; l < count; ++l) at(history + l * numbers + m) = m < modes ? now - before[l] : before[l];
 }
 
 // What strands are kept out of, and where each may lie in it.
@@ -461,7 +466,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     lost_ = DeviceBuffer<float>(size_t(low_));
     from_ = DeviceBuffer<int>(from), strand_ = DeviceBuffer<int>(strand);
     turn_ = DeviceBuffer<Quatf>(turn), root_ = DeviceBuffer<Vec3f>(root);
-    past_ = DeviceBuffer<float>(size_t(slots) * history_numbers * S);
+    past_ = DeviceBuffer<float>(size_t(slots) * past_layout.count * S);
 
     // What unit strands give, by particle.
     std::vector<float> cores(n * n, 0), amplitudes(n * dct_kept, 0), offsets(n * dct_kept, 0);
@@ -487,7 +492,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     offsets_ = DeviceBuffer<float>(offsets);
     departed_ = DeviceBuffer<float4>(n * size_t(low_)), moved_ = DeviceBuffer<float4>(n * size_t(low_));
     base_ = DeviceBuffer<float>(std::vector<float>(3 * n * S, 0));
-    std::vector<float> image(size_t(static_channels + dynamic_channels) * S, 0);
+    std::vector<float> image(size_t(strand_channels) * S, 0);
     std::copy(codec.fixed().begin(), codec.fixed().end(), image.begin());
     image_ = DeviceBuffer<float>(image);
 }
@@ -591,7 +596,7 @@ void StrandKernels::carry(cudaStream_t stream) const {
 }
 
 void StrandKernels::describe(cudaStream_t stream) const {
-    describe_kernel<<<dim3(blocks_of(pixels_), history_numbers + 1), threads, 0, stream>>>(
+    describe_kernel<<<dim3(blocks_of(pixels_), past_layout.count + 1), threads, 0, stream>>>(
         head_.data(), pixels_, strand_.data(), turn_.data(), root_.data(), past_.data(), dynamic());
     check_launch("features of motion");
 }

@@ -52,7 +52,7 @@ class StrandKernels {
     // X (n, low, 4): how far the low strands are from rest, and 0; M = F X: how far their cores are.
     float* departed() const { return &departed_.data()->x; }
     float* moved() const { return &moved_.data()->x; }
-    // (238, S): the network's input, its static channels filled.
+    // (strand_channels, S): the network's input, its static channels filled.
     float* image() const { return image_.data(); }
     // Before each frame.
     void begin_frame(const HeadWindow& heads, bool first);
@@ -105,7 +105,7 @@ class StrandKernels {
     DeviceBuffer<float> depth_;               // (n, S), as of HeadShapes
     DeviceBuffer<float> length_;              // (n, S): of the edge to a particle at rest
     DeviceBuffer<unsigned char> torn_;        // (S)
-    DeviceBuffer<float> past_;                // (9, 18, S)
+    DeviceBuffer<float> past_;                // (frames up to the longest lag, past_layout.count, S)
     DeviceBuffer<float> cores_;               // F
     DeviceBuffer<float> amplitudes_;          // (n, 24): of unit offsets
     DeviceBuffer<float> offsets_;             // (n, 24): of unit amplitudes

@@ -8,14 +8,14 @@
 #include "base/device_buffer.h"
 #include "learn/inference/captured.h"
 #include "learn/inference/inference.h"
-#include "models/registry.h"
+#include "models/device.h"
 
 namespace wetcurl {
 namespace {
 
-class OnDevice final : public Network {
+class NetworkOnCuda final : public Network {
   public:
-    OnDevice(const ModelCard& card, std::shared_ptr<Model> model, torch::Device device, bool half)
+    NetworkOnCuda(const ModelCard& card, std::shared_ptr<TorchNetwork> model, torch::Device device, bool half)
         : device_(device),
           stream_(c10::cuda::getStreamFromPool(/*isHighPriority=*/true, device.index())),
           card_(card),
@@ -54,7 +54,7 @@ class OnDevice final : public Network {
     torch::Device device_;
     c10::cuda::CUDAStream stream_;
     ModelCard card_;
-    std::shared_ptr<Model> model_;
+    std::shared_ptr<TorchNetwork> model_;
     std::array<long, 4> shape_{};
     Tensor input_, output_;
     Captured captured_;
@@ -62,9 +62,9 @@ class OnDevice final : public Network {
 
 }  // namespace
 
-std::unique_ptr<Network> device_network(const ModelCard& card, std::shared_ptr<Model> model,
+std::unique_ptr<Network> device_network(const ModelCard& card, std::shared_ptr<TorchNetwork> model,
                                         torch::Device device, bool half) {
-    return std::make_unique<OnDevice>(card, std::move(model), device, half);
+    return std::make_unique<NetworkOnCuda>(card, std::move(model), device, half);
 }
 
 }  // namespace wetcurl

@@ -11,8 +11,8 @@
 #include "learn/codec/crop.h"
 #include "learn/codec/strand_kernels.h"
 #include "learn/inference/captured.h"
+#include "models/device.h"
 #include "models/model_file.h"
-#include "models/registry.h"
 
 namespace wetcurl {
 namespace {
@@ -23,10 +23,10 @@ Tensor view(const float* data, std::initializer_list<long> shape, torch::Device 
                             torch::dtype(torch::kFloat).device(device));
 }
 
-class OnDevice final : public LearnedStrands {
+class StrandsOnCuda final : public LearnedStrands {
   public:
-    OnDevice(const std::string& path, const std::string& device, const StrandCodec& codec, const Groom& low,
-             bool half)
+    StrandsOnCuda(const std::string& path, const std::string& device, const StrandCodec& codec,
+                  const Groom& low, bool half)
         : device_(device_named(device)),
           stream_(c10::cuda::getStreamFromPool(/*isHighPriority=*/true, device_.index())),
           grid_(codec.grid()) {
@@ -43,8 +43,7 @@ class OnDevice final : public LearnedStrands {
         cores_ = view(kernels_->cores(), {n, n}, device_);
         departed_ = view(kernels_->departed(), {n, 4 * l}, device_);
         moved_ = view(kernels_->moved(), {n, 4 * l}, device_);
-        image_ = view(kernels_->image(), {1, static_channels + dynamic_channels, grid_.height, grid_.width},
-                      device_);
+        image_ = view(kernels_->image(), {1, strand_channels, grid_.height, grid_.width}, device_);
     }
 
     const ModelCard& card() const override { return card_; }
@@ -186,7 +185,7 @@ class OnDevice final : public LearnedStrands {
     const RootGrid grid_;
     std::optional<StrandKernels> kernels_;
     ModelCard card_;
-    std::shared_ptr<Model> model_;
+    std::shared_ptr<TorchNetwork> model_;
     Tensor cores_, departed_, moved_, image_, answer_;
     const Vec3f *low_ = nullptr, *host_low_ = nullptr;
     Vec3f *out_ = nullptr, *host_out_ = nullptr;
@@ -201,7 +200,7 @@ class OnDevice final : public LearnedStrands {
 
 std::unique_ptr<LearnedStrands> device_strands(const std::string& path, const std::string& device,
                                                const StrandCodec& codec, const Groom& low, bool half) {
-    return std::make_unique<OnDevice>(path, device, codec, low, half);
+    return std::make_unique<StrandsOnCuda>(path, device, codec, low, half);
 }
 
 }  // namespace wetcurl

@@ -7,8 +7,8 @@
 #ifdef WETCURL_NETWORKS_ON_DEVICE
 #include "learn/inference/device_network.h"
 #endif
+#include "models/device.h"
 #include "models/model_file.h"
-#include "models/registry.h"
 
 namespace wetcurl {
 namespace {
@@ -23,9 +23,9 @@ bool multiplies_bfloat16() {
 #endif
 }
 
-class OnHost final : public Network {
+class NetworkOnCpu final : public Network {
   public:
-    OnHost(const ModelCard& card, std::shared_ptr<Model> model, bool in_bfloat16)
+    NetworkOnCpu(const ModelCard& card, std::shared_ptr<TorchNetwork> model, bool in_bfloat16)
         : card_(card), model_(std::move(model)) {
         if (!in_bfloat16) return;
         model_->body = torch::kBFloat16;
@@ -51,7 +51,7 @@ class OnHost final : public Network {
 
   private:
     ModelCard card_;
-    std::shared_ptr<Model> model_;
+    std::shared_ptr<TorchNetwork> model_;
 };
 
 }  // namespace
@@ -63,13 +63,13 @@ void require_shape(const ModelCard& card, std::array<long, 4> shape) {
                     " channels, needed " + std::to_string(card.input_channels));
 }
 
-std::unique_ptr<Network> network_of(const ModelCard& card, std::shared_ptr<Model> model,
+std::unique_ptr<Network> network_of(const ModelCard& card, std::shared_ptr<TorchNetwork> model,
                                     const std::string& device, int threads, Body body) {
     set_threads(threads);
     const torch::Device on = device_named(device);
     const bool fastest = body == Body::fastest && card.codec != "adhesion";
     if (on.is_cpu())
-        return std::make_unique<OnHost>(card, std::move(model), fastest && multiplies_bfloat16());
+        return std::make_unique<NetworkOnCpu>(card, std::move(model), fastest && multiplies_bfloat16());
 #ifdef WETCURL_NETWORKS_ON_DEVICE
     return device_network(card, std::move(model), on, fastest);
 #else

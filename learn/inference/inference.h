@@ -17,7 +17,7 @@ enum class Body { fastest, single_precision };
 // device name.
 std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads,
                                       Body body = Body::fastest);
-std::unique_ptr<Network> network_of(const ModelCard& card, std::shared_ptr<Model> model,
+std::unique_ptr<Network> network_of(const ModelCard& card, std::shared_ptr<TorchNetwork> model,
                                     const std::string& device, int threads, Body body = Body::fastest);
 
 // Throws Error where the network takes no input of this shape.

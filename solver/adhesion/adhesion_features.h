@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/network_channels.h"
 #include "solver/terms/adhesion.h"
 
 namespace wetcurl {
@@ -16,7 +17,7 @@ struct AdhesionParticle {
 };
 
 struct AdhesionFeatures {
-    static constexpr int inputs = 12;
+    static constexpr int inputs = adhesion_inputs;
     double range, speed;  // h_a [m], 1 / sqrt(a_max h_a) [s/m]
     explicit AdhesionFeatures(const Adhesion& term)
         : range(term.h_a), speed(1 / std::sqrt(term.a_max * term.h_a)) {}
@@ -26,18 +27,18 @@ struct AdhesionFeatures {
     WETCURL_HD bool concerns(const T& saturation, const T& phi) const {
         return saturation > 0 && !(phi > 2 * range);
     }
-    // {contact, v.n / sqrt(a_max h), phi / h, F.n / (sigma m a_max)} of particles i-1, i, i+1 of a strand of
-    // n, of the last one twice at its end -> to (inputs). `normal` and `surface_velocity` of the surface
-    // nearest to i; seen(j) -> AdhesionParticle.
+    // AdhesionChannels of particles i-1, i, i+1 of a strand of n, of the last one twice at its end -> to
+    // (inputs). `normal` and `surface_velocity` of the surface nearest to i; seen(j) -> AdhesionParticle.
     template <class T, class Seen>
     WETCURL_HD void ask(int i, int n, const Vec3<T>& normal, const Vec3<T>& surface_velocity, Seen seen,
                         float* to) const {
         for (int side = -1; side <= 1; ++side) {
             const AdhesionParticle<T> p = seen(i + side < n ? i + side : i);
-            *to++ = float(p.touching);
-            *to++ = float(dot(p.v - surface_velocity, normal) * speed);
-            *to++ = float(minimum(T(4), p.phi / T(range)));
-            *to++ = p.answer;
+            float* const of = to + AdhesionChannels::first(side);
+            of[AdhesionChannels::contact] = float(p.touching);
+            of[AdhesionChannels::speed] = float(dot(p.v - surface_velocity, normal) * speed);
+            of[AdhesionChannels::distance] = float(minimum(T(4), p.phi / T(range)));
+            of[AdhesionChannels::force] = p.answer;
         }
     }
     // Whether the answer holds; where not, nothing pulls.

@@ -64,7 +64,7 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     ASSERT_EQ(size_t(kernels.pixels()), S);
     const auto F = downloaded(kernels.cores(), n * n);
     DeviceBuffer<Vec3f> low_there(low.rest.points.size()), out_there(high.rest.points.size());
-    const size_t channels = size_t(static_channels + dynamic_channels);
+    const size_t channels = size_t(strand_channels);
     std::vector<float> dynamic(size_t(dynamic_channels) * S), answer(size_t(strand_coefficients) * S);
     for (size_t k = 0; k < answer.size(); ++k)
         answer[k] = codec.mask()[k % S] ? 1e-3f * float(std::sin(0.1 * double(k))) : 0;

@@ -9,7 +9,6 @@ namespace wetcurl::testing {
 namespace {
 
 constexpr int frames = 5;
-constexpr size_t first_moving = strand_coefficients + 3;  // of the dynamic channels, past gravity
 
 std::vector<float> tip_wetness(const Groom& groom) {
     std::vector<float> out;
@@ -145,23 +144,21 @@ TEST(StrandCodec, static_features_are_rest_shape_wetness_length_and_curl) {
     for (size_t pixel = 0; pixel < codec.pixels(); ++pixel) {
         auto channel = [&](int c) { return codec.fixed()[size_t(c) * codec.pixels() + pixel]; };
         // Fifty particles, the first six in the first piece, the last seven in the last one.
-        constexpr int first = strand_coefficients, length = first + saturation_pieces;
-        static_assert(length + 5 == static_channels);
-        EXPECT_NEAR(channel(first), 2.5 / 49, 1e-6);
-        EXPECT_NEAR(channel(length - 1), 46.0 / 49, 1e-6);
-        EXPECT_EQ(channel(length), codec.length()[pixel]);
-        EXPECT_NEAR(channel(length), arc_length(high.rest.strand(int(pixel)), 50), 1e-6);
-        EXPECT_NEAR(channel(length + 1), curls.radius, 0.06 * curls.radius);
+        EXPECT_NEAR(channel(static_layout.saturation.first), 2.5 / 49, 1e-6);
+        EXPECT_NEAR(channel(static_layout.saturation.end() - 1), 46.0 / 49, 1e-6);
+        EXPECT_EQ(channel(static_layout.length.first), codec.length()[pixel]);
+        EXPECT_NEAR(channel(static_layout.length.first), arc_length(high.rest.strand(int(pixel)), 50), 1e-6);
+        EXPECT_NEAR(channel(static_layout.radius.first), curls.radius, 0.06 * curls.radius);
         // Every second root each way of 8 x 8; the one to the right, or to the left at the end, and the like.
         const int column = int(pixel) % 8, row = int(pixel) / 8;
-        EXPECT_EQ(channel(length + 2), column % 2 == 0 && row % 2 == 0);
+        EXPECT_EQ(channel(static_layout.shared.first), column % 2 == 0 && row % 2 == 0);
         double sum = 0;
         int count = 0;
         for (int other = 0; other < 64; ++other)
             if (std::abs(other % 8 - column) + std::abs(other / 8 - row) == 1)
                 sum += norm(high.rest.at(other, 0) - high.rest.at(int(pixel), 0)), ++count;
-        EXPECT_NEAR(channel(length + 3), sum / count, 1e-7);
-        EXPECT_EQ(channel(length + 4), 0.016f);
+        EXPECT_NEAR(channel(static_layout.spacing.first), sum / count, 1e-7);
+        EXPECT_EQ(channel(static_layout.reach.first), 0.016f);
     }
 }
 
@@ -179,9 +176,11 @@ TEST(StrandCodec, motion_features_are_gravity_turning_and_the_roots_acceleration
     for (int s = 0; s < high.rest.count; ++s) {
         const Vec3d root = cast<double>(high.rest.at(s, 0));
         const Vec3d expected[3] = {{0, -9.81, 0}, {0, omega, 0}, -omega * omega * Vec3d{root.x, 0, root.z}};
+        const Channels vectors[3] = {dynamic_layout.gravity, dynamic_layout.turning,
+                                     dynamic_layout.acceleration};
         for (int v = 0; v < 3; ++v) {
             auto channel = [&](int axis) {
-                return out[size_t(strand_coefficients + 3 * v + axis) * codec.pixels() + size_t(s)];
+                return out[size_t(vectors[v].first + axis) * codec.pixels() + size_t(s)];
             };
             // The pose itself is a turn about gravity, so head's and world's axes agree on these vectors.
             const Vec3f found =
@@ -192,13 +191,13 @@ TEST(StrandCodec, motion_features_are_gravity_turning_and_the_roots_acceleration
     heads.inner = false;
     StrandCodec standing(high, low, {});
     standing.dynamic(moved(low.rest, heads.now), heads, out.data());
-    for (size_t k = first_moving * codec.pixels(); k < out.size(); ++k) EXPECT_EQ(out[k], 0);
+    for (size_t k = size_t(dynamic_layout.turning.first) * codec.pixels(); k < out.size(); ++k)
+        EXPECT_EQ(out[k], 0);
 }
 
 TEST(StrandCodec, history_features_are_those_of_frames_1_2_4_and_8_before) {
     const Groom high = curly_groom({}), low = coarsened(high, 2);
     StrandCodec codec(high, low, {});
-    constexpr int first_past = strand_coefficients + motion_channels, modes = 3 * history_modes;
     // Strands sway in the head's frame and the head turns ever faster.
     auto head = [](int f) { return Pose{rotation_about({0, 1, 0}, 0.01 * f * f), {0, 0, 0}}; };
     std::vector<std::vector<float>> frames;
@@ -218,23 +217,64 @@ TEST(StrandCodec, history_features_are_those_of_frames_1_2_4_and_8_before) {
             for (size_t pixel = 0; pixel < codec.pixels(); ++pixel) {
                 auto now_at = [&](int c) { return frames[size_t(f)][size_t(c) * codec.pixels() + pixel]; };
                 auto then_at = [&](int c) { return then[size_t(c) * codec.pixels() + pixel]; };
-                const int at = first_past + int(l) * history_numbers;
-                for (int m = 0; m < modes; ++m) {
-                    const int c = m / history_modes * dct_kept + m % history_modes;
-                    ASSERT_EQ(now_at(at + m), now_at(c) - then_at(c)) << f << " " << l << " " << m;
-                    most = std::max(most, double(std::abs(now_at(at + m))));
+                const int at = dynamic_layout.past(int(l)).first, change = at + past_layout.change.first;
+                for (int axis = 0; axis < 3; ++axis)
+                    for (int k = 0; k < history_modes; ++k) {
+                        const int c = dynamic_layout.base.first + axis * dct_kept + k,
+                                  m = axis * history_modes + k;
+                        ASSERT_EQ(now_at(change + m), now_at(c) - then_at(c)) << f << " " << l << " " << m;
+                        most = std::max(most, double(std::abs(now_at(change + m))));
+                    }
+                for (int axis = 0; axis < 3; ++axis) {
+                    ASSERT_EQ(now_at(at + past_layout.turning.first + axis),
+                              then_at(dynamic_layout.turning.first + axis))
+                        << f << " " << l;
+                    ASSERT_EQ(now_at(at + past_layout.acceleration.first + axis),
+                              then_at(dynamic_layout.acceleration.first + axis))
+                        << f << " " << l;
                 }
-                for (int m = 0; m < 6; ++m)
-                    ASSERT_EQ(now_at(at + modes + m), then_at(strand_coefficients + 3 + m)) << f << " " << l;
             }
         }
     EXPECT_GT(most, 0.005);
 }
 
-TEST(StrandCodec, names_every_input_once) {
-    std::vector<int> named(size_t(static_channels + dynamic_channels), 0);
+// Pairs files and models were made with these: another number needs another version of both.
+TEST(NetworkChannels, are_where_files_have_them) {
+    auto expect = [](const char* what, const Channels& found, int first, int count) {
+        EXPECT_EQ(found.first, first) << what;
+        EXPECT_EQ(found.count, count) << what;
+    };
+    expect("rest", static_layout.rest, 0, 72);
+    expect("saturation", static_layout.saturation, 72, 8);
+    expect("length", static_layout.length, 80, 1);
+    expect("radius", static_layout.radius, 81, 1);
+    expect("shared", static_layout.shared, 82, 1);
+    expect("spacing", static_layout.spacing, 83, 1);
+    expect("reach", static_layout.reach, 84, 1);
+    EXPECT_EQ(static_channels, 85);
+    expect("base", dynamic_layout.base, 0, 72);
+    expect("gravity", dynamic_layout.gravity, 72, 3);
+    expect("turning", dynamic_layout.turning, 75, 3);
+    expect("acceleration", dynamic_layout.acceleration, 78, 3);
+    expect("history", dynamic_layout.history, 81, 72);
+    expect("eight frames before", dynamic_layout.past(3), 135, 18);
+    expect("change", past_layout.change, 0, 12);
+    expect("turning then", past_layout.turning, 12, 3);
+    expect("acceleration then", past_layout.acceleration, 15, 3);
+    EXPECT_EQ(dynamic_channels, 153);
+    EXPECT_EQ(strand_channels, 238);
+    // Amplitudes 0 to 3 of x, of y, of z.
+    EXPECT_EQ(history_amplitude(0), 0);
+    EXPECT_EQ(history_amplitude(5), 25);
+    EXPECT_EQ(history_amplitude(11), 51);
+    EXPECT_EQ(adhesion_inputs, 12);
+    EXPECT_EQ(AdhesionChannels::first(0) + AdhesionChannels::force, 7);
+}
+
+TEST(NetworkChannels, of_a_strand_are_named_once) {
+    std::vector<int> named(size_t(strand_channels), 0);
     for (const InputGroup& g : strand_inputs)
-        for (int c = g.first; c < g.first + g.count; ++c) ++named.at(size_t(c));
+        for (int c = g.channels.first; c < g.channels.end(); ++c) ++named.at(size_t(c));
     for (int times : named) EXPECT_EQ(times, 1);
 }
 
@@ -300,7 +340,7 @@ TEST(Encode, training_and_inference_see_the_same_features) {
         codec.dynamic(window.now().positions, window.heads(), mine.data());
         pairs.frame(0, window.index(), theirs.data(), target.data());
         EXPECT_EQ(mine, theirs) << window.index();
-        for (size_t k = first_moving * codec.pixels(); k < mine.size(); ++k)
+        for (size_t k = size_t(dynamic_layout.turning.first) * codec.pixels(); k < mine.size(); ++k)
             motion = std::max(motion, double(std::abs(mine[k])));
     }
     EXPECT_GT(motion, 0.1);

@@ -9,7 +9,8 @@
 
 #include <cstring>
 
-#include "learn/codec/strand_codec.h"
+#include "base/network_channels.h"
+#include "models/device.h"
 #include "models/model_file.h"
 #include "models/registry.h"
 #include "models/strand_mlp.h"
@@ -23,8 +24,6 @@ namespace nn = torch::nn;
 using testing::expect_error;
 using testing::Scratch;
 
-constexpr int strand_inputs = static_channels + dynamic_channels;
-
 // A small card of each architecture; `width` where it scales.
 ModelCard card_of(const Architecture& a, double width) {
     ModelCard card;
@@ -33,10 +32,10 @@ ModelCard card_of(const Architecture& a, double width) {
     card.width = a.scalable ? width : 1;
     card.output_channels = a.output_channels;
     card.upscale = a.upscale;
-    card.input_channels = a.input_channels ? a.input_channels : strand_inputs;
+    card.input_channels = a.input_channels ? a.input_channels : strand_channels;
     card.particles = a.codec == "strand" ? 20 : 0;
     if (a.codec == "strand") {
-        for (int c = 0; c < strand_inputs; ++c) {
+        for (int c = 0; c < strand_channels; ++c) {
             card.arrays["input_mean"].push_back(0.01f * float(c));
             card.arrays["input_std"].push_back(0.5f + 0.01f * float(c));
         }
@@ -47,7 +46,7 @@ ModelCard card_of(const Architecture& a, double width) {
 }
 
 // The card's network with no weight left at zero.
-std::shared_ptr<Model> stirred(const ModelCard& card, uint64_t seed = 1) {
+std::shared_ptr<TorchNetwork> stirred(const ModelCard& card, uint64_t seed = 1) {
     torch::manual_seed(seed);
     auto model = make_model(card);
     torch::NoGradGuard no_grad;
@@ -69,21 +68,21 @@ bool same_bits(const Tensor& a, const Tensor& b) {
 TEST(ParameterCounts, AreThoseOfTheEquationsAtWidthOne) {
     const long hidden = 256;
     const long strand =
-        (strand_inputs + 1) * hidden + 10 * (hidden + 1) * hidden + (hidden + 1) * strand_coefficients;
+        (strand_channels + 1) * hidden + 10 * (hidden + 1) * hidden + (hidden + 1) * strand_coefficients;
     const std::map<std::string, long> expected = {
         {"unet_vgg19", 60031235},
         {"recursive_residual", 2366339},
         {"adhesion_mlp", 142},
         {"strand_mlp", strand},
         {"strand_depthwise", strand + 5 * 25 * hidden},
-        {"strand_linear", (strand_inputs + 1) * strand_coefficients},
+        {"strand_linear", (strand_channels + 1) * strand_coefficients},
         // The first layer takes more, the last gives more; without doubling r6 is gone: 64 to 64 channels by
         // 2x2, then twice by 5x5.
-        {"strand_unet_vgg19", 60031235 + 25 * 64 * (strand_inputs - 3) +
+        {"strand_unet_vgg19", 60031235 + 25 * 64 * (strand_channels - 3) +
                                   (25 * 64 + 1) * (strand_coefficients - 3) - (4 * 64 * 64 + 64) -
                                   2 * (25 * 64 * 64 + 64)},
         {"strand_recursive_residual",
-         2366339 + 25 * 64 * (strand_inputs - 3) + (25 * 64 + 1) * (strand_coefficients - 3)}};
+         2366339 + 25 * 64 * (strand_channels - 3) + (25 * 64 + 1) * (strand_coefficients - 3)}};
     ASSERT_EQ(expected.size(), architectures().size());
     for (const auto& a : architectures())
         EXPECT_EQ(parameter_count(*make_model(card_of(a, 1))), expected.at(a.name)) << a.name;
@@ -158,7 +157,7 @@ TEST(LinearRows, IsTheMatrixProductForAnyNumberOfRowsAndThreads) {
 TEST(StrandMlp, IsAStackOfOneByOneConvolutions) {
     const ModelCard card = card_of(*find_architecture("strand_mlp"), 0.1);
     auto model = stirred(card);
-    const Tensor x = torch::rand({2, strand_inputs, 3, 5});
+    const Tensor x = torch::rand({2, strand_channels, 3, 5});
     torch::NoGradGuard no_grad;
     auto p = model->named_parameters();
     auto conv = [&](const std::string& name, const Tensor& t) {
@@ -202,7 +201,7 @@ TEST(StrandDepthwise, StartsAsTheNetworkThatSeesNoNeighbours) {
     auto depthwise = make_model(among);
     for (auto& p : depthwise->named_parameters())
         if (p.key().find("mixer") == std::string::npos) p.value().copy_(mlp->named_parameters()[p.key()]);
-    const Tensor x = torch::rand({2, strand_inputs, 7, 5}), expected = mlp->forward(x);
+    const Tensor x = torch::rand({2, strand_channels, 7, 5}), expected = mlp->forward(x);
     ASSERT_GT(largest(expected), 0.02);
     EXPECT_EQ(largest(depthwise->forward(x) - expected), 0);
 }
@@ -214,7 +213,7 @@ TEST(StrandDepthwise, SeesStrandsUpToTenPixelsAwayAndNoEmptyPixels) {
     auto model = stirred(card);
     for (auto& p : model->named_parameters())  // so that ten pixels on it is more than rounding
         if (p.key().find("mixer") != std::string::npos) p.value().mul_(20);
-    Tensor x = torch::rand({1, strand_inputs, 1, 24});
+    Tensor x = torch::rand({1, strand_channels, 1, 24});
     const Tensor before = model->forward(x);
     x.select(3, 0).add_(1);
     Tensor moved = (model->forward(x) - before).abs().amax(1).flatten();  // (24)
@@ -282,7 +281,7 @@ TEST(EveryNetwork, FrozenGivesTheSameBits) {
 TEST(Operations, AreThoseOfTheLayersThatRun) {
     ModelCard card = card_of(*find_architecture("strand_mlp"), 1);
     // 256 channels, ten layers between the first and the last.
-    const double a_pixel = 2.0 * (strand_inputs * 256 + 10 * 256 * 256 + 256 * strand_coefficients);
+    const double a_pixel = 2.0 * (strand_channels * 256 + 10 * 256 * 256 + 256 * strand_coefficients);
     EXPECT_EQ(operations_of(*make_model(card), input_of(card, 1, 4)), 16 * a_pixel);
     // By hand, of `recursive_residual`: 5x5 convolutions of 8 channels, at 32 x 32 the first and twenty, at
     // 64 x 64 three and the last.
@@ -307,7 +306,7 @@ TEST(StrandMlp, FrozenOnADeviceIsWhatItWas) {
         frozen->freeze();
         for (const bool holes : {false, true}) {
             torch::manual_seed(3);
-            Tensor x = torch::rand({3, strand_inputs, 19, 37}, torch::kCUDA);
+            Tensor x = torch::rand({3, strand_channels, 19, 37}, torch::kCUDA);
             if (holes) x *= torch::rand({3, 1, 19, 37}, torch::kCUDA).gt(0.3);
             model->whole_grid = frozen->whole_grid = !holes;
             const Tensor expected = model->forward(x), found = frozen->forward(x);
@@ -335,7 +334,7 @@ TEST(StrandNetworks, OnADeviceInHalfPrecisionStayFiniteForAnyInput) {
         model->freeze();
         torch::manual_seed(6);
         for (const double size : {1.0, 1e4, 1e9}) {
-            const Tensor x = size * torch::randn({1, strand_inputs, 24, 24}, torch::kCUDA);
+            const Tensor x = size * torch::randn({1, strand_channels, 24, 24}, torch::kCUDA);
             EXPECT_TRUE(torch::isfinite(model->forward(x)).all().item<bool>()) << a.name << " " << size;
         }
     }
@@ -389,7 +388,7 @@ TEST(StrandImage, TakesAnyGridAndKnowsNothingOfEmptyPixels) {
     for (const char* name : {"strand_unet_vgg19", "strand_recursive_residual"}) {
         ModelCard card = card_of(*find_architecture(name), 0.1);
         auto model = stirred(card);
-        Tensor x = torch::rand({1, strand_inputs, 20, 33});
+        Tensor x = torch::rand({1, strand_channels, 20, 33});
         x.narrow(3, 10, 2).zero_();
         const Tensor out = model->forward(x);
         EXPECT_EQ(out.sizes(), (std::vector<int64_t>{1, strand_coefficients, 20, 33})) << name;
@@ -400,7 +399,7 @@ TEST(StrandImage, TakesAnyGridAndKnowsNothingOfEmptyPixels) {
         x.zero_();
         model->whole_grid = false;
         const Tensor empty = model->forward(x);
-        card.arrays["input_mean"].assign(strand_inputs, 0.4f);
+        card.arrays["input_mean"].assign(strand_channels, 0.4f);
         EXPECT_TRUE(same_bits(stirred(card)->forward(x), empty)) << name;
     }
 }
@@ -570,7 +569,7 @@ class BadModelFile : public ::testing::Test {
 
     Scratch scratch;
     ModelCard card;
-    std::shared_ptr<Model> model;
+    std::shared_ptr<TorchNetwork> model;
     std::string path;
 };
 
@@ -649,7 +648,7 @@ TEST_F(BadModelFile, NormalisationThatDoesNotFit) {
     model = stirred(card);
     card.arrays["input_std"].pop_back();
     save_model(path, card, *model, true);
-    expect_refused({"input_std", std::to_string(strand_inputs - 1), std::to_string(strand_inputs)});
+    expect_refused({"input_std", std::to_string(strand_channels - 1), std::to_string(strand_channels)});
 }
 TEST_F(BadModelFile, NormalisationThatIsMissing) {
     for (const char* name : {"input_mean", "input_std", "output_scale"}) {

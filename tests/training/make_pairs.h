@@ -111,9 +111,11 @@ inline std::string make_adhesion_pairs(const std::string& path, int count = 3000
         const auto values = uniform(random, adhesion_inputs);
         std::copy(values.begin(), values.end(), samples[s].input.begin());
         samples[s].contact = s % 10 == 0;
-        samples[s].input[4] = samples[s].contact;
-        samples[s].target =
-            samples[s].contact ? -0.5f - 0.4f * samples[s].input[6] + 0.3f * samples[s].input[7] : 0;
+        float* const own = samples[s].input.data() + AdhesionChannels::first(0);
+        own[AdhesionChannels::contact] = samples[s].contact;
+        samples[s].target = samples[s].contact ? -0.5f - 0.4f * own[AdhesionChannels::distance] +
+                                                     0.3f * own[AdhesionChannels::force]
+                                               : 0;
     }
     file.add(samples);
     file.commit();

@@ -32,7 +32,7 @@ std::string made_model(const std::string& path, const char* architecture, int in
     card.arrays["input_mean"].assign(size_t(inputs), 0);
     card.arrays["input_std"].assign(size_t(inputs), 1);
     // Accelerations come in tens: a trained network's deviations know that.
-    constexpr int motion = static_channels + strand_coefficients;
+    constexpr int motion = in_input(dynamic_layout.gravity).first;
     if (inputs > motion) std::fill_n(card.arrays["input_std"].begin() + motion, inputs - motion, 10.0f);
     card.arrays["output_scale"].assign(strand_coefficients, 2e-3f);
     torch::manual_seed(4);
@@ -66,7 +66,7 @@ struct Swaying {
     }
 };
 
-constexpr int inputs = static_channels + dynamic_channels;
+constexpr int inputs = strand_channels;
 
 TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
     Scratch scratch;

@@ -385,7 +385,7 @@ TEST(StrandData, InputsThatAreLeftOutAreMute) {
     pairs.data->describe(card);
     for (const InputGroup& g : strand_inputs) {
         const bool left_out = std::string(g.name) == "saturation" || std::string(g.name) == "history";
-        for (int c = g.first; c < g.first + g.count; ++c)
+        for (int c = g.channels.first; c < g.channels.end(); ++c)
             EXPECT_EQ(card.arrays["input_std"].at(size_t(c)) > 1e20f, left_out) << g.name << " " << c;
     }
     expect_error([&] { OpenPairs(scratch.path("p.h5"), {"leave_out=histroy"}); },

@@ -1,0 +1,120 @@
+// The channels of what networks see and predict, by name: how many there are and where each group begins. The
+// one place that says so: codecs and kernels, pairs files, recipes and model cards read it here.
+//
+// Codec strand: a pixel of the root grid is a strand. The input is the image that stays, "static", then that
+// of a frame, "dynamic"; the output holds amplitudes. Vectors are in the strand's root frame
+// (learn/codec/root_frame.h). Pixels without a strand hold zeros.
+// Codec root: a pixel is a root, its colour three channels (learn/codec/root_codec.h).
+// Codec adhesion: one particle and its two neighbours along the strand (Section IV.D, Eq 20).
+#pragma once
+
+#include <array>
+
+#include "base/host_device.h"
+
+namespace wetcurl {
+
+// Channels that lie side by side.
+struct Channels {
+    int first, count;
+    constexpr int end() const { return first + count; }
+    constexpr bool holds(int channel) const { return first <= channel && channel < end(); }
+};
+constexpr Channels after(const Channels& others, int count) { return {others.end(), count}; }
+constexpr Channels from_to(const Channels& begin, const Channels& last) {
+    return {begin.first, last.end() - begin.first};
+}
+
+// ---- codec strand ----
+
+inline constexpr int dct_kept = 24;                       // amplitudes an axis (learn/codec/dct.h)
+inline constexpr int strand_coefficients = 3 * dct_kept;  // of a strand: channel = dct_kept * axis + k
+
+inline constexpr int saturation_pieces = 8;                    // equal parts of a strand, root first
+inline constexpr std::array<int, 4> history_lags{1, 2, 4, 8};  // [frames] before the frame
+inline constexpr int history_modes = 4;                        // amplitudes an axis whose change is seen
+
+// Channel of the amplitude that is number `m` of the 3 history_modes.
+WETCURL_HD constexpr int history_amplitude(int m) { return m / history_modes * dct_kept + m % history_modes; }
+
+// "static" (static_channels, H, W).
+struct StaticChannels {
+    Channels rest{0, strand_coefficients};                 // amplitudes of the rest shape with its water [m]
+    Channels saturation = after(rest, saturation_pieces);  // means over the pieces
+    Channels length = after(saturation, 1);                // of the strand [m]
+    Channels radius = after(length, 1);                    // of its curl at rest [m]
+    Channels shared = after(radius, 1);                    // 1 where the low-resolution run has the strand
+    Channels spacing = after(shared, 1);                   // mean distance to the roots beside it [m]
+    Channels reach = after(spacing, 1);                    // of Eq 10 [m], 0 without it
+    int count = reach.end();
+};
+inline constexpr StaticChannels static_layout;
+
+// A strand at a frame before. Before the first frame all was as in it.
+struct PastChannels {
+    Channels change{0, 3 * history_modes};      // of the base's first amplitudes since then [m]
+    Channels turning = after(change, 3);        // as of DynamicChannels, then
+    Channels acceleration = after(turning, 3);  // as of DynamicChannels, then
+    int count = acceleration.end();
+};
+inline constexpr PastChannels past_layout;
+
+// "dynamic" (dynamic_channels, H, W), of a frame.
+struct DynamicChannels {
+    Channels base{0, strand_coefficients};      // amplitudes of the base [m]
+    Channels gravity = after(base, 3);          // [m/s^2]
+    Channels turning = after(gravity, 3);       // angular velocity of the head [rad/s]
+    Channels acceleration = after(turning, 3);  // of the root [m/s^2]
+    Channels history = after(acceleration, int(history_lags.size()) * past_layout.count);  // lag by lag
+    int count = history.end();
+    // Of the frame history_lags[lag] before.
+    constexpr Channels past(int lag) const {
+        return {history.first + lag * past_layout.count, past_layout.count};
+    }
+};
+inline constexpr DynamicChannels dynamic_layout;
+static_assert(dynamic_layout.base.first == 0);  // pairs files begin with the base
+
+inline constexpr int static_channels = static_layout.count, dynamic_channels = dynamic_layout.count,
+                     strand_channels = static_channels + dynamic_channels;  // of a network's input
+
+// What a recipe can leave out of the input, by name.
+struct InputGroup {
+    const char* name;
+    Channels channels;  // of the input
+};
+constexpr Channels in_input(const Channels& dynamic) {
+    return {static_channels + dynamic.first, dynamic.count};
+}
+inline constexpr std::array<InputGroup, 10> strand_inputs{{
+    {"rest", static_layout.rest},
+    {"saturation", static_layout.saturation},
+    {"length", static_layout.length},
+    {"radius", static_layout.radius},
+    {"shared", static_layout.shared},
+    {"density", from_to(static_layout.spacing, static_layout.reach)},
+    {"base", in_input(dynamic_layout.base)},
+    {"gravity", in_input(dynamic_layout.gravity)},
+    {"motion", in_input(from_to(dynamic_layout.turning, dynamic_layout.acceleration))},
+    {"history", in_input(dynamic_layout.history)},
+}};
+
+// ---- codec root ----
+
+inline constexpr int colour_channels = 3;  // x, y, z (Eq 14)
+
+// ---- codec adhesion ----
+
+// The numbers of each of the particles i-1, i and i+1, in this order.
+struct AdhesionChannels {
+    static constexpr int contact = 0,  // 1 in contact
+        speed = 1,                     // v.n / sqrt(a_max h)
+        distance = 2,                  // phi / h
+        force = 3,                     // F.n / (sigma m a_max) of the step before
+        of_particle = 4, particles = 3;
+    // Where those of particle i + side begin; side -1, 0 or 1.
+    WETCURL_HD static constexpr int first(int side) { return of_particle * (side + 1); }
+};
+inline constexpr int adhesion_inputs = AdhesionChannels::particles * AdhesionChannels::of_particle;
+
+}  // namespace wetcurl
