@@ -1,9 +1,11 @@
 // What the substep of one block of strands is made of: the implicit scheme (BDF2), buffers, loops along a
-// strand. A (v - v^) = M (v~ - v^) + h f(x~ + h v^, v^), A = M + h C + h² H, x = x~ + h v, with the history
-// x~, v~ and step h of BDF2 (backward Euler in the first step) and the predictor v^ = v_n. Seen: the
-// higher-order predictor 2 v_n - v_{n-1} feeds energy in wherever H is a majoriser; none at all (v^ = 0)
-// kills a swing. Where what the majoriser adds across the strand outweighs the strand 1e5 times (core) or 4e4
-// times (bends), the swing of that weight fills the bends with energy; there v^ is a share of v_n.
+// strand. The scheme:
+//     A (v - v^) = M (v~ - v^) + h f(x~ + h v^, v^), A = M + h C + h² H, x = x~ + h v
+// with the history x~, v~ and step h of BDF2 (backward Euler in the first step) and the predictor v^ = v_n.
+// Seen: the higher-order predictor 2 v_n - v_{n-1} feeds energy in wherever H is a majoriser; none at all
+// (v^ = 0) kills a swing. Where what the majoriser adds across the strand outweighs the strand 1e5 times
+// (core) or 4e4 times (bends), the swing of that weight fills the bends with energy; there v^ is a share of
+// v_n.
 #pragma once
 
 #include <vector>

@@ -560,7 +560,8 @@ TEST_F(Commands, infer_of_a_scene_gives_the_bits_of_infer_of_its_run) {
     std::vector<std::string> files;
     for (const auto& entry : fs::directory_iterator(scratch.path())) files.push_back(entry.path().filename());
     std::sort(files.begin(), files.end());
-    EXPECT_EQ(files, (std::vector<std::string>{"low.h5", "of_run.h5", "of_scene.h5", "wet.toml"}));
+    EXPECT_EQ(files,
+              (std::vector<std::string>{"low.h5", "of_run.h5", "of_scene.h5", "scene.toml", "wet.toml"}));
 }
 
 TEST_F(Commands, runs_of_different_length_are_compared_over_the_common_frames_and_say_so) {
