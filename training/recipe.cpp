@@ -10,6 +10,7 @@
 #include "base/config.h"
 #include "base/network_channels.h"
 #include "base/shift_units.h"
+#include "learn/codec/release_recipe.h"
 
 namespace wetcurl {
 namespace {
@@ -76,6 +77,7 @@ Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<s
     recipe.architecture =
         root.text(KeyRow::one_of(architecture_row.key, words, words.front(), architecture_row.meaning));
     if (codec == Codec::strand) require_inputs(root, recipe.leave_out);
+    read_release(root);
     config.require_all_used();
 
     if (!request.architecture.empty()) recipe.architecture = request.architecture;

@@ -1,5 +1,6 @@
 // The recipe of a training: TOML, one table of keys with their defaults for each codec.
 // Ours; the root codec's batch, rate and optimiser are the paper's (section V), its epochs are not printed.
+// The table [release], which changes nothing of a training: learn/codec/release_recipe.h.
 #pragma once
 
 #include <cmath>
@@ -11,6 +12,7 @@
 #include "base/shift_units.h"
 #include "learn/codec/network_module.h"
 #include "learn/codec/pairs.h"
+#include "learn/codec/release_recipe.h"
 
 namespace wetcurl {
 
@@ -218,6 +220,7 @@ inline std::vector<TableRow> recipe_tables(Codec codec) {
         for (auto& table : tables)
             if (row.has(codec) && table.name == row.table) table.rows.push_back(row.of(codec));
     std::erase_if(tables, [](const TableRow& table) { return table.rows.empty(); });
+    tables.insert(tables.end(), release_tables().begin(), release_tables().end());
     return tables;
 }
 

@@ -1,7 +1,7 @@
 // `wetcurl dataset`: many scenes, simulated into training pairs.
 #pragma once
 
-#include "app/options/common_options.h"
+#include "app/dataset/make_dataset.h"
 
 namespace CLI {
 class App;
@@ -9,10 +9,9 @@ class App;
 
 namespace wetcurl {
 
-struct DatasetOptions : CommonOptions {
+struct DatasetOptions : DatasetRequest {
     static constexpr const char *command = "dataset",
                                 *summary = "simulate many scenes, dry and wet, into training pairs";
-    std::string recipe, output, part;  // part: "K/N"
 };
 
 void add_options(CLI::App& app, DatasetOptions& o);

@@ -1,7 +1,7 @@
 // `wetcurl train`: training of a network.
 #pragma once
 
-#include "app/options/common_options.h"
+#include "app/engine/train_network.h"
 
 namespace CLI {
 class App;
@@ -9,12 +9,8 @@ class App;
 
 namespace wetcurl {
 
-struct TrainOptions : CommonOptions {
+struct TrainOptions : TrainingRequest {
     static constexpr const char *command = "train", *summary = "train a network on pairs";
-    std::string kind;  // sr | adhesion
-    std::vector<std::string> pairs, validation;
-    std::string output, recipe, architecture, from;
-    std::optional<double> width;
 };
 
 void add_options(CLI::App& app, TrainOptions& o);

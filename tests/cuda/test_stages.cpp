@@ -23,7 +23,7 @@ enum class Quantity {
     expected_position,
     expected_velocity,
     gap,
-    holds,  // the momentum of surfaces, and 1 where they hold the particle
+    holds,  // the momentum of surfaces; the spring that holds the particle and its friction, 0: not held
     frame,
     limit_edge,
     core_force,
@@ -161,7 +161,8 @@ struct InBlock {
                 return numbers_of(number(scratch.gap[i]));
             case Quantity::holds: {
                 const double pushed = number(step.pushed[i]);
-                return {pushed, pushed > 0 && number(scratch.hold[i].weight) > 0 ? 1.0 : 0.0, 0, 0};
+                if (!(pushed > 0)) return {};
+                return {pushed, number(scratch.hold[i].weight), number(scratch.hold[i].drag), 0};
             }
             case Quantity::frame:
                 return numbers_of(State::template lane_of<double>(step.frame[i], lane));
@@ -249,8 +250,10 @@ struct OpenTeam : StrandStep<double, AnySet, Barrier> {
     Numbers get(Quantity q, int g, int i) {
         Numbers out{};
         with(q, g, i, [&](const auto& of) { out = numbers_of(of); });
-        if (q == Quantity::holds) out = {std::abs(out[0]), out[0] > 0 ? 1.0 : 0.0, 0, 0};
-        return out;
+        if (q != Quantity::holds || out[0] == 0) return out;
+        const auto particle = this->particle(this->cell(g, i));
+        const auto hold = this->parts_.hold_of(*this->motion_, this->scheme_, particle, out[0]);
+        return {std::abs(out[0]), hold.weight, hold.drag, 0};
     }
     void set(Quantity q, int g, int i, const Numbers& to) {
         with(q, g, i, [&]<class V>(V& of) {

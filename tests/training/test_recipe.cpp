@@ -2,9 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <set>
 
+#include "base/hdf5.h"
+#include "learn/codec/release_recipe.h"
+#include "models/model_card.h"
 #include "tests/base/scratch.h"
 #include "training/metrics_log.h"
 #include "training/recipe.h"
@@ -104,7 +108,7 @@ TEST(Recipe, ItsListingHasEachKeyOnceWithADefaultAndASentence) {
             for (const auto& row : table.rows) {
                 EXPECT_TRUE(keys.insert(table.name + "." + row.key).second) << row.key;
                 EXPECT_TRUE(std::string(row.meaning).ends_with(".")) << row.key;
-                if (row.is_number()) {
+                if (row.is_number() && row.has_default()) {
                     EXPECT_TRUE(row.fallback >= row.minimum && row.fallback <= row.maximum) << row.key;
                 }
             }
@@ -125,6 +129,59 @@ TEST(Recipe, UnknownKeysNameFileLineAndTheNearestName) {
     expect_error<Misuse>([&] { read_recipe(request, Codec::strand, names); }, {"my.toml:1"});
     request.recipe = scratch.path("absent.toml");
     expect_error([&] { read_recipe(request, Codec::strand, names); }, {"absent.toml"});
+}
+
+TEST(Recipe, ATableReleaseIsCheckedAndChangesNothing) {
+    Scratch scratch;
+    TrainRequest request;
+    request.recipe = scratch.file("plain.toml", "epochs = 3\n");
+    const std::string plain = read_recipe(request, Codec::strand, names).text;
+    request.recipe =
+        scratch.file("my.toml", "epochs = 3\n[release]\nfrom = \"other.toml\"\ndataset = \"many.toml\"\n");
+    EXPECT_EQ(read_recipe(request, Codec::strand, names).text, plain);
+    const ReleaseRecipe release = read_release(Config::load(request.recipe).root());
+    EXPECT_EQ(release.from, scratch.path("other.toml"));
+    EXPECT_EQ(release.dataset, scratch.path("many.toml"));
+    EXPECT_TRUE(release.present);
+    EXPECT_FALSE(read_release(Config::load(scratch.path("plain.toml")).root()).present);
+
+    request.recipe = scratch.file(
+        "my.toml", "[[release.scene]]\nfile = \"a.toml\"\n[[release.scene]]\nfile = \"b.toml\"\n");
+    read_recipe(request, Codec::adhesion, names);
+    const auto scenes = read_release(Config::load(request.recipe).root()).scenes;
+    ASSERT_EQ(scenes.size(), 2u);
+    EXPECT_EQ(scenes[0].file, scratch.path("a.toml"));
+    EXPECT_EQ(scenes[1].file, scratch.path("b.toml"));
+    EXPECT_EQ(scenes[0].low_strands, 0);
+    auto expect_refused = [&](const char* wrong, std::initializer_list<std::string> why) {
+        request.recipe = scratch.file("my.toml", wrong);
+        expect_error<Misuse>([&] { read_recipe(request, Codec::strand, names); }, why);
+    };
+    expect_refused("[release]\ndatset = \"a.toml\"\n", {"my.toml:2", "datset", "did you mean 'dataset'"});
+    expect_refused("[release]\nfrom = \"a.toml\"\n", {"my.toml:1", "neither"});
+    expect_refused("[release]\ndataset = \"a.toml\"\n[[release.scene]]\nfile = \"b.toml\"\n", {"both"});
+    expect_refused("[[release.scene]]\nfiles = \"b.toml\"\n", {"my.toml:2", "did you mean 'file'"});
+    expect_refused("[[release.scene]]\nfile = \"a.toml\"\nframes = 3\n", {"my.toml:3", "low_strands"});
+    expect_refused(
+        "[[release.scene]]\nfile = \"a.toml\"\nlow_strands = 4\n[[release.scene]]\nfile = \"b.toml\"\n",
+        {"low_strands", "all or none"});
+}
+
+TEST(Recipe, EveryReleasedModelWasTrainedByItsRecipe) {
+    int models = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(WETCURL_SOURCE_DIR "/models/weights")) {
+        if (entry.path().extension() != ".h5") continue;
+        const H5Reader model(entry.path(), model_format, model_version);
+        const Codec codec = codec_named(model.text("codec"));
+        const char* const usual[] = {"strand_mlp", "unet_vgg19", "adhesion_mlp"};
+        TrainRequest request;
+        request.recipe = entry.path().parent_path() / "recipes" / entry.path().stem().concat(".toml");
+        EXPECT_EQ(read_recipe(request, codec, {usual[size_t(codec)], model.text("architecture")}).text,
+                  model.text("recipe"))
+            << request.recipe;
+        ++models;
+    }
+    EXPECT_GT(models, 5);
 }
 
 TEST(Recipe, MessagesNameTheOptionThatGaveTheValue) {

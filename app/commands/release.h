@@ -1,0 +1,21 @@
+// `wetcurl release`: a network and all that it is made of, as one recipe says.
+#pragma once
+
+#include "app/options/common_options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace wetcurl {
+
+struct ReleaseOptions : CommonOptions {
+    static constexpr const char *command = "release",
+                                *summary = "make a data set and train a network on it, as its recipe says";
+    std::string recipe, output, part;  // part: "K/N"
+};
+
+void add_options(CLI::App& app, ReleaseOptions& o);
+int release_command(const ReleaseOptions& o);
+
+}  // namespace wetcurl

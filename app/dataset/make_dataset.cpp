@@ -1,0 +1,247 @@
+// Many scenes, dry at low and wet at high resolution, to pairs in shards.
+#include "app/dataset/make_dataset.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <atomic>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "app/dataset/dataset_member.h"
+#include "app/engine/device.h"
+#include "app/files/results.h"
+#include "base/interrupt.h"
+#include "base/log.h"
+#include "base/progress.h"
+#include "base/ranks.h"
+
+namespace wetcurl {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string text_of(const std::string& path) {
+    std::stringstream text;
+    if (std::ifstream in(path); in) text << in.rdbuf();
+    return text.str();
+}
+
+// By the first of several parts; the others find what it wrote.
+void write_once(const std::string& path, const std::string& text) {
+    OutputFile file(path, true, "", LockedFile::Others::wait);
+    if (!fs::exists(path)) {
+        file.write(text);
+        file.commit();
+    }
+    if (text_of(path) != text)
+        throw Error(path + ": found another recipe, written just now; every part needs the same one");
+}
+
+// The folder is this recipe's, or nobody's.
+void take_folder(const CommonOptions& o, const DatasetFolder& to, const DatasetRecipe& recipe,
+                 const Ranks& part) {
+    const std::string path = to.of("recipe.toml"), there = text_of(path);
+    const bool shared = !part.alone();
+    if (there == recipe.text && (o.resume || shared)) return;
+    if (!there.empty() && !o.overwrite)
+        throw Error(there == recipe.text
+                        ? path + ": the data set is there already; --resume goes on, --overwrite replaces it"
+                        : path + ": holds another recipe; --overwrite replaces the data set");
+    if (o.overwrite) {
+        for (const char* made : {"shards", "runs", "manifest.json", "recipe.toml"})
+            fs::remove_all(to.of(made));
+        for (const auto& split : dataset_splits)
+            for (Codec codec : {Codec::strand, Codec::root}) fs::remove(to.whole(split, codec));
+    }
+    fs::create_directories(to.of("shards"));
+    if (!recipe.runs.empty()) fs::create_directories(to.of("runs"));
+    write_once(path, recipe.text);
+}
+
+// File -> hash, of many and large ones.
+std::map<std::string, std::string> hashes_of(const std::vector<std::string>& files) {
+    std::map<std::string, std::string> hashes;
+    std::exception_ptr failed;
+#pragma omp parallel for schedule(dynamic)
+    for (size_t k = 0; k < files.size(); ++k) {
+        std::string hash;
+        std::exception_ptr why;
+        try {
+            hash = hash_of_file(files[k]);
+        } catch (...) {
+            why = std::current_exception();
+        }
+#pragma omp critical
+        hashes[files[k]] = hash, failed = why ? why : failed;
+    }
+    if (failed) std::rethrow_exception(failed);
+    return hashes;
+}
+
+// One file a split and codec that shows all its shards as one, and the list of what is there.
+Json finish(const DatasetRecipe& recipe, const DatasetFolder& to) {
+    // One of those who share the folder at a time.
+    const LockedFile turn(to.of("recipe.toml"), to.of(""), LockedFile::Kind::alone, LockedFile::Others::wait);
+    std::vector<std::string> shards;
+    for (const auto& m : recipe.members)
+        for (Codec codec : codecs_of(recipe)) shards.push_back(to.shard(m, codec));
+    const auto hashes = hashes_of(shards);
+    Json manifest{{"scenes", Json::array()}};
+    for (const auto& m : recipe.members) {
+        Json entry{{"name", m.name}, {"split", m.split}, {"picked", m.picked}, {"set", m.set}};
+        for (Codec codec : codecs_of(recipe)) entry["hash_" + name_of(codec)] = hashes.at(to.shard(m, codec));
+        manifest["scenes"].push_back(entry);
+    }
+    for (Codec codec : codecs_of(recipe))
+        for (const auto& split : dataset_splits) {
+            std::unique_ptr<PairsWriter> out;
+            std::map<std::string, std::pair<double, long>> floors;  // sum, of how many scenes
+            // 0: not all the same.
+            double radius = 0;  // of Eq 16
+            int substeps = 0;   // of low-resolution runs
+            long runs = 0;
+            for (const auto& m : recipe.members) {
+                if (m.split != split) continue;
+                const std::string shard = to.shard(m, codec);
+                const PairsReader reader(shard);
+                if (!out)
+                    out = std::make_unique<PairsWriter>(to.whole(split, codec), codec, reader.particles(),
+                                                        true);
+                substeps = runs == 0 || reader.low_substeps() == substeps ? reader.low_substeps() : 0;
+                for (const char* floor : {"floor_mm", "floor_displayed_mm"})
+                    if (reader.has_attribute(floor))
+                        floors[floor].first += reader.number(floor), ++floors[floor].second;
+                if (codec == Codec::root) {
+                    const double its = reader.number("support_radius");
+                    radius = runs == 0 || its == radius ? its : 0;
+                }
+                const std::string name = "shards/" + fs::path(shard).filename().string();
+                out->link(name);
+                out->attribute(fmt::format("input {:04d}", runs), name + " " + hashes.at(shard));
+                ++runs;
+            }
+            if (!out) continue;
+            out->low(recipe.low_is_wet, substeps);
+            if (codec == Codec::root) {
+                out->box(&recipe.box.lower.x, &recipe.box.upper.x);
+                out->attribute("support_radius", radius);
+            }
+            for (const auto& [floor, sum] : floors) {
+                out->attribute(floor, sum.first / double(sum.second));
+                manifest[floor + "_" + split] = sum.first / double(sum.second);
+            }
+            out->commit();
+        }
+    ResultFile(to.of("manifest.json"), true).write_json(manifest);
+    return manifest;
+}
+
+}  // namespace
+
+Ranks part_of(const std::string& text) {
+    if (text.empty()) return ranks_of_launcher();
+    Ranks part;
+    long k = 0;
+    char rest = 0;
+    if (std::sscanf(text.c_str(), "%ld/%ld%c", &k, &part.of, &rest) != 2 || k < 1 || k > part.of ||
+        part.of > 1000000)
+        throw Misuse("--part: found '" + text + "', allowed K/N with 1 <= K <= N <= 1000000");
+    part.mine = k - 1;
+    return part;
+}
+
+bool dataset_is_whole(const DatasetRequest& o) {
+    const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.set);
+    const DatasetFolder to(o.output);
+    // The list of what is there is written last.
+    return fs::exists(to.of("manifest.json")) && text_of(to.of("recipe.toml")) == recipe.text &&
+           std::all_of(recipe.members.begin(), recipe.members.end(),
+                       [&](const auto& m) { return is_done(recipe, m, to); });
+}
+
+void make_dataset(const DatasetRequest& o) {
+    require_device(o.device);
+    if (o.output.empty()) throw Misuse("output: found an empty folder name");
+    if (o.seed) throw Misuse("--seed: a recipe's is --set seed=" + std::to_string(*o.seed));
+    const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.set);
+    const DatasetFolder to(o.output);
+    for (const auto& file : recipe.files)
+        if (fs::exists(file) && fs::exists(to.of("recipe.toml")) &&
+            fs::equivalent(file, to.of("recipe.toml")))
+            throw Misuse(file + ": lies where the data set keeps its own; another folder is needed for -o");
+    if (!o.json.empty() && o.json != "-") check_files(o, "", recipe.files);
+    const Ranks part = part_of(o.part);
+    if (!part.alone() && o.overwrite)
+        throw Misuse("--overwrite: several parts would remove each other's scenes; remove " + to.of("") +
+                     " instead");
+    check_scenes(recipe);
+    // Processes that a launcher started write the same one, each in its turn.
+    const bool launched = !part.alone() && o.part.empty();
+    ResultFile results(launched ? "" : o.json, o.overwrite);
+    const OutputFolder filled(o.output, part.alone() ? LockedFile::Kind::alone : LockedFile::Kind::shared);
+    take_folder(o, to, recipe, part);
+
+    std::vector<const DatasetMember*> mine;
+    for (size_t k = 0; k < recipe.members.size(); ++k)
+        if (long(k) % part.of == part.mine && !is_done(recipe, recipe.members[k], to))
+            mine.push_back(&recipe.members[k]);
+    const double begin = omp_get_wtime();
+    InterruptGuard guard;
+    Progress progress("dataset", long(mine.size()), "scene");
+    std::atomic<bool> failing = false;
+    std::mutex mutex;  // of what follows
+    std::exception_ptr failed;
+    long done = 0;
+    // A scene a thread: small scenes keep no more than one busy, and each gives the same bits on any number.
+#pragma omp parallel for schedule(dynamic)
+    for (size_t k = 0; k < mine.size(); ++k) {
+        if (guard.asked() || failing) continue;
+        try {
+            Places places = secured(outputs_of(recipe, *mine[k], to));
+            if (is_done(recipe, *mine[k], to)) continue;  // by another process, meanwhile
+            if (!make_member(recipe, *mine[k], to, std::move(places), o.device, guard)) continue;
+        } catch (...) {
+            const std::lock_guard lock(mutex);
+            if (!failed) failed = std::current_exception();
+            failing = true;
+            continue;
+        }
+        const std::lock_guard lock(mutex);
+        progress.update(++done);
+    }
+    if (failed) std::rethrow_exception(failed);
+    if (guard.asked())
+        throw Interrupted(fmt::format("interrupted: {} of {} scenes are kept in {}; --resume goes on", done,
+                                      mine.size(), o.output));
+    Json json{{"scenes", recipe.members.size()},
+              {"made", done},
+              {"seconds", omp_get_wtime() - begin},
+              {"whole", false}};
+    // Who finds all scenes there, whoever made them, lists them.
+    if (std::all_of(recipe.members.begin(), recipe.members.end(),
+                    [&](const auto& m) { return is_done(recipe, m, to); })) {
+        const Json manifest = finish(recipe, to);
+        json["whole"] = true;
+        for (const auto& [key, value] : manifest.items())
+            if (key.starts_with("floor_")) {
+                json[key] = value;
+                log_info(fmt::format("{}: encoding alone costs {:.2f} mm on average ({})", o.output,
+                                     value.get<double>(), key));
+            }
+    }
+    if (launched)
+        ResultFile(o.json, true, LockedFile::Others::wait).write_json(json);
+    else
+        results.write_json(json);
+    log_info(fmt::format("{}: {} scenes made in {:.0f} s{}", o.output, done, json["seconds"].get<double>(),
+                         json["whole"].get<bool>() ? "" : ", others are not there yet"));
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# Each recipe of a released network makes its data set and trains its network, here a tiny one; what is there is not made
+# again. Use: test_release_recipes.sh WETCURL PROJECT
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
+wetcurl=$1 project=$2
+export WETCURL=$wetcurl DEVICE=cpu
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder"
+# Few short strands.
+cat >small.toml <<END
+include = "$project/scenes/dataset/base.toml"
+frames = 20
+[groom]
+grid = [8, 8]
+particles = 24
+[integrator]
+settle = 0
+END
+recipes=$project/models/weights/recipes
+data=(--set data.scene="$folder/small.toml" --set data.splits.train=2 --set data.splits.validation=1)
+samples=(--set data.groom.particles=16 --set 'data.groom.grid=[4,4]' --set data.frames=40)
+
+failed() { echo "FAILED: $*"; failures=$((failures + 1)); }
+# What a recipe's training is cut to.
+options_of() {
+    local name=$1 how=(--set epochs=1)
+    if [[ $name == displayed_scene16 ]]; then
+        # its low-resolution run is of every second of its 8 x 8 roots each way
+        sed "s/low_strands = .*/low_strands = 16/; s/frames = .*/frames = 10/; s|\.\./\.\./\.\./|$project/|" "$recipes/$name.toml" >"$name.toml"
+        how+=(--set 'data.groom.grid=[8,8]' --set data.integrator.settle=0)
+    elif grep -q '^\[\[release.scene' "$recipes/$name.toml"; then
+        how+=("${samples[@]}")
+    else
+        how+=("${data[@]}" --set batch=4)
+    fi
+    [[ $name == linear_* || $name == adhesion_* ]] || how+=(--set width=0.0625)
+    printf '%s\n' "${how[@]}"
+}
+for recipe in "$recipes"/*.toml; do
+    name=$(basename "$recipe" .toml)
+    mapfile -t how < <(options_of "$name")
+    [[ ! -e $name.toml ]] || recipe=$name.toml
+    if ! "$wetcurl" release "$recipe" -o out --threads 1 --quiet "${how[@]}" >said 2>&1 || [[ ! -s out/$name.h5 ]]; then
+        failed "$name: $(<said)"
+        continue
+    fi
+    "$wetcurl" inspect model "out/$name.h5" >/dev/null || failed "$name: its model cannot be read"
+    echo "ok: $name: $(tail -n 1 said)"
+done
+# Every released network has its recipe.
+for model in "$project"/models/weights/*.h5; do
+    name=$(basename "$model" .h5)
+    [[ -e $recipes/$name.toml ]] || failed "$name.h5 has no recipe in models/weights/recipes"
+done
+
+# What is there stays; a seed has a file of its own, on the same scenes.
+mapfile -t how < <(options_of strand_m)
+before=$(stat -c '%n %Y %s' out/strand_m.h5 out/dry/manifest.json)
+"$wetcurl" release "$recipes/strand_m.toml" -o out --threads 1 --quiet "${how[@]}" >said 2>&1 || failed "strand_m again: $(<said)"
+"$wetcurl" release "$recipes/strand_m.toml" -o out --threads 1 --quiet --seed 7 "${how[@]}" >said 2>&1 || failed "strand_m@7: $(<said)"
+[[ -s out/strand_m@7.h5 ]] || failed "there is no strand_m@7.h5"
+[[ $(stat -c '%n %Y %s' out/strand_m.h5 out/dry/manifest.json) == "$before" ]] || failed "what was there was made again"
+# Parts make the scenes alone, those of the network that is gone on from too.
+mapfile -t how < <(options_of strand_m_2)
+for part in 1/2 2/2; do "$wetcurl" release "$recipes/strand_m_2.toml" -o parts --threads 1 --quiet --part $part "${how[@]}" >said 2>&1 || failed "part $part: $(<said)"; done
+for set in dry dry2; do cmp "out/$set/manifest.json" "parts/$set/manifest.json" || failed "parts of $set are another data set"; done
+[[ -z $(compgen -G 'parts/*.h5') ]] || failed "a part trained"
+
+expect 2 "has no table [release]" "'$wetcurl' release '$project/scenes/demo_recipe.toml' -o none"
+expect 2 "did you mean 'dataset'" "printf '[release]\ndatase = \"a.toml\"\n' >wrong.toml; '$wetcurl' release wrong.toml -o none"
+expect 2 "found neither of dataset and [[release.scene]]" "printf '[release]\nfrom = \"a.toml\"\n' >wrong.toml; '$wetcurl' release wrong.toml -o none"
+expect 2 "(a circle?)" "printf '[release]\ndataset = \"a.toml\"\nfrom = \"wrong.toml\"\n' >wrong.toml; '$wetcurl' release wrong.toml -o none"
+expect 2 "found network 'strand_x', allowed: adhesion_scene15 " "'$project/scripts/train_release' none strand_x"
+[[ ! -e none ]] || failed "left behind: $(ls none)"
+exit $((failures > 0))
