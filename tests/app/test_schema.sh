@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The schema of scenes for editors: it is what the program says, shipped scenes agree with it, and it refuses what the
 # program refuses.
-# Use: test_schema.sh WETCURL PROJECT. Ends with 77 where there is no Python 3.11 with jsonschema; to have it:
-#   python3 -m venv build/python && build/python/bin/pip install jsonschema
+# Use: test_schema.sh WETCURL PROJECT. Ends with 77 where there is no Python 3.11 with jsonschema (Debian:
+# python3-jsonschema, which scripts/setup --tests installs; elsewhere a virtual environment in build/python).
 set -euo pipefail
 wetcurl=$(realpath "$1") project=$2
 python=
