@@ -103,7 +103,8 @@ class Fixtures {
             for (int s = 0; s < 16; ++s) {
                 std::vector<Vec3d> strand;
                 for (int i = 0; i < 9; ++i)
-                    strand.push_back({0.02 * (s % 4), 0.1 - 0.015 * i, 0.02 * (s / 4) + (other ? 0.01 : 0)});
+                    strand.push_back(
+                        {0.15 + 0.02 * (s % 4), 0.1 - 0.015 * i, 0.02 * (s / 4) + (other ? 0.01 : 0)});
                 strands.push_back(strand);
             }
             scratch_.file(name(".data", other), data_file(strands));
