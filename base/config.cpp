@@ -490,7 +490,8 @@ static std::string range_of(const KeyRow& row) {
 }
 
 static double in_range(const Table& t, const KeyRow& row, const toml::node& n) {
-    const double v = *n.value<double>();
+    // A whole number beyond 2^53 is no `value` of kind double.
+    const double v = n.is_integer() ? double(n.as_integer()->get()) : *n.value<double>();
     const bool whole = !row.is_whole() || v == std::floor(v);
     if (!std::isfinite(v) || v < row.minimum || v > row.maximum || !whole)
         t.fail(row.key, fmt::format("found {}, allowed {}", shown(n), range_of(row)));

@@ -658,7 +658,7 @@ TEST_F(Dataset, every_row_of_a_recipe_refuses_another_kind_with_its_line) {
             const std::string header = table.name.empty()       ? ""
                                        : table.name == "splits" ? "[splits]\n"
                                                                 : "[[pick.motion]]\n",
-                              text = table.name.empty() ? "" : "scene = \"base.toml\"\n";
+                              text = row.key == std::string("scene") ? "" : "scene = \"base.toml\"\n";
             const std::string line = std::string(row.key) + " = {}\n";
             const int place = int(std::count(text.begin(), text.end(), '\n') +
                                   std::count(header.begin(), header.end(), '\n')) +
