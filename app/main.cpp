@@ -16,9 +16,9 @@
 #include "app/commands/infer.h"
 #include "app/commands/inspect.h"
 #include "app/commands/plot.h"
-#include "app/commands/release.h"
 #include "app/commands/render.h"
 #include "app/commands/report.h"
+#include "app/commands/retrain.h"
 #include "app/commands/simulate.h"
 #include "app/commands/stability.h"
 #include "app/commands/train.h"
@@ -120,7 +120,7 @@ int main(int argc, char** argv) {
     add(encode_command);
     add(dataset_command);
     add(train_command);
-    add(release_command);
+    add(retrain_command);
     add(infer_command);
     add(compare_command);
     add(report_command);

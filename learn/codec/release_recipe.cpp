@@ -33,7 +33,7 @@ void require_keys(const Table& table, const TableRow& row, const std::vector<std
 const std::vector<TableRow>& release_tables() {
     static const std::vector<TableRow> tables = {
         {.name = "release",
-         .meaning = "What `wetcurl release` makes for the training: a data set or runs, and the network to "
+         .meaning = "What `wetcurl retrain` makes for the training: a data set or runs, and the network to "
                     "go on from.",
          .rows = {from_row, dataset_row}},
         {.name = "release.scene",

@@ -1,5 +1,5 @@
 // The table [release] of a training's recipe: what the network is trained on, and which one it goes on from.
-// `wetcurl release` makes both; `wetcurl train`, which is given pairs and weights, only checks the table.
+// `wetcurl retrain` makes both; `wetcurl train`, which is given pairs and weights, only checks the table.
 //
 //   [release]
 //   from = "strand_m.toml"    recipe of the network whose weights it begins with; absent: random ones

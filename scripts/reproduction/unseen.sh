@@ -7,7 +7,7 @@ make unseen/test/test_root.h5 "$root/scenes/dataset/curls.toml" -- wetcurl datas
 trained_here=()
 for network in "${networks[@]/%/@}"; do
     for trained in "${seeds[@]/#/unseen/$network}"; do
-        make "$trained.h5" -- env WETCURL="$program" DEVICE="$device" JOBS=1 "$root/scripts/train_release" unseen "$(basename "$trained")"
+        make "$trained.h5" -- env WETCURL="$program" DEVICE="$device" JOBS=1 "$root/scripts/retrain" unseen "$(basename "$trained")"
         trained_here+=("$trained.h5")
         mkdir -p "$results/trainings/unseen" && cp "$trained.h5.jsonl" "$results/trainings/unseen/"
     done

@@ -1,7 +1,6 @@
 // The visible list: every term along a strand. A new one is a file and a line here.
 #pragma once
 
-#include <optional>
 #include <tuple>
 
 #include "solver/terms/adhesion.h"
@@ -9,16 +8,13 @@
 #include "solver/terms/bend.h"
 #include "solver/terms/core.h"
 #include "solver/terms/curl_push.h"
+#include "solver/terms/slot.h"
 #include "solver/terms/stiffness.h"
 #include "solver/terms/strain_limit.h"
 #include "solver/terms/stretch.h"
 #include "solver/terms/twist.h"
 
 namespace wetcurl {
-
-// The place of a term that a scene names or does not.
-template <class Term>
-using Slot = std::optional<Term>;
 
 using ChainTerms = std::tuple<Slot<Stretch>, Slot<Bend>, Slot<Twist>, Slot<Core>, Slot<CurlPush>,
                               Slot<Adhesion>, Slot<Stiffness>, Slot<AirDrag>, Slot<StrainLimit>>;

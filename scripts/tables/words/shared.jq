@@ -13,12 +13,17 @@ def short:
 def with($unit): if . == null then null else "\(short) \($unit)" end;
 def percent: if . == null then null else "\(100 * . | short) %" end;
 
-def cell: short | gsub("\\|"; "\\|");
+def device: if .gpu != "none" then .gpu | gsub("^NVIDIA | [0-9]+GB.*$"; "") else .processor + (if .cores then ", \(.cores) cores" else "" end) end;
+
+# Of a value: what is an object is who made a result.
+def cell: (if type == "object" then device else short end) | gsub("\\|"; "\\|");
+# Of a key in a result.
+def heading: sub("_mm$"; " [mm]") | gsub("_"; " ") | if . == "provenance" then "machine" else . end;
 def line: "| " + (map(cell) | join(" | ")) + " |";
 def rule: "|" + (map("---|") | join(""));
 def table:
   if length == 0 then empty
-  else (.[0] | keys_unsorted) as $k | ($k | line), ($k | rule), (.[] | [.[$k[]]] | line) end;
+  else (.[0] | keys_unsorted) as $k | ($k | map(heading) | line), ($k | rule), (.[] | [.[$k[]]] | line) end;
 # Without the columns that no row fills, and without the rows that fill no column after the first $named.
 def filled($named):
   map(to_entries) | map(select(any(.[$named:][]; .value != null))) |
@@ -33,7 +38,6 @@ def made:
 def revisions:
   split(" ") | (length - 1) as $others |
   "revision \(.[0])" + (if $others == 0 then "" elif $others == 1 then " and 1 other" else " and \($others) others" end);
-def device: if .gpu != "none" then .gpu | gsub("^NVIDIA | [0-9]+GB.*$"; "") else "\(.processor), \(.cores) cores" end;
 
 # Of the rows of a learned scene, the networks that win: no row without a network, nor the simulation, has a smaller error
 # in at most 1.1 times the time.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Each recipe of a released network makes its data set and trains its network, here a tiny one; what is there is not made
-# again. Use: test_release_recipes.sh WETCURL PROJECT
+# again. Use: test_retrain_recipes.sh WETCURL PROJECT
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 wetcurl=$1 project=$2
@@ -42,7 +42,7 @@ for recipe in "$recipes"/*.toml; do
     name=$(basename "$recipe" .toml)
     mapfile -t how < <(options_of "$name")
     [[ ! -e $name.toml ]] || recipe=$name.toml
-    if ! "$wetcurl" release "$recipe" -o out --threads 1 --quiet "${how[@]}" >said 2>&1 || [[ ! -s out/$name.h5 ]]; then
+    if ! "$wetcurl" retrain "$recipe" -o out --threads 1 --quiet "${how[@]}" >said 2>&1 || [[ ! -s out/$name.h5 ]]; then
         failed "$name: $(<said)"
         continue
     fi
@@ -58,20 +58,20 @@ done
 # What is there stays; a seed has a file of its own, on the same scenes.
 mapfile -t how < <(options_of strand_m)
 before=$(stat -c '%n %Y %s' out/strand_m.h5 out/dry/manifest.json)
-"$wetcurl" release "$recipes/strand_m.toml" -o out --threads 1 --quiet "${how[@]}" >said 2>&1 || failed "strand_m again: $(<said)"
-"$wetcurl" release "$recipes/strand_m.toml" -o out --threads 1 --quiet --seed 7 "${how[@]}" >said 2>&1 || failed "strand_m@7: $(<said)"
+"$wetcurl" retrain "$recipes/strand_m.toml" -o out --threads 1 --quiet "${how[@]}" >said 2>&1 || failed "strand_m again: $(<said)"
+"$wetcurl" retrain "$recipes/strand_m.toml" -o out --threads 1 --quiet --seed 7 "${how[@]}" >said 2>&1 || failed "strand_m@7: $(<said)"
 [[ -s out/strand_m@7.h5 ]] || failed "there is no strand_m@7.h5"
 [[ $(stat -c '%n %Y %s' out/strand_m.h5 out/dry/manifest.json) == "$before" ]] || failed "what was there was made again"
 # Parts make the scenes alone, those of the network that is gone on from too.
 mapfile -t how < <(options_of strand_m_2)
-for part in 1/2 2/2; do "$wetcurl" release "$recipes/strand_m_2.toml" -o parts --threads 1 --quiet --part $part "${how[@]}" >said 2>&1 || failed "part $part: $(<said)"; done
+for part in 1/2 2/2; do "$wetcurl" retrain "$recipes/strand_m_2.toml" -o parts --threads 1 --quiet --part $part "${how[@]}" >said 2>&1 || failed "part $part: $(<said)"; done
 for set in dry dry2; do cmp "out/$set/manifest.json" "parts/$set/manifest.json" || failed "parts of $set are another data set"; done
 [[ -z $(compgen -G 'parts/*.h5') ]] || failed "a part trained"
 
-expect 2 "has no table [release]" "'$wetcurl' release '$project/scenes/demo_recipe.toml' -o none"
-expect 2 "did you mean 'dataset'" "printf '[release]\ndatase = \"a.toml\"\n' >wrong.toml; '$wetcurl' release wrong.toml -o none"
-expect 2 "found neither of dataset and [[release.scene]]" "printf '[release]\nfrom = \"a.toml\"\n' >wrong.toml; '$wetcurl' release wrong.toml -o none"
-expect 2 "(a circle?)" "printf '[release]\ndataset = \"a.toml\"\nfrom = \"wrong.toml\"\n' >wrong.toml; '$wetcurl' release wrong.toml -o none"
-expect 2 "found network 'strand_x', allowed: adhesion_scene15 " "'$project/scripts/train_release' none strand_x"
+expect 2 "has no table [release]" "'$wetcurl' retrain '$project/scenes/demo_recipe.toml' -o none"
+expect 2 "did you mean 'dataset'" "printf '[release]\ndatase = \"a.toml\"\n' >wrong.toml; '$wetcurl' retrain wrong.toml -o none"
+expect 2 "found neither of dataset and [[release.scene]]" "printf '[release]\nfrom = \"a.toml\"\n' >wrong.toml; '$wetcurl' retrain wrong.toml -o none"
+expect 2 "(a circle?)" "printf '[release]\ndataset = \"a.toml\"\nfrom = \"wrong.toml\"\n' >wrong.toml; '$wetcurl' retrain wrong.toml -o none"
+expect 2 "found network 'strand_x', allowed: adhesion_scene15 " "'$project/scripts/retrain' none strand_x"
 [[ ! -e none ]] || failed "left behind: $(ls none)"
 exit $((failures > 0))

@@ -1,5 +1,5 @@
-// `wetcurl release`: data set, the network that it goes on from, training; what is there is gone on with.
-#include "app/commands/release.h"
+// `wetcurl retrain`: data set, the network that it goes on from, training; what is there is gone on with.
+#include "app/commands/retrain.h"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -25,10 +25,11 @@ namespace {
 
 constexpr const char* of_data = "data.";  // what --set says of the data set, not of the training
 
-class Release {
+class Retraining {
   public:
     // `depth`: how many networks go on from this one.
-    Release(const ReleaseOptions& options, const std::string& recipe, std::optional<long> seed, int depth = 0)
+    Retraining(const RetrainOptions& options, const std::string& recipe, std::optional<long> seed,
+               int depth = 0)
         : options_(options), recipe_(recipe), seed_(seed), depth_(depth) {
         if (depth > 8)
             throw Misuse(recipe + ": [release] from: found more than 8 recipes in a row (a circle?)");
@@ -110,9 +111,9 @@ class Release {
     }
 
     // By its own seed, as the recipe has it.
-    std::optional<Release> start() const {
+    std::optional<Retraining> start() const {
         if (release_.from.empty()) return {};
-        return Release(options_, release_.from, {}, depth_ + 1);
+        return Retraining(options_, release_.from, {}, depth_ + 1);
     }
 
     DatasetRequest dataset() const {
@@ -163,7 +164,7 @@ class Release {
         const OutputFile turn(model(), true, "", LockedFile::Others::wait);
     }
 
-    const ReleaseOptions& options_;
+    const RetrainOptions& options_;
     std::string recipe_;
     std::optional<long> seed_;
     int depth_;
@@ -173,7 +174,7 @@ class Release {
 
 }  // namespace
 
-void add_options(CLI::App& app, ReleaseOptions& o) {
+void add_options(CLI::App& app, RetrainOptions& o) {
     input_file(app.add_option("recipe", o.recipe, "recipe (TOML) with a table [release]: NAME.toml"))
         ->required();
     app.add_option("-o,--output", o.output,
@@ -187,7 +188,7 @@ void add_options(CLI::App& app, ReleaseOptions& o) {
         "that of the training.");
 }
 
-int release_command(const ReleaseOptions& o) {
+int retrain_command(const RetrainOptions& o) {
     if (o.output.empty()) throw Misuse("output: found an empty folder name");
     if (o.overwrite)
         throw Misuse("--overwrite: what is there is gone on with; remove what is to be made anew from " +
@@ -196,7 +197,7 @@ int release_command(const ReleaseOptions& o) {
         throw Misuse(
             "release: found several processes that a launcher started; start one, or share the "
             "work by --part");
-    const Release release(o, o.recipe, o.seed);
+    const Retraining release(o, o.recipe, o.seed);
     release.make_data();
     if (o.part.empty()) release.train();
     return 0;

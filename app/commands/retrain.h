@@ -1,4 +1,4 @@
-// `wetcurl release`: a network and all that it is made of, as one recipe says.
+// `wetcurl retrain`: a network and all that it is made of, as one recipe says.
 #pragma once
 
 #include "app/options/common_options.h"
@@ -9,13 +9,13 @@ class App;
 
 namespace wetcurl {
 
-struct ReleaseOptions : CommonOptions {
-    static constexpr const char *command = "release",
+struct RetrainOptions : CommonOptions {
+    static constexpr const char *command = "retrain",
                                 *summary = "make a data set and train a network on it, as its recipe says";
     std::string recipe, output, part;  // part: "K/N"
 };
 
-void add_options(CLI::App& app, ReleaseOptions& o);
-int release_command(const ReleaseOptions& o);
+void add_options(CLI::App& app, RetrainOptions& o);
+int retrain_command(const RetrainOptions& o);
 
 }  // namespace wetcurl
