@@ -86,6 +86,10 @@ RunWriter::RunWriter(OutputFile place, const RunHeader& h)
     f.write("groom/normal", &h.groom.normal.data()->x, {body_->strands, 3});
     const std::vector<int32_t> grid(h.groom.grid.strand.begin(), h.groom.grid.strand.end());
     f.write("groom/grid", grid.data(), {size_t(h.groom.grid.height), size_t(h.groom.grid.width)});
+    if (!h.groom.number.empty()) {
+        const std::vector<int32_t> number(h.groom.number.begin(), h.groom.number.end());
+        f.write("groom/number", number.data(), {body_->strands});
+    }
     if (!h.saturation.empty()) f.write("saturation", h.saturation.data(), {body_->strands, body_->particles});
 }
 RunWriter::~RunWriter() = default;
@@ -165,6 +169,10 @@ RunReader::RunReader(const std::string& path)
         if (s < -1 || s >= int(points[0]) || (s >= 0 && seen[size_t(s)]++))
             throw Error(path + ": dataset 'groom/grid' names strand " + std::to_string(s) +
                         " twice or out of range");
+    if (f.has("groom/number")) {
+        const auto number = f.read<int32_t>("groom/number", {points[0]});
+        h.groom.number.assign(number.begin(), number.end());
+    }
     if (f.has("saturation")) {
         h.saturation = f.read<float>("saturation", {points[0], points[1]});
         check_within(h.saturation, f, "saturation", 0, 1, 0);

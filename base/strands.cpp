@@ -51,9 +51,11 @@ Groom coarsened(const Groom& full, int stride, std::vector<int>* kept) {
             }
     out.rest = Strands(int(from.size()), full.rest.particles);
     out.normal.resize(from.size());
+    out.number = from;
     for (size_t s = 0; s < from.size(); ++s) {
         std::copy_n(full.rest.strand(from[s]), full.rest.particles, out.rest.strand(int(s)));
         out.normal[s] = full.normal[size_t(from[s])];
+        if (!full.number.empty()) out.number[s] = full.number[size_t(from[s])];
     }
     if (kept) *kept = from;
     return out;

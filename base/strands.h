@@ -39,6 +39,7 @@ struct Groom {
     Strands rest;
     std::vector<Vec3f> normal;  // unit, one a strand
     RootGrid grid;
+    std::vector<int> number;   // (strand): in the file that it came from; empty: as they stand here
     std::string hash() const;  // of points and grid: two runs pair only where grooms nest
 };
 

@@ -70,11 +70,11 @@ static void move(StrandPoints& strands, double scale, const Vec3d& offset) {
         for (auto& x : strand) x = scale * x + offset;
 }
 
-// The grid asked for, or {0, 0} for the finest there is.
+// The grid asked for, or {0, 0} for the finest there is. One with fewer pixels than the file has strands is a choice of strands.
 static GridSize grid_wanted(const Table& table, const GroomTable& groom, size_t strands) {
     if (!table.has("grid")) return {0, 0};
     const auto [width, height] = groom.grid;
-    if (size_t(width) * size_t(height) <= strands) return {width, height};
+    if ((long long)width * height - (long long)strands <= most_holes({width, height})) return {width, height};
     log_warning(table.where("grid") + ": found " + std::to_string(width) + " x " + std::to_string(height) +
                 ", but " + groom.file + " has " + std::to_string(strands) +
                 " strands: taking the finest grid that they fill");
@@ -99,7 +99,8 @@ static Groom file_groom(const Table& table, const GroomTable& groom) {
     rest_procedural_keys(table, file);
     const auto scalp = read_scalp(groom);
 
-    StrandPoints strands = import_strands(file, groom.hair_units()).strands;
+    ImportedStrands in = import_strands(file, groom.hair_units());
+    StrandPoints& strands = in.strands;
     move(strands, groom.scale, groom.offset);
     const std::vector<Vec3d> roots = roots_of(strands);
     if (scalp) log_info(file + ": " + described(root_depth(strands, *scalp)));
@@ -114,7 +115,8 @@ static Groom file_groom(const Table& table, const GroomTable& groom) {
         for (int i = 0; i < particles; ++i) full.rest.at(s, i) = cast<float>(even[size_t(s)][size_t(i)]);
     full.normal = normals_at(roots, scalp.get());
     full.grid = layout.grid;
-    return coarsened(full, 1);  // strands in the order of their pixels, those without one left out
+    full.number = in.numbers;
+    return coarsened(full, 1);  // strands in the order of their pixels
 }
 
 Groom load_groom(const Table& table, unsigned long long seed) {

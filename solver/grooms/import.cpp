@@ -187,7 +187,8 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
     out.found = raw.size();
     out.units = to_metres.unit.name;
     out.guessed = to_metres.guessed;
-    for (const auto& given : raw) {
+    for (size_t number = 0; number < raw.size(); ++number) {
+        const auto& given = raw[number];
         std::vector<Vec3d> strand(given.size());
         std::transform(given.begin(), given.end(), strand.begin(), to_metres);
         std::vector<Vec3d> kept = distinct(strand);
@@ -200,6 +201,7 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
         else {
             out.repeated_points += strand.size() - kept.size();
             out.strands.push_back(std::move(kept));
+            out.numbers.push_back(int(number));
         }
     }
     if (out.dropped())

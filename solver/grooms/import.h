@@ -17,6 +17,7 @@ struct FileUnits {
 
 struct ImportedStrands {
     StrandPoints strands;  // metres, Y up, root first; two points or more each, no point twice in a row
+    std::vector<int> numbers;  // (strand): its number in the file, from 0
     size_t found = 0;      // strands in the file, the dropped ones included
     // Dropped strands, by reason.
     size_t no_points = 0, one_point = 0, no_length = 0;

@@ -2,6 +2,7 @@
 #include "solver/grooms/root_grid.h"
 
 #include <algorithm>
+#include <climits>
 #include <cstdio>
 #include <Eigen/Dense>
 #include <numeric>
@@ -15,12 +16,30 @@ namespace wetcurl {
 GridSize finest_grid(int roots) {
     for (int unit : {8, 4, 2, 1}) {
         GridSize best{0, 0};
-        for (int height = unit; height * height <= roots; height += unit)
-            for (int width = height; width <= 1.5 * height + 1 && width * height <= roots; width += unit)
-                if (width * height >= best.width * best.height) best = {width, height};
-        if (unit == 1 || best.width * best.height >= 0.9 * roots) return best;
+        int fewest = INT_MAX;  // holes
+        for (int height = unit; (height - unit) * (height - unit) <= roots; height += unit)
+            for (int width = height; width <= 1.5 * height + 1; width += unit) {
+                const int holes = width * height - roots;
+                if (holes < 0 || holes > most_holes({width, height}) || (unit > 1 && holes > 0.1 * roots)) continue;
+                if (holes < fewest) best = {width, height}, fewest = holes;
+                break;
+            }
+        if (fewest < INT_MAX) return best;
     }
     return {0, 0};
+}
+
+int most_holes(GridSize size) { return (size.width / 2) * (size.height / 2); }
+
+// One flag a pixel: `holes` of those in odd columns of odd rows, spread evenly among them.
+static std::vector<char> holes_of(GridSize size, int holes) {
+    std::vector<char> out(size_t(size.width) * size_t(size.height), 0);
+    const int places = most_holes(size), columns = size.width / 2;
+    for (int k = 0; k < holes; ++k) {
+        const int place = int((2LL * k + 1) * places / (2 * holes));
+        out[size_t(2 * (place / columns) + 1) * size_t(size.width) + size_t(2 * (place % columns) + 1)] = 1;
+    }
+    return out;
 }
 
 // ---- roots to plane
@@ -169,7 +188,14 @@ class Cutter {
     Cutter(const std::vector<Planar>& places, GridSize size, Cuts cuts)
         : places_(places), cuts_(cuts), order_(places.size()), grid_{size.width, size.height, {}} {
         std::iota(order_.begin(), order_.end(), 0);
-        grid_.strand.assign(size_t(size.width) * size_t(size.height), -1);
+        const int pixels = size.width * size.height;
+        grid_.strand.assign(size_t(pixels), -1);
+        const auto hole = holes_of(size, std::max(0, pixels - int(places.size())));
+        filled_.assign(size_t(size.width + 1) * size_t(size.height + 1), 0);
+        for (int r = 0; r < size.height; ++r)
+            for (int c = 0; c < size.width; ++c)
+                filled(c + 1, r + 1) = filled(c, r + 1) + filled(c + 1, r) - filled(c, r) +
+                                       !hole[size_t(r) * size_t(size.width) + size_t(c)];
     }
     RootGrid run() {
         cut({0, grid_.width, 0, grid_.height, 0, int(order_.size())});
@@ -180,8 +206,12 @@ class Cutter {
     // Columns [c0, c1), rows [r0, r1), and their roots order_[first, last).
     struct Block {
         int c0, c1, r0, r1, first, last;
-        int pixels() const { return (c1 - c0) * (r1 - r0); }
     };
+    // Pixels in the columns before `c` of the rows before `r` that hold a root.
+    int& filled(int c, int r) { return filled_[size_t(r) * size_t(grid_.width + 1) + size_t(c)]; }
+    int pixels(const Block& b) {
+        return filled(b.c1, b.r1) - filled(b.c0, b.r1) - filled(b.c1, b.r0) + filled(b.c0, b.r0);
+    }
     double key(int root, bool by_column) const {
         return by_column ? places_[size_t(root)].x : places_[size_t(root)].y;
     }
@@ -192,6 +222,7 @@ class Cutter {
     Cuts cuts_;
     std::vector<int> order_;
     RootGrid grid_;
+    std::vector<int> filled_;  // (row, column)
 };
 
 // The root nearest to the mean of those that share a pixel.
@@ -205,7 +236,8 @@ int Cutter::middlemost(const Block& block) const {
 }
 
 void Cutter::cut(const Block& block) {
-    if (block.pixels() == 1) {
+    if (block.first == block.last) return;  // holes
+    if (block.c1 - block.c0 == 1 && block.r1 - block.r0 == 1) {
         grid_.strand[size_t(block.r0) * size_t(grid_.width) + size_t(block.c0)] = middlemost(block);
         return;
     }
@@ -217,8 +249,8 @@ void Cutter::cut(const Block& block) {
     else
         low.r1 = high.r0 = block.r0 + rows / 2;
     const int roots = block.last - block.first;
-    const int share = std::clamp(int(std::lround(double(roots) * low.pixels() / block.pixels())),
-                                 low.pixels(), roots - high.pixels());
+    const int share = std::clamp(int(std::lround(double(roots) * pixels(low) / pixels(block))), pixels(low),
+                                 roots - pixels(high));
     low.last = high.first = block.first + share;
     // Ties by index: the result does not hang on the library's sort.
     std::nth_element(
@@ -244,7 +276,7 @@ int untangle(RootGrid& grid, const std::vector<Vec3d>& roots) {
     auto way = [&](int c, int r) {
         double sum = 0;
         for (auto [dc, dr] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
-            if (c + dc >= 0 && c + dc < grid.width && r + dr >= 0 && r + dr < grid.height)
+            if (c + dc >= 0 && c + dc < grid.width && r + dr >= 0 && r + dr < grid.height && pixel(c + dc, r + dr) >= 0)
                 sum += squared(roots[size_t(pixel(c, r))] - roots[size_t(pixel(c + dc, r + dr))]);
         return sum;
     };
@@ -257,6 +289,7 @@ int untangle(RootGrid& grid, const std::vector<Vec3d>& roots) {
                 for (int r2 = r; r2 <= std::min(r + reach, grid.height - 1); ++r2)
                     for (int c2 = std::max(0, r2 == r ? c + 1 : c - reach);
                          c2 <= std::min(c + reach, grid.width - 1); ++c2) {
+                        if (pixel(c, r) < 0 || pixel(c2, r2) < 0) continue;  // holes stay where they are
                         const double before = way(c, r) + way(c2, r2);
                         std::swap(pixel(c, r), pixel(c2, r2));
                         // An edge between the two is the same either way round, and counted twice both times.
@@ -299,10 +332,11 @@ RootLayout lay_on_grid(const std::vector<Vec3d>& roots, const ScalpMesh* scalp, 
     if (roots.empty()) throw Error("a grid of roots: found no root, allowed 1 or more");
     const bool free_size = size.width == 0;
     if (free_size) size = finest_grid(int(roots.size()));
-    if ((long long)size.width * size.height > (long long)roots.size())
+    const long long holes = (long long)size.width * size.height - (long long)roots.size();
+    if (holes > most_holes(size))
         throw Error("a grid of roots: found " + std::to_string(size.width) + " x " +
-                    std::to_string(size.height) + " pixels, allowed at most as many as there are roots, " +
-                    std::to_string(roots.size()));
+                    std::to_string(size.height) + " pixels for " + std::to_string(roots.size()) +
+                    " roots, allowed at most " + std::to_string(most_holes(size)) + " pixels without a root");
     RootLayout best;
     std::string how;
     const std::vector<Planar> places = parameterised(roots, scalp, &how);
@@ -329,12 +363,12 @@ RootLayout lay_on_grid(const std::vector<Vec3d>& roots, const ScalpMesh* scalp, 
 std::string described(const RootLayout& layout) {
     const GridQuality& q = layout.quality;
     char text[400];
+    const int holes = layout.grid.width * layout.grid.height - q.pixels;
     std::snprintf(text, sizeof text,
-                  "%d x %d pixels for %d roots (%d left out): neighbours %.2f mm apart, nearest roots %.2f "
-                  "mm (%.2f times); "
-                  "%s; %s",
-                  layout.grid.width, layout.grid.height, q.roots, q.roots - q.pixels, 1e3 * q.neighbour_mean,
-                  1e3 * q.nearest_mean, q.ratio(), layout.parameterisation.c_str(),
+                  "%d x %d pixels for %d roots (%d left out, %d pixels empty): neighbours %.2f mm apart, nearest roots "
+                  "%.2f mm (%.2f times); %s; %s",
+                  layout.grid.width, layout.grid.height, q.roots, q.roots - q.pixels, holes,
+                  1e3 * q.neighbour_mean, 1e3 * q.nearest_mean, q.ratio(), layout.parameterisation.c_str(),
                   layout.assignment.c_str());
     return text;
 }

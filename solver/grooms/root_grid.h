@@ -11,25 +11,27 @@ namespace wetcurl {
 
 // How well neighbours stay neighbours: 1 is as close as can be, a square lattice of roots.
 struct GridQuality {
-    int roots = 0, pixels = 0;  // pixels, all of them filled; roots - pixels are left out
+    int roots = 0, pixels = 0;  // pixels that hold a root; roots - pixels are left out
     double neighbour_mean = 0;  // distance of roots at neighbouring pixels [m]
     double nearest_mean = 0;    // distance of a root on the grid to the nearest other one [m]
     double ratio() const { return nearest_mean > 0 ? neighbour_mean / nearest_mean : 0; }
 };
 
 struct RootLayout {
-    RootGrid grid;  // indices of the roots given; every pixel holds one
+    RootGrid grid;  // indices of the roots given, or -1
     GridQuality quality;
     std::string parameterisation;  // how roots came to the plane
     std::string assignment;        // how places came to pixels: the better one of those tried
 };
 
-// Sides of the finest near-square grid that `roots` fill: multiples of 8 where nine in ten roots find a
-// pixel, else of 4, 2 or 1, so that a small groom is not halved for its grid. The first is the longer one.
+// Sides of a near-square grid with a pixel for each root, and few more: multiples of 8 where at most a tenth of the roots'
+// number stays empty, else of 4, 2 or 1. The first is the longer one.
 struct GridSize {
     int width, height;
 };
 GridSize finest_grid(int roots);
+// Pixels that may stay empty: those in odd columns of odd rows, where no coarser grid of every 2nd, 4th... root has one.
+int most_holes(GridSize size);
 
 // The roots [m] as a dome: middle, axis and curvature, by least squares; `flat` where they lie in a plane.
 struct RootDome {
@@ -55,8 +57,8 @@ int untangle(RootGrid& grid, const std::vector<Vec3d>& roots);
 
 GridQuality grid_quality(const RootGrid& grid, const std::vector<Vec3d>& roots);
 
-// Parameterises, tries the assignments, keeps the better. `size` = {0, 0}: the finest that the roots fill.
-// Throws Error for no root, or where the size asked for has more pixels than there are roots.
+// Parameterises, tries the assignments, keeps the better. `size` = {0, 0}: finest_grid. Where it has fewer pixels than
+// there are roots, roots are left out. Throws Error for no root, or where more pixels than most_holes would stay empty.
 RootLayout lay_on_grid(const std::vector<Vec3d>& roots, const ScalpMesh* scalp, GridSize size = {0, 0});
 
 // "88 x 88 pixels of 7905 roots: neighbours 3.1 mm apart, nearest roots 1.4 mm (2.2 times); ..."
