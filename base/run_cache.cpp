@@ -62,6 +62,40 @@ struct RunWriter::Body {
     size_t strands, particles, energies, stages;
 };
 
+// A member of each strand's origin as a dataset, and back.
+template <class T>
+static void write_member(H5Writer& f, const std::string& name, const std::vector<StrandOrigin>& origin, T StrandOrigin::*member) {
+    std::vector<T> values;
+    for (const auto& strand : origin) values.push_back(strand.*member);
+    f.write(name, values.data(), {values.size()});
+}
+template <class T>
+static void read_member(const H5Reader& f, const std::string& name, std::vector<StrandOrigin>& origin, T StrandOrigin::*member) {
+    const auto values = f.read<T>(name, {origin.size()});
+    for (size_t s = 0; s < origin.size(); ++s) origin[s].*member = values[s];
+}
+
+static void write_origin(H5Writer& f, const Groom& groom) {
+    const std::vector<StrandOrigin> origin = origins_of(groom);
+    write_member(f, "groom/number", origin, &StrandOrigin::number);
+    write_member(f, "groom/id", origin, &StrandOrigin::id);
+    write_member(f, "groom/group", origin, &StrandOrigin::group);
+    write_member(f, "groom/width", origin, &StrandOrigin::width);
+    std::vector<float> uv;
+    for (const auto& strand : origin) uv.insert(uv.end(), strand.uv, strand.uv + 2);
+    f.write("groom/root_uv", uv.data(), {origin.size(), 2});
+}
+static std::vector<StrandOrigin> read_origin(const H5Reader& f, size_t strands) {
+    std::vector<StrandOrigin> origin(strands);
+    read_member(f, "groom/number", origin, &StrandOrigin::number);
+    read_member(f, "groom/id", origin, &StrandOrigin::id);
+    read_member(f, "groom/group", origin, &StrandOrigin::group);
+    read_member(f, "groom/width", origin, &StrandOrigin::width);
+    const auto uv = f.read<float>("groom/root_uv", {strands, 2});
+    for (size_t s = 0; s < strands; ++s) std::copy_n(&uv[2 * s], 2, origin[s].uv);
+    return origin;
+}
+
 RunWriter::RunWriter(OutputFile place, const RunHeader& h)
     : body_(new Body{{std::move(place), run_format, run_version},
                      size_t(h.groom.rest.count),
@@ -86,10 +120,7 @@ RunWriter::RunWriter(OutputFile place, const RunHeader& h)
     f.write("groom/normal", &h.groom.normal.data()->x, {body_->strands, 3});
     const std::vector<int32_t> grid(h.groom.grid.strand.begin(), h.groom.grid.strand.end());
     f.write("groom/grid", grid.data(), {size_t(h.groom.grid.height), size_t(h.groom.grid.width)});
-    if (!h.groom.number.empty()) {
-        const std::vector<int32_t> number(h.groom.number.begin(), h.groom.number.end());
-        f.write("groom/number", number.data(), {body_->strands});
-    }
+    write_origin(f, h.groom);
     if (!h.saturation.empty()) f.write("saturation", h.saturation.data(), {body_->strands, body_->particles});
 }
 RunWriter::~RunWriter() = default;
@@ -169,10 +200,7 @@ RunReader::RunReader(const std::string& path)
         if (s < -1 || s >= int(points[0]) || (s >= 0 && seen[size_t(s)]++))
             throw Error(path + ": dataset 'groom/grid' names strand " + std::to_string(s) +
                         " twice or out of range");
-    if (f.has("groom/number")) {
-        const auto number = f.read<int32_t>("groom/number", {points[0]});
-        h.groom.number.assign(number.begin(), number.end());
-    }
+    if (f.has("groom/number")) h.groom.origin = read_origin(f, points[0]);
     if (f.has("saturation")) {
         h.saturation = f.read<float>("saturation", {points[0], points[1]});
         check_within(h.saturation, f, "saturation", 0, 1, 0);

@@ -35,6 +35,19 @@ std::string Groom::hash() const {
     return hash_bytes((a + b).data(), a.size() + b.size());
 }
 
+std::vector<StrandOrigin> origins_of(const Groom& groom) {
+    if (!groom.origin.empty()) return groom.origin;
+    std::vector<StrandOrigin> origin(size_t(groom.rest.count));
+    for (int row = 0; row < groom.grid.height; ++row)
+        for (int column = 0; column < groom.grid.width; ++column)
+            if (const int s = groom.grid.at(column, row); s >= 0)
+                origin[size_t(s)] = {.number = s,
+                                     .id = s,
+                                     .uv = {float(column) / float(groom.grid.width),
+                                            float(row) / float(groom.grid.height)}};
+    return origin;
+}
+
 Groom coarsened(const Groom& full, int stride, std::vector<int>* kept) {
     if (stride < 1)
         throw Error("stride of a coarser grid: found " + std::to_string(stride) + ", allowed 1 or more");
@@ -51,11 +64,12 @@ Groom coarsened(const Groom& full, int stride, std::vector<int>* kept) {
             }
     out.rest = Strands(int(from.size()), full.rest.particles);
     out.normal.resize(from.size());
-    out.number = from;
+    out.origin.resize(from.size());
+    const std::vector<StrandOrigin> origin = origins_of(full);
     for (size_t s = 0; s < from.size(); ++s) {
         std::copy_n(full.rest.strand(from[s]), full.rest.particles, out.rest.strand(int(s)));
         out.normal[s] = full.normal[size_t(from[s])];
-        if (!full.number.empty()) out.number[s] = full.number[size_t(from[s])];
+        out.origin[s] = origin[size_t(from[s])];
     }
     if (kept) *kept = from;
     return out;

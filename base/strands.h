@@ -34,14 +34,26 @@ struct RootGrid {
     int at(int column, int row) const { return strand[size_t(row) * width + column]; }
 };
 
+// What the file that a strand came from says of it.
+struct StrandOrigin {
+    int number = 0;       // its place in the file, or in the scene's whole groom, from 0
+    int id = 0;           // its number where the file says none
+    int group = 0;
+    float width = 0;      // diameter [m]; 0: not said
+    float uv[2] = {0, 0};  // of its root; its pixel's place on the grid where the file says none
+};
+
 // A rest groom: strands in the head's frame at rest, the outward scalp normal at each root, their grid.
 struct Groom {
     Strands rest;
     std::vector<Vec3f> normal;  // unit, one a strand
     RootGrid grid;
-    std::vector<int> number;   // (strand): in the file that it came from; empty: as they stand here
+    std::vector<StrandOrigin> origin;  // (strand); empty: as they stand here
     std::string hash() const;  // of points and grid: two runs pair only where grooms nest
 };
+
+// Its `origin`, or, where that is empty, what it stands for.
+std::vector<StrandOrigin> origins_of(const Groom& groom);
 
 // The groom of every `stride`-th root each way, strands renumbered row by row.
 // `kept`, where given, receives for each strand of the result its index in `full`.

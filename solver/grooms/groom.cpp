@@ -115,7 +115,15 @@ static Groom file_groom(const Table& table, const GroomTable& groom) {
         for (int i = 0; i < particles; ++i) full.rest.at(s, i) = cast<float>(even[size_t(s)][size_t(i)]);
     full.normal = normals_at(roots, scalp.get());
     full.grid = layout.grid;
-    full.number = in.numbers;
+    full.origin = origins_of(full);  // of pixels
+    for (size_t s = 0; s < strands.size(); ++s) {
+        StrandOrigin& origin = full.origin[s];
+        origin.number = origin.id = int(in.numbers[s]);
+        if (!in.ids.empty()) origin.id = in.ids[s];
+        if (!in.groups.empty()) origin.group = in.groups[s];
+        if (!in.widths.empty()) origin.width = float(in.widths[s].front() * groom.scale);
+        if (!in.root_uv.empty()) std::copy_n(in.root_uv[s].begin(), 2, origin.uv);
+    }
     return coarsened(full, 1);  // strands in the order of their pixels
 }
 

@@ -29,6 +29,8 @@ struct ProceduralGroom {
     double scalp_radius;                // [m]
     double coverage;                    // from the cap's pole to its rim [rad]
     double tilt;                        // of the pole, back from straight up [rad]
+    std::string hairline;               // "round": the cap's rim; "natural": a head's (base/geometry/bust.h)
+    double part_turn;                   // of the part, from the middle of the brow toward +x [rad]
 
     std::shared_ptr<const ScalpMesh> head;  // instead of the ball, where given
     Vec3d scalp_centre{0, 0, 0};            // [m]
@@ -87,6 +89,7 @@ struct GroomTable {
     };
 };
 
+inline constexpr const char* hairlines[] = {"round", "natural"};
 inline constexpr Parameter<ProceduralGroom> procedural_parameters[] = {
     {KeyRow::number("length", "m", 0.25, 1e-3, 10, "Length along a strand."), &ProceduralGroom::length},
     {KeyRow::number("curl_radius", "m", 0.006, 0, 0.1, "Radius of the helix round the core; 0: straight."),
@@ -108,11 +111,17 @@ inline constexpr Parameter<ProceduralGroom> procedural_parameters[] = {
                     "Radius of the ball; of a mesh: depth of its centre below the top."),
      &ProceduralGroom::scalp_radius},
     {KeyRow::number("coverage", "rad", 1.6, 0.1, 3.0,
-                    "Angle from the middle of the hair to its rim, seen from the centre."),
+                    "Angle from the middle of the hair to its rim, seen from the centre.", "", {"hairline", "round", true}),
      &ProceduralGroom::coverage},
     {KeyRow::number("tilt", "rad", 0.7, 0, 1.5,
                     "Angle of the middle of the hair, back from straight up: the face (+Z) stays free."),
      &ProceduralGroom::tilt},
+    {KeyRow::one_of("hairline", hairlines, "round",
+                    "Rim of the hair: a circle at coverage, or natural: above brow and temples, round the ears, down to the "
+                    "nape."),
+     &ProceduralGroom::hairline},
+    {KeyRow::number("part_turn", "rad", 0, -1.5, 1.5, "Turn of the part from the middle of the brow, toward +X."),
+     &ProceduralGroom::part_turn},
 };
 
 // Reads `[groom]`. Throws Misuse for what is out of range.

@@ -74,13 +74,29 @@ Planar square_to_disk(double u, double v) {
     return {r * std::cos(angle), r * std::sin(angle)};
 }
 
+// `angle` from the pole, toward a unit vector across it.
+Vec3d Cap::at(double angle, const Vec3d& toward) const { return std::cos(angle) * pole + std::sin(angle) * toward; }
+
+double Cap::coverage_toward(const Vec3d& toward) const {
+    if (!rim) return coverage;
+    double within = 0, beyond = std::numbers::pi;
+    for (int halving = 0; halving < 50; ++halving) {
+        const double middle = (within + beyond) / 2;
+        const Vec3d x = at(middle, toward);
+        (std::acos(std::clamp(x.y, -1.0, 1.0)) < rim(x) ? within : beyond) = middle;
+    }
+    return within;
+}
+
 Vec3d Cap::direction(double u, double v) const {
     const Planar d = square_to_disk(u, v);
     const double r = std::min(1.0, std::hypot(d.x, d.y));
-    // Lambert: a circle of radius r on the disk bounds r^2 of the cap's area, and area runs with 1 - cos.
-    const double c = 1 - r * r * (1 - std::cos(coverage)), s = std::sqrt(std::max(0.0, 1 - c * c));
     if (r == 0) return pole;
-    return c * pole + (s * d.x / r) * right + (s * d.y / r) * cross(pole, right);
+    // Lambert: a circle of radius r on the disk bounds r^2 of the cap's area, and area runs with 1 - cos.
+    const Vec3d forward = cross(pole, right);
+    const double covered = rim ? coverage_toward((d.x / r) * right + (d.y / r) * forward) : coverage;
+    const double c = 1 - r * r * (1 - std::cos(covered)), s = std::sqrt(std::max(0.0, 1 - c * c));
+    return c * pole + (s * d.x / r) * right + (s * d.y / r) * forward;
 }
 
 ScalpPoint Scalp::root(const Vec3d& direction) const {

@@ -40,12 +40,19 @@ class ScalpMesh {
 // Uniform area: unit square to unit disk, (0.5, 0.5) to the middle.
 Planar square_to_disk(double u, double v);
 
-// A cap of directions about `pole`, `coverage` [rad] from it to the rim. x of the disk runs along `right`.
+// Directions about `pole`, out to the rim. x of the disk runs along `right`.
 struct Cap {
     Vec3d pole, right;  // unit, perpendicular
-    double coverage;
-    // Unit direction of a place of the unit square; equal areas of the one are equal areas of the other.
+    double coverage;    // [rad] from the pole to the rim
+    // In its place, where given: the angle from straight up [rad] at which the cap ends in the direction given.
+    double (*rim)(const Vec3d& direction) = nullptr;
+    // Unit direction of a place of the unit square; with a rim that is a circle, equal areas of the one are equal areas of the
+    // other.
     Vec3d direction(double u, double v) const;
+
+  private:
+    Vec3d at(double angle, const Vec3d& toward) const;
+    double coverage_toward(const Vec3d& toward) const;
 };
 
 // A ball, or a mesh seen from a centre within it.

@@ -1,6 +1,8 @@
 // Reading [[solid]].
 #include "solver/scene/read_solids.h"
 
+#include "base/geometry/bust.h"
+
 namespace wetcurl {
 
 namespace {
@@ -38,6 +40,8 @@ Solid read_solid(const Table& t, size_t index) {
     if (read.shape == "capsule") solid.shape = Capsule{read.half_length, read.radius};
     if (read.shape == "box") solid.shape = Box{read.half};
     if (read.shape == "plane") solid.shape = Plane{};
+    if (read.shape == "head")
+        solid.spacing = read.spacing, solid.shape = LevelSet::cached(bust_mesh(read.radius), read.spacing);
     if (read.shape == "mesh") read_mesh_solid(solid, t, read);
     solid.attached = read.attached;
     solid.friction = read.friction;

@@ -7,7 +7,7 @@ namespace wetcurl {
 
 // [[solid]] as it is written.
 struct SolidTable {
-    static constexpr const char* shapes[] = {"sphere", "capsule", "box", "plane", "mesh"};
+    static constexpr const char* shapes[] = {"sphere", "capsule", "box", "plane", "head", "mesh"};
     static constexpr const char *units_words[] = {"m", "cm", "mm"}, *attached_words[] = {"none", "head"};
     std::string name, shape, file, units = "m";
     double radius = 0, half_length = 0, spacing = 0, friction = 0;  // [m] but the friction
@@ -25,6 +25,9 @@ struct SolidTable {
          &SolidTable::radius},
         {KeyRow::number("radius", "m", 0.05, 1e-4, 100, "Radius of the capsule.", "", {"shape", "capsule"}),
          &SolidTable::radius},
+        {KeyRow::number("radius", "m", 0.095, 0.01, 10, "Radius of a ball as large as the skull of the head.", "",
+                        {"shape", "head"}),
+         &SolidTable::radius},
         {KeyRow::number("half_length", "m", 0.1, 0, 100,
                         "Half of the distance between the centres of the capsule's ends.", "",
                         {"shape", "capsule"}),
@@ -40,6 +43,9 @@ struct SolidTable {
          &SolidTable::units},
         {KeyRow::number("spacing", "m", 0, 0, 1, "Spacing of the level set of a mesh; 0: chosen by its size.",
                         "", {"shape", "mesh"}),
+         &SolidTable::spacing},
+        {KeyRow::number("spacing", "m", 0, 0, 1, "Spacing of the level set of the head; 0: chosen by its size.",
+                        "", {"shape", "head"}),
          &SolidTable::spacing},
         {KeyRow::one_of("attached", attached_words, "none", "Whether the solid moves with the head."),
          &SolidTable::attached},

@@ -83,14 +83,17 @@ TEST(SceneGroom, no_strand_of_a_file_is_lost) {
         scratch.file("hair.data", data_file(strands));
         const Groom g = load("file = 'hair.data'\nunits = 'm'\nparticles = 4\n", scratch.path());
         ASSERT_EQ(g.rest.count, count);
-        std::set<int> numbers(g.number.begin(), g.number.end());
-        EXPECT_EQ(numbers.size(), size_t(count));
-        for (int s = 0; s < count; ++s)
-            EXPECT_LT(norm(cast<double>(g.rest.at(s, 0)) - strands[size_t(g.number[size_t(s)])][0]), 1e-6);
+        std::set<int> numbers;
+        for (int s = 0; s < count; ++s) {
+            const int number = g.origin[size_t(s)].number;
+            EXPECT_TRUE(numbers.insert(number).second);
+            EXPECT_LT(norm(cast<double>(g.rest.at(s, 0)) - strands[size_t(number)][0]), 1e-6);
+        }
         // What a coarser grid has keeps its number too.
         std::vector<int> kept;
         const Groom coarse = coarsened(g, 2, &kept);
-        for (size_t s = 0; s < kept.size(); ++s) EXPECT_EQ(coarse.number[s], g.number[size_t(kept[s])]);
+        for (size_t s = 0; s < kept.size(); ++s) 
+            EXPECT_EQ(coarse.origin[s].number, g.origin[size_t(kept[s])].number);
     }
 }
 
