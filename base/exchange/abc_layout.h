@@ -9,18 +9,30 @@ namespace wetcurl {
 
 // Types of numbers, as files number them.
 enum class Pod : uint32_t {
-    boolean, uint8, int8, uint16, int16, uint32, int32, uint64, int64, float16, float32, float64,
-    string, wide_string
+    boolean,
+    uint8,
+    int8,
+    uint16,
+    int16,
+    uint32,
+    int32,
+    uint64,
+    int64,
+    float16,
+    float32,
+    float64,
+    string,
+    wide_string
 };
 inline constexpr uint32_t pods = 14;
 // [bytes] of one; 0 for texts.
 inline constexpr size_t bytes_of_pod[pods] = {1, 1, 1, 2, 2, 4, 4, 8, 8, 2, 4, 8, 0, 0};
 inline constexpr std::string_view name_of_pod[pods] = {
-    "bool_t",  "uint8_t", "int8_t",    "uint16_t",  "int16_t",   "uint32_t", "int32_t",
+    "bool_t",   "uint8_t", "int8_t",    "uint16_t",  "int16_t",   "uint32_t", "int32_t",
     "uint64_t", "int64_t", "float16_t", "float32_t", "float64_t", "string",   "wstring"};
 
-// The four bytes that a property's header begins with. Bits 2 and 3: whether the numbers after them have 1, 2 or 4
-// bytes (0, 1, 2).
+// The four bytes that a property's header begins with. Bits 2 and 3: whether the numbers after them have 1, 2
+// or 4 bytes (0, 1, 2).
 namespace property_bits {
 inline constexpr uint32_t kind = 0x3;  // 0 compound, 1 scalar, 2 array, 3 array of one element in each sample
 inline constexpr int width_shift = 2, pod_shift = 4, extent_shift = 12, metadata_shift = 20;

@@ -69,9 +69,7 @@ OgawaWriter::OgawaWriter(const std::string& path, bool overwrite)
     write(header);
 }
 
-void OgawaWriter::fail() const {
-    throw Error(path() + ": cannot be written: " + std::strerror(errno));
-}
+void OgawaWriter::fail() const { throw Error(path() + ": cannot be written: " + std::strerror(errno)); }
 
 void OgawaWriter::write(std::string_view bytes) {
     if (std::fwrite(bytes.data(), 1, bytes.size(), stream_.get()) != bytes.size()) fail();
@@ -88,7 +86,8 @@ OgawaChild OgawaWriter::block(std::string_view bytes) {
 
 OgawaChild OgawaWriter::keyed(const OgawaKey& key, std::string_view bytes) {
     if (bytes.empty()) return OgawaChild::empty_block();
-    const auto [at, is_new] = written_.try_emplace({key, bytes.size()}, OgawaChild{end_ | OgawaChild::block_bit});
+    const auto [at, is_new] =
+        written_.try_emplace({key, bytes.size()}, OgawaChild{end_ | OgawaChild::block_bit});
     if (is_new) {
         write(bytes_of(sizeof key + bytes.size()));
         write(bytes_of(key[0])), write(bytes_of(key[1]));
@@ -178,9 +177,9 @@ OgawaReader::Group OgawaReader::group(OgawaChild child, const std::string& where
     read_at(group.place, &group.children, sizeof group.children, where);
     const uint64_t most = (size_ - group.place - sizeof group.children) / sizeof(OgawaChild);
     if (group.children > most)
-        fail(where,
-             "a group of " + std::to_string(group.children) + " at byte " + std::to_string(group.place),
-             "at most " + std::to_string(most) + ", which is what the rest of the file can hold (cut short?)");
+        fail(
+            where, "a group of " + std::to_string(group.children) + " at byte " + std::to_string(group.place),
+            "at most " + std::to_string(most) + ", which is what the rest of the file can hold (cut short?)");
     return group;
 }
 

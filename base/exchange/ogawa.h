@@ -1,5 +1,5 @@
-// Ogawa, the container of Alembic files: blocks of bytes, and groups that list blocks and other groups by where
-// they lie. Layout (little-endian):
+// Ogawa, the container of Alembic files: blocks of bytes, and groups that list blocks and other groups by
+// where they lie. Layout (little-endian):
 //   file    "Ogawa", 255 once the file is whole and 0 before, version 0 1 (2 bytes), place of the root group
 //           (8 bytes), then blocks and groups in any order
 //   block   size (8 bytes), bytes
@@ -34,8 +34,8 @@ struct OgawaChild {
 using OgawaKey = std::array<uint64_t, 2>;
 OgawaKey ogawa_key(std::string_view bytes);
 
-// Writes a file from front to end: nothing stays in memory but a key and a place for each different block that
-// was written by `keyed`.
+// Writes a file from front to end: nothing stays in memory but a key and a place for each different block
+// that was written by `keyed`.
 class OgawaWriter {
   public:
     // Throws as OutputFile does.
@@ -62,8 +62,8 @@ class OgawaWriter {
     std::map<std::pair<OgawaKey, size_t>, OgawaChild> written_;
 };
 
-// Reads a file at any place, with every place and size checked against the file: no more is allocated than the
-// file holds. Each Error names the file, what was found and what is allowed.
+// Reads a file at any place, with every place and size checked against the file: no more is allocated than
+// the file holds. Each Error names the file, what was found and what is allowed.
 class OgawaReader {
   public:
     // Throws Error where the file is missing, no plain file, a Git LFS pointer, an Alembic file in HDF5, no

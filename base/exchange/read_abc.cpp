@@ -101,9 +101,12 @@ Matrix matrix_of(AbcXformOp op, const double* channels) {
         case AbcXformOp::matrix:
             for (int i = 0; i < 16; ++i) out.m[i / 4][i % 4] = channels[i];
             break;
-        case AbcXformOp::rotate_x: return rotation({1, 0, 0}, channels[0]);
-        case AbcXformOp::rotate_y: return rotation({0, 1, 0}, channels[0]);
-        case AbcXformOp::rotate_z: return rotation({0, 0, 1}, channels[0]);
+        case AbcXformOp::rotate_x:
+            return rotation({1, 0, 0}, channels[0]);
+        case AbcXformOp::rotate_y:
+            return rotation({0, 1, 0}, channels[0]);
+        case AbcXformOp::rotate_z:
+            return rotation({0, 0, 1}, channels[0]);
     }
     return out;
 }
@@ -123,7 +126,7 @@ struct NumbersOf<std::array<T, n>> {
 double half(uint16_t bits) {
     const int exponent = bits >> 10 & 31, fraction = bits & 1023;
     const double size = exponent == 31  ? (fraction ? std::numeric_limits<double>::quiet_NaN()
-                                                     : std::numeric_limits<double>::infinity())
+                                                    : std::numeric_limits<double>::infinity())
                         : exponent == 0 ? std::ldexp(fraction, -24)
                                         : std::ldexp(1024 + fraction, exponent - 25);
     return bits >> 15 ? -size : size;
@@ -188,7 +191,8 @@ class Archive {
             sampling.times.resize(times);
             if (times > 0) std::memcpy(sampling.times.data(), bytes.data(), bytes.size());
             constexpr double longest = 1e9;  // [s]
-            bool sound = times > 0 && sampling.cycle >= 0 && (sampling.cycle < longest || !sampling.is_cyclic());
+            bool sound =
+                times > 0 && sampling.cycle >= 0 && (sampling.cycle < longest || !sampling.is_cyclic());
             for (double t : sampling.times) sound &= std::abs(t) < longest;
             if (!sound || !std::is_sorted(sampling.times.begin(), sampling.times.end()))
                 file_.fail("time sampling " + std::to_string(samplings_.size()),
@@ -275,14 +279,30 @@ class Archive {
         };
         switch (p.pod) {
             case Pod::boolean:
-            case Pod::uint8: convert(uint8_t()); break;
-            case Pod::int8: convert(int8_t()); break;
-            case Pod::uint16: convert(uint16_t()); break;
-            case Pod::int16: convert(int16_t()); break;
-            case Pod::uint32: convert(uint32_t()); break;
-            case Pod::int32: convert(int32_t()); break;
-            case Pod::uint64: convert(uint64_t()); break;
-            case Pod::int64: convert(int64_t()); break;
+            case Pod::uint8:
+                convert(uint8_t());
+                break;
+            case Pod::int8:
+                convert(int8_t());
+                break;
+            case Pod::uint16:
+                convert(uint16_t());
+                break;
+            case Pod::int16:
+                convert(int16_t());
+                break;
+            case Pod::uint32:
+                convert(uint32_t());
+                break;
+            case Pod::int32:
+                convert(int32_t());
+                break;
+            case Pod::uint64:
+                convert(uint64_t());
+                break;
+            case Pod::int64:
+                convert(int64_t());
+                break;
             default:
                 if constexpr (std::is_integral_v<T>) {
                     file_.fail(where, std::string(name_of_pod[size_t(p.pod)]), "whole numbers");
@@ -293,7 +313,8 @@ class Archive {
                 } else {
                     std::vector<uint16_t> found(out.size());
                     file_.read(block, key, found.data(), size - key, where);
-                    std::transform(found.begin(), found.end(), out.begin(), [](uint16_t h) { return T(half(h)); });
+                    std::transform(found.begin(), found.end(), out.begin(),
+                                   [](uint16_t h) { return T(half(h)); });
                 }
         }
         return out;
@@ -475,7 +496,8 @@ class AbcReader : public SceneReader {
     }
 
     int take_transform(const ObjectHeader& header, const std::string& path, int above) {
-        const Properties schema = archive_.compound(archive_.properties_of_object(header.group, path), ".xform");
+        const Properties schema =
+            archive_.compound(archive_.properties_of_object(header.group, path), ".xform");
         Transform transform{above, path, {}, {}, {}};
         if (const auto at = schema.find(".inherits"); at != schema.end() && at->second.samples > 0)
             transform.inherits = at->second;
@@ -515,7 +537,8 @@ class AbcReader : public SceneReader {
     }
 
     void take_curves(const ObjectHeader& header, const std::string& path, int above) {
-        const Properties schema = archive_.compound(archive_.properties_of_object(header.group, path), ".geom");
+        const Properties schema =
+            archive_.compound(archive_.properties_of_object(header.group, path), ".geom");
         auto source = source_of(schema, path, above);
         if (!source) return;
         CurvesObject object;
@@ -525,9 +548,10 @@ class AbcReader : public SceneReader {
         if (const auto basis = basis_of(AbcCurveType(kind[0]), AbcBasis(kind[2])); basis && kind[1] == 0) {
             object.basis = *basis;
         } else {
-            warn(path, kind[1] != 0 ? "closed curves are left out"
-                                    : "curves of variable order, or of a basis other than Bezier, B-spline and "
-                                      "Catmull-Rom, are left out");
+            warn(path, kind[1] != 0
+                           ? "closed curves are left out"
+                           : "curves of variable order, or of a basis other than Bezier, B-spline and "
+                             "Catmull-Rom, are left out");
             return;
         }
         source->topology = {required(schema, path, "nVertices")};
@@ -535,8 +559,9 @@ class AbcReader : public SceneReader {
         size_t points = 0;
         for (size_t s = 0; s < object.counts.size(); ++s) {
             if (object.counts[s] < 0)
-                file().fail(source->topology[0].where, std::to_string(object.counts[s]) + " points of strand " +
-                                                           std::to_string(s), "0 and more");
+                file().fail(source->topology[0].where,
+                            std::to_string(object.counts[s]) + " points of strand " + std::to_string(s),
+                            "0 and more");
             points += size_t(object.counts[s]);
         }
         if (points != source->points)
@@ -569,7 +594,8 @@ class AbcReader : public SceneReader {
     }
 
     void take_mesh(const ObjectHeader& header, const std::string& path, int above) {
-        const Properties schema = archive_.compound(archive_.properties_of_object(header.group, path), ".geom");
+        const Properties schema =
+            archive_.compound(archive_.properties_of_object(header.group, path), ".geom");
         auto source = source_of(schema, path, above);
         if (!source) return;
         MeshObject object;
@@ -601,19 +627,26 @@ class AbcReader : public SceneReader {
     }
 
     static std::optional<CurveBasis> basis_of(AbcCurveType type, AbcBasis basis) {
+        // Blender writes Catmull-Rom curves as linear ones of that basis.
+        if (type == AbcCurveType::linear && basis == AbcBasis::catmull_rom) return CurveBasis::catmull_rom;
         if (type == AbcCurveType::linear) return CurveBasis::linear;
         if (type != AbcCurveType::cubic) return std::nullopt;
         switch (basis) {
-            case AbcBasis::none: return CurveBasis::linear;
-            case AbcBasis::bezier: return CurveBasis::bezier;
-            case AbcBasis::b_spline: return CurveBasis::b_spline;
-            case AbcBasis::catmull_rom: return CurveBasis::catmull_rom;
-            default: return std::nullopt;
+            case AbcBasis::none:
+                return CurveBasis::linear;
+            case AbcBasis::bezier:
+                return CurveBasis::bezier;
+            case AbcBasis::b_spline:
+                return CurveBasis::b_spline;
+            case AbcBasis::catmull_rom:
+                return CurveBasis::catmull_rom;
+            default:
+                return std::nullopt;
         }
     }
 
-    // The first sample of a geometry parameter of this extent, with its indices followed; empty where there is
-    // none.
+    // The first sample of a geometry parameter of this extent, with its indices followed; empty where there
+    // is none.
     template <class T>
     std::vector<T> parameter(const Properties& parent, const std::string& name, size_t extent) const {
         const auto at = parent.find(name);
@@ -666,6 +699,7 @@ class AbcReader : public SceneReader {
             for (uint32_t k = 0; k < p.samples; ++k) times.push_back(archive_.sampling(p).time(k));
         };
         add(source.positions);
+        for (const Property& p : source.topology) add(p);
         for (int t = source.transform; t >= 0; t = transforms_[size_t(t)].above) {
             if (transforms_[size_t(t)].channels) add(*transforms_[size_t(t)].channels);
             if (transforms_[size_t(t)].inherits) add(*transforms_[size_t(t)].inherits);
@@ -673,8 +707,7 @@ class AbcReader : public SceneReader {
         if (times.empty()) return {archive_.sampling(source.positions).time(0)};
         std::sort(times.begin(), times.end());
         constexpr double close = 1e-6;  // [s], far below a shutter's
-        times.erase(std::unique(times.begin(), times.end(),
-                                [](double a, double b) { return b - a < close; }),
+        times.erase(std::unique(times.begin(), times.end(), [](double a, double b) { return b - a < close; }),
                     times.end());
         return times;
     }
@@ -718,7 +751,8 @@ class AbcReader : public SceneReader {
         const std::vector<float> numbers = archive_.numbers_at<float>(source.positions, time);
         const std::string& where = source.positions.where;
         if (numbers.size() != 3 * source.points)
-            file().fail(where + ", " + std::to_string(time) + " s", std::to_string(numbers.size() / 3) + " points",
+            file().fail(where + ", " + std::to_string(time) + " s",
+                        std::to_string(numbers.size() / 3) + " points",
                         std::to_string(source.points) + ", as in the first sample");
         const Matrix place = placement(source.transform, time);
         const bool moves = place != Matrix{};

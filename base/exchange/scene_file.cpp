@@ -33,7 +33,8 @@ std::unique_ptr<SceneReader> open_scene_file(const std::string& path) {
     const std::string ending = ending_of(path);
     if (ending == ".abc") return open_abc(path);
 #ifdef WETCURL_HAS_USDA
-    if (ending == ".usda" || ending == ".usd" || ending == ".usdc" || ending == ".usdz") return open_usda(path);
+    if (ending == ".usda" || ending == ".usd" || ending == ".usdc" || ending == ".usdz")
+        return open_usda(path);
 #endif
     fail_ending(path, ending);
 }
@@ -45,7 +46,8 @@ std::unique_ptr<SceneWriter> create_scene_file(const std::string& path, bool ove
 #ifdef WETCURL_HAS_USDA
     if (ending == ".usda") return create_usda(path, overwrite, settings);
     if (ending == ".usd" || ending == ".usdc" || ending == ".usdz")
-        throw Error(path + ": found an ending of binary USD, allowed are .usda and .abc; `usdcat IN.usda -o " +
+        throw Error(path +
+                    ": found an ending of binary USD, allowed are .usda and .abc; `usdcat IN.usda -o " +
                     path + "`, which comes with USD, converts what was written as .usda");
 #endif
     fail_ending(path, ending);

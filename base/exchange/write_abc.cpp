@@ -65,16 +65,16 @@ struct Property {
     std::string metadata;
     std::list<Property> children = {};  // of a compound
 
-    // Sample 0, then those from `first_change` to `last_change`: a block each, and of an array another for its
-    // dimensions, which is empty where there is one. Samples between 0 and the first change are as 0, those
-    // after the last change as that.
+    // Sample 0, then those from `first_change` to `last_change`: a block each, and of an array another for
+    // its dimensions, which is empty where there is one. Samples between 0 and the first change are as 0,
+    // those after the last change as that.
     std::vector<OgawaChild> stored = {};
     uint32_t samples = 0, first_change = 0, last_change = 0;
     size_t elements = 0;  // of the last sample
     bool one_element = true, same_size = true;
     OgawaChild block{};  // of the last sample
-    OgawaKey key{};     // of the last sample
-    OgawaKey digest{};  // of all samples
+    OgawaKey key{};      // of the last sample
+    OgawaKey digest{};   // of all samples
 
     Property& add(Property child) { return children.emplace_back(std::move(child)); }
     Property& at(std::string_view child) {
@@ -166,8 +166,8 @@ class AbcWriter : public SceneWriter {
         const size_t strands = object.counts.size(), points = object.points();
         for (size_t s = 0; s < strands; ++s)
             if (object.counts[s] < 2)
-                fail(object.path, "strand " + std::to_string(s),
-                     std::to_string(object.counts[s]) + " points", "2 or more");
+                fail(object.path, "strand " + std::to_string(s), std::to_string(object.counts[s]) + " points",
+                     "2 or more");
         if (settings_.for_unreal && strands > 0 &&
             *std::max_element(object.counts.begin(), object.counts.end()) > 255)
             log_warning(file_.path() + ": " + object.path +
@@ -375,8 +375,7 @@ class AbcWriter : public SceneWriter {
         if (o.has_velocities)
             schema.add(array(".velocities", Pod::float32, 3, frames, "interpretation=vector"));
         if (o.has_wetness) {
-            if (!has(schema, ".arbGeomParams"))
-                schema.add(compound(".arbGeomParams"));
+            if (!has(schema, ".arbGeomParams")) schema.add(compound(".arbGeomParams"));
             schema.at(".arbGeomParams").add(geometry_parameter("wetness", Pod::float32, 1, frames, "vtx"));
         }
     }
@@ -404,7 +403,8 @@ class AbcWriter : public SceneWriter {
             for (size_t i = 0; i < points.size(); ++i)
                 for (float c : {points[i].x, points[i].y, points[i].z})
                     if (!std::isfinite(c))
-                        fail(o.path, where, "the coordinate " + std::to_string(c) + " of point " + std::to_string(i),
+                        fail(o.path, where,
+                             "the coordinate " + std::to_string(c) + " of point " + std::to_string(i),
                              "finite numbers");
         if (points.empty()) low = high = {0, 0, 0};
         const Box box{{low.x, low.y, low.z}, {high.x, high.y, high.z}};
@@ -434,13 +434,16 @@ class AbcWriter : public SceneWriter {
         put(headers, info, 4);
         if (p.kind != Kind::compound) {
             put(headers, p.samples, width);
-            if (info & bits::has_changes) put(headers, p.first_change, width), put(headers, p.last_change, width);
+            if (info & bits::has_changes)
+                put(headers, p.first_change, width), put(headers, p.last_change, width);
             if (p.sampling != 0) put(headers, p.sampling, width);
         }
         put(headers, uint32_t(p.name.size()), width), headers += p.name;
-        if (metadata == metadata_in_header) put(headers, uint32_t(p.metadata.size()), width), headers += p.metadata;
+        if (metadata == metadata_in_header)
+            put(headers, uint32_t(p.metadata.size()), width), headers += p.metadata;
 
-        const auto [group, digest] = p.kind == Kind::compound ? write_compound(p) : std::pair(file_.group(p.stored), p.digest);
+        const auto [group, digest] =
+            p.kind == Kind::compound ? write_compound(p) : std::pair(file_.group(p.stored), p.digest);
         std::string said = p.name + p.metadata;
         put(said, info & ~(3u << bits::width_shift | 255u << bits::metadata_shift), 4);
         said += bytes_of(digest);
@@ -455,9 +458,9 @@ class AbcWriter : public SceneWriter {
         return {file_.group(children), ogawa_key(digests)};
     }
 
-    // The group of an object, and the digest of it. Its last block ends with the digests of its properties and of
-    // its children. Differs: Alembic's library computes these two by SpookyHash; readers compare them with each
-    // other only.
+    // The group of an object, and the digest of it. Its last block ends with the digests of its properties
+    // and of its children. Differs: Alembic's library computes these two by SpookyHash; readers compare them
+    // with each other only.
     std::pair<OgawaChild, OgawaKey> write_node(const Node& n) {
         const auto [properties, properties_digest] = write_compound(n.properties);
         std::vector<OgawaChild> children{properties};
@@ -499,7 +502,8 @@ class AbcWriter : public SceneWriter {
             {"wetcurl_up", std::string(1, settings_.up)}};
         std::string all;
         for (auto& [key, value] : facts) {
-            std::replace_if(value.begin(), value.end(), [](char c) { return c == ';' || c == '='; }, ' ');
+            std::replace_if(
+                value.begin(), value.end(), [](char c) { return c == ';' || c == '='; }, ' ');
             all += (all.empty() ? "" : ";") + key + "=" + value;
         }
         return all;

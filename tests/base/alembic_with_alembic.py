@@ -45,7 +45,8 @@ def numbers(array):
 
 
 def at(sample):
-    return ISampleSelector(sample)
+    """Of the frames of scene_file_tool's shot. A number alone would be a time."""
+    return ISampleSelector((3 + sample) / 25)
 
 
 def we_write():

@@ -28,18 +28,31 @@ static void print(const std::string& path) {
     for (size_t k = 0; k < file->curves().size(); ++k) {
         const CurvesObject& o = file->curves()[k];
         nlohmann::json samples = nlohmann::json::array();
-        for (size_t s = 0; s < o.times.size(); ++s) samples.push_back(numbers_of(file->points_of_curves(k, s)));
-        out["curves"].push_back({{"path", o.path}, {"counts", o.counts}, {"basis", bases[int(o.basis)]},
-                                 {"widths", o.widths}, {"ids", o.ids}, {"groups", o.groups},
-                                 {"root_uv", o.root_uv}, {"is_guide", o.is_guide}, {"guides", o.guides},
-                                 {"weights", o.weights}, {"times", o.times}, {"samples", samples}});
+        for (size_t s = 0; s < o.times.size(); ++s)
+            samples.push_back(numbers_of(file->points_of_curves(k, s)));
+        out["curves"].push_back({{"path", o.path},
+                                 {"counts", o.counts},
+                                 {"basis", bases[int(o.basis)]},
+                                 {"widths", o.widths},
+                                 {"ids", o.ids},
+                                 {"groups", o.groups},
+                                 {"root_uv", o.root_uv},
+                                 {"is_guide", o.is_guide},
+                                 {"guides", o.guides},
+                                 {"weights", o.weights},
+                                 {"times", o.times},
+                                 {"samples", samples}});
     }
     for (size_t k = 0; k < file->meshes().size(); ++k) {
         const MeshObject& o = file->meshes()[k];
         nlohmann::json samples = nlohmann::json::array();
         for (size_t s = 0; s < o.times.size(); ++s) samples.push_back(numbers_of(file->points_of_mesh(k, s)));
-        out["meshes"].push_back({{"path", o.path}, {"counts", o.counts}, {"corners", o.corners},
-                                 {"points", o.points}, {"times", o.times}, {"samples", samples}});
+        out["meshes"].push_back({{"path", o.path},
+                                 {"counts", o.counts},
+                                 {"corners", o.corners},
+                                 {"points", o.points},
+                                 {"times", o.times},
+                                 {"samples", samples}});
     }
     std::puts(out.dump().c_str());
 }

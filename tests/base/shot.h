@@ -32,7 +32,7 @@ struct Shot {
         }
         mesh.path = "/body/head";
         mesh.counts = {3, 3, 3, 3, 4};
-        mesh.corners = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 3, 2, 1, 0};  // a pyramid
+        mesh.corners = {1, 0, 4, 2, 1, 4, 3, 2, 4, 0, 3, 4, 0, 1, 2, 3};  // a pyramid
         mesh.points = 5;
     }
 
@@ -43,7 +43,8 @@ struct Shot {
         for (size_t s = 0; s < strands.counts.size(); ++s)
             for (int i = 0; i < strands.counts[s]; ++i) {
                 const double swing = 0.3 * i;
-                out.points.push_back({float(0.1 * double(s) + swing * std::sin(3 * t)), float(-0.5 * i), float(swing * t)});
+                out.points.push_back(
+                    {float(0.1 * double(s) + swing * std::sin(3 * t)), float(-0.5 * i), float(swing * t)});
                 out.velocities.push_back({float(3 * swing * std::cos(3 * t)), 0, float(swing)});
                 out.wetness.push_back(float(i) / 8 + float(frame) / 16);
             }
