@@ -288,7 +288,7 @@ class UsdaReader : public SceneReader {
     std::vector<CurvesObject> curves_;
     std::vector<MeshObject> meshes_;
     std::vector<Source> of_curves_, of_meshes_;
-    std::vector<bool> left_handed_;       // (mesh)
+    std::vector<bool> left_handed_;        // (mesh)
     std::map<std::string, size_t> notes_;  // what is not followed, and its first line
 };
 
@@ -300,8 +300,7 @@ void UsdaReader::refuse_other_kinds() {
                                 file_.path().substr(0, file_.path().find_last_of('.')) +
                                 ".usda` turns it into text, which is read";
     if (start.starts_with("PXR-USDC")) throw Error(file_.path() + ": found binary USD; " + convert);
-    if (start.starts_with("PK\x03\x04"))
-        throw Error(file_.path() + ": found a package (.usdz); " + convert);
+    if (start.starts_with("PK\x03\x04")) throw Error(file_.path() + ": found a package (.usdz); " + convert);
     std::string first = in_.line_text();
     if (first.starts_with("\xef\xbb\xbf")) first.erase(0, 3);
     if (!first.starts_with("#usda ") && !first.starts_with("#sdf "))
@@ -410,9 +409,10 @@ void UsdaReader::read_prim(bool is_real, int parent, int depth) {
     }
     if (!is_real) return;
     if (is_skinned && (type == "Mesh" || type == "BasisCurves"))
-        log_warning(where(nodes_[number].path) +
-                    ": moves by a skeleton (UsdSkel), which is not evaluated: it is read in its rest shape; export "
-                    "it with its deformation baked into points");
+        log_warning(
+            where(nodes_[number].path) +
+            ": moves by a skeleton (UsdSkel), which is not evaluated: it is read in its rest shape; export "
+            "it with its deformation baked into points");
     finish_prim(number, type, attributes);
 }
 
@@ -451,8 +451,8 @@ void UsdaReader::read_property(bool is_kept_prim, Attributes& attributes, bool& 
         return std::find(words.begin(), words.end(), text) != words.end();
     };
     bool reorders = false;
-    while (is_one_of(word, {"custom", "uniform", "varying", "config", "add", "delete", "prepend", "append",
-                            "reorder"})) {
+    while (is_one_of(
+        word, {"custom", "uniform", "varying", "config", "add", "delete", "prepend", "append", "reorder"})) {
         reorders = word == "reorder";
         word = in_.word("the type of a property");
     }
@@ -541,7 +541,8 @@ std::vector<XformOp> UsdaReader::read_ops(const Attributes& attributes, bool& re
                 file_.fail(span.line, std::to_string(v.size()) + " numbers of '" + name + "'",
                            std::to_string(numbers));
             if (op.kind == Kind::matrix && (v[3] != 0 || v[7] != 0 || v[11] != 0 || v[15] != 1))
-                file_.fail(span.line, "a matrix whose last column is not (0, 0, 0, 1)", "an affine transform");
+                file_.fail(span.line, "a matrix whose last column is not (0, 0, 0, 1)",
+                           "an affine transform");
             if (op.kind == Kind::orient && v[0] == 0 && v[1] == 0 && v[2] == 0 && v[3] == 0)
                 file_.fail(span.line, "a quaternion of length 0", "a rotation");
             if (op.inverse) {
@@ -590,8 +591,8 @@ size_t varying_values(CurveBasis basis, Wrap wrap, int points) {
     return size_t(std::max(0, points - 2));
 }
 
-// Widths as they stand in the file to one a control point: one for all, one a strand, one a control point, or one
-// a knot.
+// Widths as they stand in the file to one a control point: one for all, one a strand, one a control point, or
+// one a knot.
 std::vector<float> UsdaReader::read_widths(const Attributes& attributes, const CurvesObject& curves,
                                            const std::vector<int>& counts, Wrap wrap) const {
     const Attribute* attribute = find(attributes, {"primvars:widths", "widths"});
@@ -611,9 +612,10 @@ std::vector<float> UsdaReader::read_widths(const Attributes& attributes, const C
         kind = varying;
     else {
         if (!given.empty())
-            log_warning(where(curves.path) + ": found " + std::to_string(given.size()) + " widths, expected 1, " +
-                        std::to_string(counts.size()) + " (strands), " + std::to_string(points) +
-                        " (control points) or " + std::to_string(knots) + " (knots); left out");
+            log_warning(where(curves.path) + ": found " + std::to_string(given.size()) +
+                        " widths, expected 1, " + std::to_string(counts.size()) + " (strands), " +
+                        std::to_string(points) + " (control points) or " + std::to_string(knots) +
+                        " (knots); left out");
         return {};
     }
     for (float width : given)
@@ -691,7 +693,8 @@ void UsdaReader::add_curves(size_t node, const Attributes& attributes) {
         curves.counts.push_back(in_file[s]);
     }
     if (in_file.empty()) return;
-    // The first sample is judged here: whatever is made to match the counts can then be no larger than the file.
+    // The first sample is judged here: whatever is made to match the counts can then be no larger than the
+    // file.
     if (const size_t found = values(points->first()).tuples<float, 3>().size(); found != source.stored)
         throw Error(where(curves.path) + ": found " + std::to_string(found) + " points, expected " +
                     std::to_string(source.stored) + ", the sum of curveVertexCounts");
@@ -710,7 +713,8 @@ void UsdaReader::add_curves(size_t node, const Attributes& attributes) {
         for (int mark : found) curves.is_guide.push_back(mark != 0);
     }
     if (const Attribute* guides = find(attributes, {"primvars:groom_closest_guides"}))
-        curves.guides = one_a_strand(values(guides->first()).tuples<int, 3>(), strands, curves.path, "guides");
+        curves.guides =
+            one_a_strand(values(guides->first()).tuples<int, 3>(), strands, curves.path, "guides");
     if (const Attribute* weights = find(attributes, {"primvars:groom_guide_weights"}))
         curves.weights = one_a_strand(values(weights->first()).tuples<float, 3>(), strands, curves.path,
                                       "weights of guides");
@@ -742,7 +746,9 @@ void UsdaReader::add_mesh(size_t node, const Attributes& attributes) {
                     *corners = find(attributes, {"faceVertexIndices"});
     if (!points || !counts || !corners) {
         log_warning(where(mesh.path) + ": a mesh without " +
-                    (!points ? "points" : !counts ? "faceVertexCounts" : "faceVertexIndices") +
+                    (!points   ? "points"
+                     : !counts ? "faceVertexCounts"
+                               : "faceVertexIndices") +
                     " in this file; left out");
         return;
     }
@@ -763,8 +769,8 @@ void UsdaReader::add_mesh(size_t node, const Attributes& attributes) {
     for (size_t k = 0; k < mesh.corners.size(); ++k)
         if (mesh.corners[k] < 0 || size_t(mesh.corners[k]) >= mesh.points)
             throw Error(where(mesh.path) + ": corner " + std::to_string(k) + ": found point " +
-                        std::to_string(mesh.corners[k]) + ", expected 0 up to " + std::to_string(mesh.points) +
-                        ", not included");
+                        std::to_string(mesh.corners[k]) + ", expected 0 up to " +
+                        std::to_string(mesh.points) + ", not included");
     left_handed_.push_back(token(attributes, "orientation", "rightHanded") == "leftHanded");
     meshes_.push_back(std::move(mesh));
     of_meshes_.push_back(std::move(source));
@@ -814,7 +820,8 @@ void UsdaReader::finish() {
         size_t begin = 0;
         for (int count : mesh.counts) {
             if (count > 1)
-                std::reverse(mesh.corners.begin() + long(begin) + 1, mesh.corners.begin() + long(begin) + count);
+                std::reverse(mesh.corners.begin() + long(begin) + 1,
+                             mesh.corners.begin() + long(begin) + count);
             begin += size_t(count);
         }
     }
@@ -852,14 +859,16 @@ std::vector<std::array<float, 3>> UsdaReader::stored_points(const Source& source
     return points;
 }
 
-std::vector<Vec3f> UsdaReader::points_of(const Source& source, const std::string& object, size_t sample) const {
+std::vector<Vec3f> UsdaReader::points_of(const Source& source, const std::string& object,
+                                         size_t sample) const {
     const double time = source.codes.at(sample);
     for (const Attribute* topology : {&source.counts, &source.corners})
-        if (topology->samples.size() > 1 && values(topology->held(time)).numbers<int>() !=
-                                                values(topology->first()).numbers<int>())
-            throw Error(where(object) + ", sample " + std::to_string(sample) +
-                        ": found that its points are joined in another way than in the first sample, expected "
-                        "the same throughout");
+        if (topology->samples.size() > 1 &&
+            values(topology->held(time)).numbers<int>() != values(topology->first()).numbers<int>())
+            throw Error(
+                where(object) + ", sample " + std::to_string(sample) +
+                ": found that its points are joined in another way than in the first sample, expected "
+                "the same throughout");
     const auto stored = stored_points(source, time);
     const Matrix world = world_of(source.node, time);
     std::vector<Vec3f> out;

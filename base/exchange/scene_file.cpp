@@ -17,7 +17,8 @@ static std::string ending_of(const std::string& path) {
 
 std::unique_ptr<SceneReader> open_scene_file(const std::string& path) {
     const std::string ending = ending_of(path);
-    if (ending == ".usda" || ending == ".usd" || ending == ".usdc" || ending == ".usdz") return open_usda(path);
+    if (ending == ".usda" || ending == ".usd" || ending == ".usdc" || ending == ".usdz")
+        return open_usda(path);
     throw Misuse(path + ": found the ending '" + ending + "', allowed .usda");
 }
 

@@ -1,5 +1,5 @@
-// USD text (.usda): the kind of USD file that needs no library. Written after the layout that Blender, Houdini,
-// Unreal and Pixar's own library read; read as these programs and Maya write it.
+// USD text (.usda): the kind of USD file that needs no library. Written after the layout that Blender,
+// Houdini, Unreal and Pixar's own library read; read as these programs and Maya write it.
 #pragma once
 
 #include <memory>
@@ -25,15 +25,15 @@ namespace wetcurl {
 // (.usdc, .usdz: the text names `usdcat`), cut short or malformed.
 std::unique_ptr<SceneReader> open_usda(const std::string& path);
 
-// Writes one prim for each object, at its path; characters that names in USD cannot have become '_'. A frame's
-// number is its time code. Each attribute's samples stand together in the text, so frames are put aside in a
-// file without a name beside the output, 12 bytes a point (24 with velocities), and become text in `finish`.
-// `for_unreal` changes nothing: what Unreal looks for is always written.
+// Writes one prim for each object, at its path; characters that names in USD cannot have become '_'. A
+// frame's number is its time code. Each attribute's samples stand together in the text, so frames are put
+// aside in a file without a name beside the output, 12 bytes a point (24 with velocities), and become text in
+// `finish`. `for_unreal` changes nothing: what Unreal looks for is always written.
 //
 // add_curves and add_mesh throw Error for arrays that do not fit together, strands of fewer than two points,
 // and once a frame was given; append_curves and append_mesh for another number of points than the object has,
-// for numbers that are not finite, and for velocities or wetness that some frames have and others lack; finish
-// where objects have different numbers of frames, or none.
+// for numbers that are not finite, and for velocities or wetness that some frames have and others lack;
+// finish where objects have different numbers of frames, or none.
 std::unique_ptr<SceneWriter> create_usda(const std::string& path, bool overwrite,
                                          const SceneFileSettings& settings);
 

@@ -20,8 +20,8 @@ bool is_word_start(int c) {
 }
 bool is_word_part(int c) { return is_word_start(c) || (c >= '0' && c <= '9') || c == ':'; }
 bool is_number_part(int c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '+' || c == '-' ||
-           c == '.' || c == '_';
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '+' ||
+           c == '-' || c == '.' || c == '_';
 }
 
 // What was found, fit for a message.

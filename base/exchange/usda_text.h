@@ -1,5 +1,6 @@
-// The text of a .usda file, taken apart: a scanner that walks over a file of any size with a small buffer, and
-// arrays of numbers, read from where the scanner found them. Grammar: "USDA File Format Specification", Pixar.
+// The text of a .usda file, taken apart: a scanner that walks over a file of any size with a small buffer,
+// and arrays of numbers, read from where the scanner found them. Grammar: "USDA File Format Specification",
+// Pixar.
 #pragma once
 
 #include <array>
@@ -90,7 +91,8 @@ class UsdaScanner {
 
     const TextFile& file_;
     std::string buffer_;
-    size_t base_ = 0, at_ = 0, end_ = 0;  // of the buffer in the file; the next byte and the end, in the buffer
+    size_t base_ = 0, at_ = 0,
+           end_ = 0;  // of the buffer in the file; the next byte and the end, in the buffer
     size_t line_ = 1;
 };
 
@@ -104,8 +106,8 @@ class UsdaValues {
           at_(text_.data()),
           end_(at_ + text_.size()) {}
 
-    // [a, b, ...]; whole numbers where T is an integer. Throw Error for what is no such array, with the line, and
-    // for numbers that are not finite.
+    // [a, b, ...]; whole numbers where T is an integer. Throw Error for what is no such array, with the line,
+    // and for numbers that are not finite.
     template <class T>
     std::vector<T> numbers();
     // [(a, b, ...), ...]

@@ -220,7 +220,8 @@ class UsdaWriter : public SceneWriter {
 
     size_t place(const std::string& path, Object object) {
         if (!objects_.empty() && objects_[0].positions.frames() > 0)
-            throw Error(file_.path() + ": " + path + ": found an object after the first frame, allowed before");
+            throw Error(file_.path() + ": " + path +
+                        ": found an object after the first frame, allowed before");
         size_t node = 0;
         std::string name;
         auto descend = [&] {
@@ -264,13 +265,15 @@ class UsdaWriter : public SceneWriter {
                         std::span<const float> values) const {
         for (float value : values)
             if (!std::isfinite(value))
-                fail(object, frame, std::string("found ") + what + " that are not finite, allowed are numbers");
+                fail(object, frame,
+                     std::string("found ") + what + " that are not finite, allowed are numbers");
     }
     void add_points(Object& object, const std::vector<Vec3f>& points) {
         const size_t frame = object.positions.frames();
         if (points.size() != object.points)
-            fail(object, frame, "found " + std::to_string(points.size()) + " points, allowed " +
-                                    std::to_string(object.points));
+            fail(object, frame,
+                 "found " + std::to_string(points.size()) + " points, allowed " +
+                     std::to_string(object.points));
         require_finite(object, frame, "points", floats_of(points));
         object.positions.add(spool_, floats_of(points));
         Vec3f low{0, 0, 0}, high{0, 0, 0};
@@ -285,9 +288,10 @@ class UsdaWriter : public SceneWriter {
         const size_t frame = object.positions.frames() - 1;
         if (values.empty() && track.frames() == 0) return;
         if (values.size() != each * object.points || track.frames() != frame)
-            fail(object, frame, "found " + std::to_string(values.size() / each) + " " + what + ", and some in " +
-                                    std::to_string(track.frames()) + " of " + std::to_string(frame) +
-                                    " frames before; allowed is one a point in all frames, or none in any");
+            fail(object, frame,
+                 "found " + std::to_string(values.size() / each) + " " + what + ", and some in " +
+                     std::to_string(track.frames()) + " of " + std::to_string(frame) +
+                     " frames before; allowed is one a point in all frames, or none in any");
         require_finite(object, frame, what, values);
         track.add(spool_, values);
     }
@@ -459,8 +463,9 @@ void UsdaWriter::finish() {
     for (const auto& object : objects_)
         if (object.positions.frames() == 0 || object.positions.frames() != frames)
             throw Error(file_.path() + ": " + object.path() + ": found " +
-                        std::to_string(object.positions.frames()) + " frames, allowed 1 or more, as many as " +
-                        objects_[0].path() + ", which has " + std::to_string(frames));
+                        std::to_string(object.positions.frames()) +
+                        " frames, allowed 1 or more, as many as " + objects_[0].path() + ", which has " +
+                        std::to_string(frames));
     std::string doc = "wetcurl";
     for (const auto& [fact, value] : provenance())
         if (fact == "version" || fact == "revision") doc += " " + value;
@@ -468,7 +473,7 @@ void UsdaWriter::finish() {
     line(0, "(");
     line(1, "defaultPrim = \"" + nodes_[nodes_[0].children[0]].name + "\"");
     line(1, "doc = \"" + doc + "\"");
-    line(1, "endTimeCode = " + number_text(settings_.first_frame + (long long)(frames) - 1));
+    line(1, "endTimeCode = " + number_text(settings_.first_frame + (long long)(frames)-1));
     line(1, "framesPerSecond = " + number_text(settings_.fps));
     line(1, "metersPerUnit = " + number_text(settings_.metres_per_unit));
     line(1, "startTimeCode = " + number_text(settings_.first_frame));
