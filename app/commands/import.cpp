@@ -39,27 +39,30 @@ Json vector_json(const Vec3d& x) { return {x.x, x.y, x.z}; }
 // Lengths in metres.
 Json report(const ImportOptions& options, const ImportedStrands& in, const Extent& extent,
             const RootDepth* depth, const RootLayout& layout) {
-    Json json{
-        {"file", options.input},
-        {"output", options.output},
-        {"strands", in.strands.size()},
-        {"points", extent.points},
-        {"strands_in_file", in.found},
-        {"dropped", {{"no_points", in.no_points}, {"one_point", in.one_point}, {"no_length", in.no_length}}},
-        {"repeated_points", in.repeated_points},
-        {"units", in.units},
-        {"units_guessed", in.guessed},
-        {"up", options.up},
-        {"bounds", {{"low", vector_json(extent.low)}, {"high", vector_json(extent.high)}}},
-        {"median_length", extent.median_length},
-        {"grid",
-         {{"width", layout.grid.width},
-          {"height", layout.grid.height},
-          {"roots_left_out", layout.quality.roots - layout.quality.pixels},
-          {"neighbour_distance_mean", layout.quality.neighbour_mean},
-          {"nearest_distance_mean", layout.quality.nearest_mean},
-          {"parameterisation", layout.parameterisation},
-          {"assignment", layout.assignment}}}};
+    Json json{{"file", options.input},
+              {"output", options.output},
+              {"strands", in.strands.size()},
+              {"points", extent.points},
+              {"strands_in_file", in.found},
+              {"dropped",
+               {{"no_points", in.no_points},
+                {"one_point", in.one_point},
+                {"no_length", in.no_length},
+                {"numbers", in.dropped_numbers}}},
+              {"repeated_points", in.repeated_points},
+              {"units", in.units},
+              {"units_guessed", in.guessed},
+              {"up", options.up},
+              {"bounds", {{"low", vector_json(extent.low)}, {"high", vector_json(extent.high)}}},
+              {"median_length", extent.median_length},
+              {"grid",
+               {{"width", layout.grid.width},
+                {"height", layout.grid.height},
+                {"roots_left_out", layout.quality.roots - layout.quality.pixels},
+                {"neighbour_distance_mean", layout.quality.neighbour_mean},
+                {"nearest_distance_mean", layout.quality.nearest_mean},
+                {"parameterisation", layout.parameterisation},
+                {"assignment", layout.assignment}}}};
     if (depth)
         json["below_scalp"] = {
             {"roots", depth->below}, {"median_depth", depth->median}, {"deepest", depth->deepest}};
@@ -85,8 +88,8 @@ void print(const ImportOptions& options, const ImportedStrands& in, const Extent
 }  // namespace
 
 void add_options(CLI::App& app, ImportOptions& o) {
-    app.add_option("input", o.input, ".hair .data .bin .ply .tfx")->required();
-    app.add_option("output", o.output, ".hair or .data; none: report only");
+    app.add_option("input", o.input, readable_endings())->required();
+    app.add_option("output", o.output, writable_endings() + "; none: report only");
     app.add_option("--units", o.units, "of the file")
         ->check(CLI::IsMember({"m", "cm", "mm", "auto"}))
         ->capture_default_str();
@@ -107,7 +110,10 @@ int import_command(const ImportOptions& options) {
     if (writes) require_writable(options.output, options.overwrite);
     ResultFile results(options);
     ImportedStrands in = import_strands(options.input, meant);
-    if (options.resample) in.strands = resampled_strands(in.strands, options.resample);
+    if (options.resample) {
+        in.widths = resampled_widths(in.strands, in.widths, options.resample);
+        in.strands = resampled_strands(in.strands, options.resample);
+    }
 
     std::optional<ScalpMesh> scalp;
     std::optional<RootDepth> depth;
@@ -117,7 +123,7 @@ int import_command(const ImportOptions& options) {
     }
     const RootLayout layout = lay_on_grid(roots_of(in.strands), scalp ? &*scalp : nullptr);
     const Extent extent = extent_of(in.strands);
-    if (writes) write_strands(options.output, in.strands, options.overwrite);
+    if (writes) write_strands(options.output, in.strands, options.overwrite, in.widths);
     if (options.json != "-") print(options, in, extent, depth ? &*depth : nullptr, layout);
     results.write_json(report(options, in, extent, depth ? &*depth : nullptr, layout));
     return 0;

@@ -6,10 +6,7 @@
 
 #include "base/error.h"
 #include "base/exchange/alembic.h"
-#if __has_include("base/exchange/usda.h")
 #include "base/exchange/usda.h"
-#define WETCURL_HAS_USDA
-#endif
 
 namespace wetcurl {
 
@@ -32,10 +29,8 @@ std::string ending_of(const std::string& path) {
 std::unique_ptr<SceneReader> open_scene_file(const std::string& path) {
     const std::string ending = ending_of(path);
     if (ending == ".abc") return open_abc(path);
-#ifdef WETCURL_HAS_USDA
     if (ending == ".usda" || ending == ".usd" || ending == ".usdc" || ending == ".usdz")
         return open_usda(path);
-#endif
     fail_ending(path, ending);
 }
 
@@ -43,13 +38,11 @@ std::unique_ptr<SceneWriter> create_scene_file(const std::string& path, bool ove
                                                const SceneFileSettings& settings) {
     const std::string ending = ending_of(path);
     if (ending == ".abc") return create_abc(path, overwrite, settings);
-#ifdef WETCURL_HAS_USDA
     if (ending == ".usda") return create_usda(path, overwrite, settings);
     if (ending == ".usd" || ending == ".usdc" || ending == ".usdz")
         throw Error(path +
                     ": found an ending of binary USD, allowed are .usda and .abc; `usdcat IN.usda -o " +
                     path + "`, which comes with USD, converts what was written as .usda");
-#endif
     fail_ending(path, ending);
 }
 

@@ -81,6 +81,13 @@ std::string_view ByteReader::line(const char* what) {
     return text;
 }
 
+std::string_view ByteReader::last_line() {
+    if (bytes_.find('\n', at_) != std::string::npos) return line("");
+    const std::string_view text(bytes_.data() + at_, left());
+    at_ = bytes_.size();
+    return text;
+}
+
 std::string_view ByteReader::token(const char* what) {
     constexpr const char* blank = " \t\r\n";
     const size_t start = bytes_.find_first_not_of(blank, at_);

@@ -33,6 +33,7 @@ class ByteReader {
     void skip(size_t bytes, const char* what);
     void seek(size_t offset, const char* what);
     std::string_view line(const char* what);   // up to the next '\n', which is taken but not given
+    std::string_view last_line();              // the same, or all that is left where no '\n' comes
     std::string_view token(const char* what);  // up to the next white space, leading white space skipped
     size_t at() const { return at_; }
     size_t left() const { return bytes_.size() - at_; }

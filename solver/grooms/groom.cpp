@@ -17,6 +17,24 @@ StrandPoints resampled_strands(const StrandPoints& strands, int particles) {
     return out;
 }
 
+StrandWidths resampled_widths(const StrandPoints& strands, const StrandWidths& widths, int particles) {
+    StrandWidths out(widths.size());
+    for (size_t s = 0; s < widths.size(); ++s) {
+        std::vector<double> at{0};  // arc length of each point
+        for (size_t i = 1; i < strands[s].size(); ++i)
+            at.push_back(at.back() + norm(strands[s][i] - strands[s][i - 1]));
+        for (int k = 0; k < particles; ++k) {
+            const double want = at.back() * k / (particles - 1);
+            size_t after = 1;
+            while (after + 1 < at.size() && at[after] < want) ++after;
+            const double span = at[after] - at[after - 1];
+            const float t = span > 0 ? float(std::clamp((want - at[after - 1]) / span, 0.0, 1.0)) : 0;
+            out[s].push_back((1 - t) * widths[s][after - 1] + t * widths[s][after]);
+        }
+    }
+    return out;
+}
+
 std::vector<Vec3d> roots_of(const StrandPoints& strands) {
     std::vector<Vec3d> roots;
     for (const auto& strand : strands) roots.push_back(strand[0]);

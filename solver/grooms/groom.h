@@ -26,6 +26,8 @@ std::string nesting_text(const Groom& full);
 
 // Every strand as `particles` points, even in arc length.
 StrandPoints resampled_strands(const StrandPoints& strands, int particles);
+// Their widths there, from those at the given points; of none, none.
+StrandWidths resampled_widths(const StrandPoints& strands, const StrandWidths& widths, int particles);
 
 // Roots under the surface of a scalp: real ones often are.
 struct RootDepth {

@@ -4,33 +4,35 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/number_text.h"
 #include "base/output_file.h"
+#include "base/strands.h"
+#include "solver/grooms/writers.h"
 
 namespace wetcurl {
 namespace {
 
 struct Format {
     const char* ending;
-    StrandPoints (*read)(const std::string&);
+    StrandFile (*read)(const std::string&);
     const char* units;  // that the format prescribes, or "" where it leaves them open
 };
-constexpr Format formats[] = {{".hair", read_hair, ""},
-                              {".data", read_data, ""},
-                              {".bin", read_bin, "mm"},
-                              {".ply", read_ply, ""},
-                              {".tfx", read_tfx, ""}};
+constexpr Format formats[] = {
+    {".hair", read_hair, ""}, {".data", read_data, ""},  {".bin", read_bin, "mm"},
+    {".ply", read_ply, ""},   {".tfx", read_tfx, ""},    {".obj", read_obj, ""},
+    {".npz", read_npz, ""},   {".abc", read_curves, ""}, {".usda", read_curves, ""}};
 
 struct Unit {
-    const char* name;
+    std::string name;
     double metres;
 };
-constexpr Unit units[] = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}};
+const Unit units[] = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}};
 
 std::string ending_of(const std::string& path) {
     std::string ending = std::filesystem::path(path).extension().string();
@@ -67,14 +69,42 @@ struct ToMetres {
     Vec3d operator()(const Vec3d& x) const { return unit.metres * (z_up ? z_to_y_up(x) : x); }
 };
 
+bool is_z_up(const std::string& path, const std::string& meant, const FileAxes& says) {
+    if (meant != "y" && meant != "z" && meant != "auto")
+        throw Misuse(path + ": found the up axis '" + meant + "', allowed y, z, auto");
+    const char up = meant == "auto" ? says.up.value_or('y') : meant[0];
+    if (up != 'y' && up != 'z')
+        throw Error(path + ": found that it says " + std::string(1, up) + " is up, allowed are y and z");
+    if (says.up && *says.up != up)
+        log_warning(path + ": says that " + std::string(1, *says.up) + " is up, and is read as if " +
+                    std::string(1, up) + " were, as told");
+    return up == 'z';
+}
+
+// As the file says, or as is usual for its format.
+std::optional<Unit> unit_of_file(const std::string& path, const std::string& prescribed,
+                                 const FileAxes& says) {
+    if (!prescribed.empty()) return unit_named(path, prescribed);
+    if (!says.metres_per_unit) return std::nullopt;
+    for (const auto& unit : units)
+        if (std::abs(*says.metres_per_unit / unit.metres - 1) < 1e-6) return unit;
+    return Unit{number_text(*says.metres_per_unit) + " m", *says.metres_per_unit};
+}
+
 ToMetres conversion(const std::string& path, const FileUnits& meant, const std::string& prescribed,
-                    const Bounds& box) {
-    if (meant.up != "y" && meant.up != "z")
-        throw Misuse(path + ": found the up axis '" + meant.up + "', allowed y, z");
-    const bool z_up = meant.up == "z";
-    if (meant.units != "auto") return {unit_named(path, meant.units), false, z_up};
+                    const FileAxes& says, const Bounds& box) {
+    const bool z_up = is_z_up(path, meant.up, says);
+    const auto of_file = unit_of_file(path, prescribed, says);
+    if (meant.units != "auto") {
+        const Unit told = unit_named(path, meant.units);
+        if (says.metres_per_unit && of_file->metres != told.metres)
+            log_warning(path + ": says that its unit is " + of_file->name + ", and is read in " + told.name +
+                        ", as told");
+        return {told, false, z_up};
+    }
+    if (says.metres_per_unit) return {*of_file, false, z_up};
     const double diagonal = norm(box.high - box.low);
-    const Unit unit = prescribed.empty() ? guessed_unit(diagonal) : unit_named(path, prescribed);
+    const Unit unit = of_file ? *of_file : guessed_unit(diagonal);
     char size[64];
     std::snprintf(size, sizeof size, "%.4g units across, %.3g m", diagonal, diagonal * unit.metres);
     log_warning(path + ": units not given, " + (prescribed.empty() ? "guessed " : "took the format's ") +
@@ -95,69 +125,45 @@ Bounds bounds_of(const StrandPoints& strands) {
     return box;
 }
 
-// Leaves out each point that stands on the one before it.
-std::vector<Vec3d> distinct(const std::vector<Vec3d>& strand) {
+// Numbers of those points that do not stand on the one before.
+std::vector<size_t> distinct(const std::vector<Vec3d>& strand) {
     constexpr double together = 1e-9;  // [m], as in resampled()
-    std::vector<Vec3d> out;
-    for (const auto& x : strand)
-        if (out.empty() || norm(x - out.back()) > together) out.push_back(x);
+    std::vector<size_t> kept;
+    for (size_t i = 0; i < strand.size(); ++i)
+        if (kept.empty() || norm(strand[i] - strand[kept.back()]) > together) kept.push_back(i);
+    return kept;
+}
+
+template <class T>
+std::vector<T> picked(const std::vector<T>& from, const std::vector<size_t>& numbers) {
+    std::vector<T> out;
+    if (from.empty()) return out;
+    for (size_t number : numbers) out.push_back(from[number]);
     return out;
 }
 
-// Bytes to a file, many at a time.
-class Bytes {
-  public:
-    explicit Bytes(OutputFile& file) : file_(file) {}
-    template <class T>
-    void put(const T& value) {
-        waiting_.append(reinterpret_cast<const char*>(&value), sizeof value);
-        if (waiting_.size() > size_t(1) << 20) flush();
-    }
-    void put_points(const std::vector<Vec3d>& strand) {
-        for (const auto& x : strand) put(cast<float>(x));
-    }
-    void flush() {
-        file_.write(waiting_);
-        waiting_.clear();
-    }
-
-  private:
-    OutputFile& file_;
-    std::string waiting_;
-};
-
-void write_data(Bytes& out, const StrandPoints& strands) {
-    out.put(int32_t(strands.size()));
-    for (const auto& strand : strands) {
-        out.put(int32_t(strand.size()));
-        out.put_points(strand);
-    }
+// "3, 7, 9 and 12 more"
+std::string listed(const std::vector<size_t>& numbers) {
+    constexpr size_t most = 12;
+    std::string text;
+    for (size_t k = 0; k < std::min(numbers.size(), most); ++k)
+        text += (k ? ", " : "") + std::to_string(numbers[k]);
+    return text + (numbers.size() > most ? " and " + std::to_string(numbers.size() - most) + " more" : "");
 }
 
-void write_hair(Bytes& out, const StrandPoints& strands) {
-    constexpr float thickness = 8e-5f;  // of a hair [m]
-    constexpr uint32_t segments_and_points = 3;
-    uint32_t points = 0;
-    for (size_t s = 0; s < strands.size(); ++s) {
-        if (strands[s].size() > 65536)
-            throw Error("strand " + std::to_string(s) + ": found " + std::to_string(strands[s].size()) +
-                        " points, allowed at most 65536 in a .hair file");
-        points += uint32_t(strands[s].size());
-    }
-    for (char c : {'H', 'A', 'I', 'R'}) out.put(c);
-    for (uint32_t value : {uint32_t(strands.size()), points, segments_and_points, 0u}) out.put(value);
-    for (float value : {thickness, 0.0f, 0.4f, 0.3f, 0.2f}) out.put(value);
-    char text[88] = "wetcurl: metres, Y up";
-    out.put(text);
-    for (const auto& strand : strands) out.put(uint16_t(strand.size() - 1));
-    for (const auto& strand : strands) out.put_points(strand);
+bool are_widths(const StrandWidths& widths) {
+    for (const auto& strand : widths)
+        for (float width : strand)
+            if (!std::isfinite(width) || width < 0) return false;
+    return true;
 }
 
 struct Writer {
     const char* ending;
-    void (*write)(Bytes&, const StrandPoints&);
+    void (*write)(ByteWriter&, const StrandsOut&);
 };
-constexpr Writer writers[] = {{".hair", write_hair}, {".data", write_data}};
+constexpr Writer writers[] = {{".hair", write_hair}, {".data", write_data}, {".ply", write_ply},
+                              {".obj", write_obj},   {".tfx", write_tfx},   {".pbrt", write_pbrt}};
 
 template <class Rows>
 std::string endings(const Rows& rows) {
@@ -176,39 +182,53 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
     const auto* format = std::find_if(std::begin(formats), std::end(formats),
                                       [&](const Format& f) { return ending_of(path) == f.ending; });
     if (format == std::end(formats)) unknown_ending(path, readable_endings());
-    const StrandPoints raw = format->read(path);
+    StrandFile file = format->read(path);
+    const StrandPoints& raw = file.points;
     if (raw.empty()) throw Error(path + ": found 0 strands, allowed 1 or more");
     if (std::all_of(raw.begin(), raw.end(), [](const auto& strand) { return strand.empty(); }))
         throw Error(path + ": found " + std::to_string(raw.size()) +
                     " strands without a point, allowed 1 with two or more");
+    if (!are_widths(file.widths)) {
+        log_warning(path + ": found widths that are negative or not finite; widths are left out");
+        file.widths.clear();
+    }
 
-    const ToMetres to_metres = conversion(path, meant, format->units, bounds_of(raw));
+    const ToMetres to_metres = conversion(path, meant, format->units, file.axes, bounds_of(raw));
     ImportedStrands out;
     out.found = raw.size();
     out.units = to_metres.unit.name;
     out.guessed = to_metres.guessed;
-    for (size_t number = 0; number < raw.size(); ++number) {
-        const auto& given = raw[number];
-        std::vector<Vec3d> strand(given.size());
-        std::transform(given.begin(), given.end(), strand.begin(), to_metres);
-        std::vector<Vec3d> kept = distinct(strand);
-        if (strand.empty())
-            ++out.no_points;
-        else if (strand.size() == 1)
-            ++out.one_point;
-        else if (kept.size() == 1)
-            ++out.no_length;
-        else {
-            out.repeated_points += strand.size() - kept.size();
-            out.strands.push_back(std::move(kept));
-            out.numbers.push_back(int(number));
+    for (size_t s = 0; s < raw.size(); ++s) {
+        std::vector<Vec3d> strand(raw[s].size());
+        std::transform(raw[s].begin(), raw[s].end(), strand.begin(), to_metres);
+        const std::vector<size_t> kept = distinct(strand);
+        std::vector<Vec3d> points = picked(strand, kept);
+        size_t* reason = strand.empty()       ? &out.no_points
+                         : strand.size() == 1 ? &out.one_point
+                         : kept.size() == 1 || arc_length(points.data(), int(points.size())) < shortest_strand
+                             ? &out.no_length
+                             : nullptr;
+        if (reason) {
+            ++*reason;
+            out.dropped_numbers.push_back(s);
+            continue;
         }
+        out.repeated_points += strand.size() - kept.size();
+        out.strands.push_back(std::move(points));
+        out.numbers.push_back(s);
+        if (file.widths.empty()) continue;
+        std::vector<float>& widths = out.widths.emplace_back(picked(file.widths[s], kept));
+        for (float& width : widths) width = float(width * to_metres.unit.metres);
     }
+    out.ids = picked(file.ids, out.numbers);
+    out.groups = picked(file.groups, out.numbers);
+    out.root_uv = picked(file.root_uv, out.numbers);
     if (out.dropped())
         log_warning(path + ": dropped " + std::to_string(out.dropped()) + " of " + std::to_string(out.found) +
                     " strands: " + std::to_string(out.no_points) + " without points, " +
                     std::to_string(out.one_point) + " of one point, " + std::to_string(out.no_length) +
-                    " without length");
+                    " without length (below 0.1 mm); counted from 0, these are " +
+                    listed(out.dropped_numbers));
     if (out.repeated_points)
         log_warning(path + ": left out " + std::to_string(out.repeated_points) +
                     " points that repeat the one before");
@@ -219,7 +239,7 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
 
 Mesh import_mesh(const std::string& path, const FileUnits& meant) {
     Mesh mesh = read_mesh(path, 1);
-    const ToMetres to_metres = conversion(path, meant, "", bounding_box(mesh));
+    const ToMetres to_metres = conversion(path, meant, "", {}, bounding_box(mesh));
     for (auto& x : mesh.vertices) x = cast<float>(to_metres(cast<double>(x)));
     return mesh;
 }
@@ -238,11 +258,24 @@ void require_writable(const std::string& path, bool overwrite) {
         throw Error(path + ": its folder is not there");
 }
 
-void write_strands(const std::string& path, const StrandPoints& strands, bool overwrite) {
+void write_strands(const std::string& path, const StrandPoints& strands, bool overwrite,
+                   const StrandWidths& widths) {
     require_writable(path, overwrite);
+    if (!widths.empty() && widths.size() != strands.size())
+        throw Error(path + ": found widths of " + std::to_string(widths.size()) +
+                    " strands, allowed are those of " + std::to_string(strands.size()));
+    for (size_t s = 0; s < strands.size(); ++s) {
+        if (strands[s].size() < 2)
+            throw Error(path + ": strand " + std::to_string(s) + ": found " +
+                        std::to_string(strands[s].size()) + " points, allowed 2 or more");
+        if (!widths.empty() && widths[s].size() != strands[s].size())
+            throw Error(path + ": strand " + std::to_string(s) + ": found " +
+                        std::to_string(widths[s].size()) + " widths, allowed " +
+                        std::to_string(strands[s].size()) + ", one a point");
+    }
     OutputFile file(path, overwrite);
-    Bytes out(file);
-    writer_for(path).write(out, strands);
+    ByteWriter out(file);
+    writer_for(path).write(out, {path, strands, widths});
     out.flush();
     file.commit();
 }

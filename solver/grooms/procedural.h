@@ -72,8 +72,9 @@ struct GroomTable {
         {KeyRow::numbers("scalp_centre", "m", {0, 0, 0}, -100, 100, "Centre of the ball or of the head.")
              .without_default("the origin, or the middle of the scalp's mesh"),
          &GroomTable::scalp_centre},
-        {KeyRow::path("file", "the built-in groom",
-                      "Strands of another program, .hair, .data, .bin, .ply or .tfx."),
+        {KeyRow::path(
+             "file", "the built-in groom",
+             "Strands of another program: .hair, .data, .bin, .ply, .tfx, .obj, .npz, .abc or .usda."),
          &GroomTable::file},
         {KeyRow::one_of("units", units_words, "auto",
                         "Unit of the numbers in the file; auto chooses by the size of the hair.", "",

@@ -1,10 +1,12 @@
 // Strand .ply, ascii or binary: a header that describes every element, then their values (Turk 1994).
-// Ours: which vertices make a strand is told by `element strand {nsegs}`, else each 100 vertices are one.
+// Which vertices make a strand is told by `element strand {nsegs}`, as in files of strands; or by `element
+// edge {vertex1, vertex2}`, as in line sets of Open3D and curves of Blender; else each 100 vertices are one.
 #include <charconv>
 #include <cstdint>
 #include <sstream>
 
 #include "solver/grooms/byte_reader.h"
+#include "solver/grooms/chains.h"
 #include "solver/grooms/readers.h"
 
 namespace wetcurl {
@@ -172,18 +174,23 @@ size_t column_of(const ByteReader& in, const Element& element, const char* prope
 
 }  // namespace
 
-StrandPoints read_ply(const std::string& path) {
+StrandFile read_ply(const std::string& path) {
     ByteReader in(path);
     const Header header = read_header(in);
     std::vector<Vec3d> vertices;
+    std::vector<float> widths;  // (vertex), or none
     std::vector<size_t> sizes;  // points a strand
-    bool strands_told = false;
+    std::vector<std::array<size_t, 2>> edges;
+    bool strands_told = false, edges_told = false;
+    long long faces = 0;
     for (const auto& element : header.elements) {
         if (element.name == "vertex") {
             const size_t x = column_of(in, element, "x"), y = column_of(in, element, "y"),
                          z = column_of(in, element, "z");
+            const int width = element.find("width");
             walk(in, element, header.ascii, [&](size_t, const std::vector<double>& v) {
                 vertices.push_back({v[x], v[y], v[z]});
+                if (width >= 0) widths.push_back(float(v[size_t(width)]));
             });
         } else if (element.name == "strand") {
             const size_t segments = column_of(in, element, "nsegs");
@@ -194,14 +201,36 @@ StrandPoints read_ply(const std::string& path) {
                                "0 or more");
                 sizes.push_back(size_t(v[segments]) + 1);
             });
+        } else if (element.name == "edge") {
+            const size_t from = column_of(in, element, "vertex1"), to = column_of(in, element, "vertex2");
+            edges_told = element.count > 0;
+            walk(in, element, header.ascii, [&](size_t k, const std::vector<double>& v) {
+                for (double end : {v[from], v[to]})
+                    if (!(end >= 0 && end < 1e15))
+                        in.fail_at("edge " + std::to_string(k), "the vertex " + std::to_string(end),
+                                   "numbers of vertices");
+                edges.push_back({size_t(v[from]), size_t(v[to])});
+            });
         } else {
+            if (element.name == "face") faces = element.count;
             walk(in, element, header.ascii, [](size_t, const std::vector<double>&) {});
         }
     }
     in.finish();
-    if (!strands_told) {
+    std::vector<size_t> order(vertices.size());  // vertices, strand after strand
+    for (size_t k = 0; k < order.size(); ++k) order[k] = k;
+    if (!strands_told && edges_told) {
+        order.clear();
+        for (const auto& chain : chains_of(edges, vertices.size(), path)) {
+            sizes.push_back(chain.size());
+            order.insert(order.end(), chain.begin(), chain.end());
+        }
+    } else if (!strands_told) {
+        if (faces > 0)
+            in.fail(std::to_string(faces) + " faces, neither strands nor edges: a mesh",
+                    "vertices with an element 'strand' or 'edge'");
         if (vertices.size() % implied_points)
-            in.fail(std::to_string(vertices.size()) + " vertices and no element 'strand'",
+            in.fail(std::to_string(vertices.size()) + " vertices and no element 'strand' or 'edge'",
                     "a multiple of 100 (each 100 are a strand)");
         sizes.assign(vertices.size() / implied_points, implied_points);
     }
@@ -210,14 +239,17 @@ StrandPoints read_ply(const std::string& path) {
     if (sum != vertices.size())
         in.fail(std::to_string(vertices.size()) + " vertices",
                 std::to_string(sum) + ", the sum of nsegs + 1");
-    StrandPoints strands(sizes.size());
-    auto next = vertices.begin();
-    for (size_t s = 0; s < sizes.size(); ++s) {
-        for (size_t i = 0; i < sizes[s]; ++i) require_sane(in, next[long(i)], s, i);
-        strands[s].assign(next, next + long(sizes[s]));
-        next += long(sizes[s]);
-    }
-    return strands;
+    StrandFile out;
+    out.points.resize(sizes.size());
+    out.widths.resize(widths.empty() ? 0 : sizes.size());
+    auto next = order.begin();
+    for (size_t s = 0; s < sizes.size(); ++s)
+        for (size_t i = 0; i < sizes[s]; ++i, ++next) {
+            require_sane(in, vertices[*next], s, i);
+            out.points[s].push_back(vertices[*next]);
+            if (!widths.empty()) out.widths[s].push_back(widths[*next]);
+        }
+    return out;
 }
 
 }  // namespace wetcurl

@@ -11,9 +11,11 @@ namespace wetcurl {
 static_assert(std::endian::native == std::endian::little, "strand files are little-endian");
 
 // i32 strands; per strand i32 points, then `floats` f32 a point, of which the first three are x, y, z.
-static StrandPoints read_counted(const std::string& path, size_t floats) {
+static StrandFile read_counted(const std::string& path, size_t floats) {
     ByteReader in(path);
-    StrandPoints strands(in.fitting(in.take<int32_t>("the number of strands"), sizeof(int32_t), "strands"));
+    StrandFile out;
+    StrandPoints& strands = out.points;
+    strands.resize(in.fitting(in.take<int32_t>("the number of strands"), sizeof(int32_t), "strands"));
     for (size_t s = 0; s < strands.size(); ++s) {
         strands[s].resize(in.fitting(in.take<int32_t>("the number of points of a strand"),
                                      floats * sizeof(float), "points in a strand"));
@@ -23,13 +25,13 @@ static StrandPoints read_counted(const std::string& path, size_t floats) {
         }
     }
     in.finish();
-    return strands;
+    return out;
 }
 
-StrandPoints read_data(const std::string& path) { return read_counted(path, 3); }
-StrandPoints read_bin(const std::string& path) { return read_counted(path, 7); }
+StrandFile read_data(const std::string& path) { return read_counted(path, 3); }
+StrandFile read_bin(const std::string& path) { return read_counted(path, 7); }
 
-StrandPoints read_hair(const std::string& path) {
+StrandFile read_hair(const std::string& path) {
     constexpr size_t header = 128;
     constexpr uint32_t has_segments = 1, has_points = 2, has_thickness = 4, has_transparency = 8,
                        has_colours = 16;
@@ -60,17 +62,22 @@ StrandPoints read_hair(const std::string& path) {
     if (sum != points)
         in.fail_at("byte 8", std::to_string(points) + " points", "the sum of segments + 1 over the strands");
 
-    StrandPoints out(sizes.size());
-    for (size_t s = 0; s < out.size(); ++s)
-        for (size_t i = 0; i < sizes[s]; ++i) out[s].push_back(in.point(s, i));
-    const size_t others =
-        bool(arrays & has_thickness) + bool(arrays & has_transparency) + 3 * bool(arrays & has_colours);
-    in.skip(others * sizeof(float) * points, "thickness, transparency and colours");
+    StrandFile out;
+    out.points.resize(sizes.size());
+    for (size_t s = 0; s < sizes.size(); ++s)
+        for (size_t i = 0; i < sizes[s]; ++i) out.points[s].push_back(in.point(s, i));
+    if (arrays & has_thickness) {
+        out.widths.resize(sizes.size());
+        for (size_t s = 0; s < sizes.size(); ++s)
+            for (size_t i = 0; i < sizes[s]; ++i) out.widths[s].push_back(in.take<float>("thickness"));
+    }
+    const size_t others = bool(arrays & has_transparency) + 3 * bool(arrays & has_colours);
+    in.skip(others * sizeof(float) * points, "transparency and colours");
     in.finish();
     return out;
 }
 
-StrandPoints read_tfx(const std::string& path) {
+StrandFile read_tfx(const std::string& path) {
     ByteReader in(path);
     if (const float version = in.take<float>("the version"); version != 4.0f)
         in.fail_at("byte 0", "version " + std::to_string(version), "4.0: this is no TressFX 4 file");
@@ -78,17 +85,32 @@ StrandPoints read_tfx(const std::string& path) {
                each = in.take<uint32_t>("vertices of a strand");
     if (each < 4 || each > 64 || !std::has_single_bit(each))
         in.fail_at("byte 8", std::to_string(each) + " vertices a strand", "4, 8, 16, 32, 64");
-    const auto offset = in.take<uint32_t>("the offset of positions");
+    const auto offset = in.take<uint32_t>("the offset of positions"),
+               offset_uv = in.take<uint32_t>("the offset of uv of strands");
+    in.skip(sizeof(uint32_t), "the offset of uv of vertices");
+    const auto offset_thickness = in.take<uint32_t>("the offset of thickness");
     constexpr size_t header = 160;
     if (offset < header)
         in.fail_at("byte 12", "offset of positions " + std::to_string(offset), "160 or more");
     in.seek(offset, "positions");
-    StrandPoints out(in.fitting(strands, each * 4 * sizeof(float), "strands"));
-    for (size_t s = 0; s < out.size(); ++s)
+    StrandFile out;
+    out.points.resize(in.fitting(strands, each * 4 * sizeof(float), "strands"));
+    for (size_t s = 0; s < strands; ++s)
         for (size_t i = 0; i < each; ++i) {
-            out[s].push_back(in.point(s, i));
+            out.points[s].push_back(in.point(s, i));
             in.skip(sizeof(float), "a vertex's weight");
         }
+    // An offset of 0: not in the file.
+    if (offset_uv != 0) {
+        in.seek(offset_uv, "uv of strands");
+        out.root_uv.resize(in.fitting(strands, 2 * sizeof(float), "uv of strands"));
+        for (auto& [u, v] : out.root_uv) u = in.take<float>("uv"), v = in.take<float>("uv");
+    }
+    if (offset_thickness != 0) {
+        in.seek(offset_thickness, "thickness of strands");
+        in.fitting(strands, sizeof(float), "thicknesses of strands");
+        for (size_t s = 0; s < strands; ++s) out.widths.emplace_back(each, in.take<float>("thickness"));
+    }
     return out;
 }
 

@@ -121,7 +121,7 @@ inline std::string ply_ascii_file(const StrandPoints& strands) {
 struct StrandFormat {
     const char *name, *ending;
     std::string (*make)(const StrandPoints&);
-    StrandPoints (*read)(const std::string&);
+    StrandFile (*read)(const std::string&);
     size_t count_at;         // byte of the number of strands; 0: in text
     bool ends_with_strands;  // bytes after the last strand are an error
 };

@@ -37,8 +37,9 @@ TEST(Import, hair_files_may_leave_out_segments_and_carry_other_arrays) {
     Scratch scratch;
     for (uint32_t arrays : {2u, 3u, 2u + 4, 3u + 8, 2u + 16, 31u})
         for (const char* magic : {"HAIR", "hair"})
-            EXPECT_TRUE(same(read_hair(scratch.file("a.hair", hair_file(sample_strands(), arrays, magic))),
-                             sample_strands()))
+            EXPECT_TRUE(
+                same(read_hair(scratch.file("a.hair", hair_file(sample_strands(), arrays, magic))).points,
+                     sample_strands()))
                 << arrays;
 }
 
@@ -114,10 +115,10 @@ TEST(Import, writing_never_replaces_a_file_unasked_and_knows_its_endings) {
     expect_error([&] { write_strands(file, sample_strands(), false); }, {file, "--overwrite"});
     EXPECT_EQ(bytes_of(file), "mine");
     write_strands(file, sample_strands(), true);
-    EXPECT_TRUE(same(read_data(file), sample_strands()));
-    expect_error<Misuse>([&] { write_strands(scratch.path("a.abc"), sample_strands(), false); },
-                         {"'.abc'", ".hair .data"});
-    expect_error<Misuse>([&] { import_strands(scratch.path("a.abc"), {}); }, {"'.abc'", ".tfx"});
+    EXPECT_TRUE(same(read_data(file).points, sample_strands()));
+    expect_error<Misuse>([&] { write_strands(scratch.path("a.stl"), sample_strands(), false); },
+                         {"'.stl'", ".hair .data"});
+    expect_error<Misuse>([&] { import_strands(scratch.path("a.stl"), {}); }, {"'.stl'", ".tfx"});
     expect_error([&] { write_strands(scratch.path("no/such/folder.data"), sample_strands(), false); },
                  {"folder.data"});
     // Found out on writing: nothing is left behind.

@@ -191,7 +191,7 @@ TEST(MalformedPly, a_vertex_cloud_must_hold_whole_strands_of_100) {
         return out.str();
     };
     expect_refused(scratch, read_ply, cloud(250), "multiple of 100");
-    const StrandPoints strands = read_ply(scratch.file("cloud.ply", cloud(300)));
+    const StrandPoints strands = read_ply(scratch.file("cloud.ply", cloud(300))).points;
     ASSERT_EQ(strands.size(), 3u);
     EXPECT_EQ(strands[2].size(), 100u);
     EXPECT_EQ(strands[2][99].z, 99);
