@@ -12,6 +12,7 @@
 #include "app/commands/compare.h"
 #include "app/commands/dataset.h"
 #include "app/commands/encode.h"
+#include "app/commands/export.h"
 #include "app/commands/import.h"
 #include "app/commands/infer.h"
 #include "app/commands/inspect.h"
@@ -127,6 +128,7 @@ int main(int argc, char** argv) {
     add(render_command);
     add(plot_command);
     add(import_command);
+    add(export_command);
     add(inspect_command);
     add(stability_command);
     add(bench_command);

@@ -28,10 +28,10 @@ namespace {
 
 // What a program takes: its unit, and whether its files have height along z.
 struct Target {
-    const char* name;
-    double metres;
-    bool swaps_y_and_z;  // in Alembic, which cannot say its axes
-    bool for_unreal;
+    const char* name = "";
+    double metres = 1;
+    bool swaps_y_and_z = false;  // in Alembic, which cannot say its axes
+    bool for_unreal = false;     // with the attributes of its grooms
 };
 constexpr Target targets[] = {
     {"", 1, false, false},         {"blender", 1, false, false},  {"houdini", 1, false, false},
@@ -224,9 +224,8 @@ class AnimatedExport {
         all.guides = strands.guides().nearest, all.weights = strands.guides().weights;
         for (auto& nearest : all.guides)
             for (int& guide : nearest) guide = guide_of[size_t(guide)];
-        all.is_static = true;
         still_ = file_->add_curves(all);
-        file_->append_curves(still_, {converted(strands.points(frames.front())), {}, {}});
+        still_frame_.points = converted(strands.points(frames.front()));
     }
 
     void append(int f) {
@@ -242,6 +241,7 @@ class AnimatedExport {
             frame.velocities = chosen(converted(velocity));
         }
         file_->append_curves(animated_, frame);
+        if (some_) file_->append_curves(still_, still_frame_);  // kept once: it is the same in all frames
     }
     void finish() { file_->finish(); }
 
@@ -271,6 +271,7 @@ class AnimatedExport {
     const std::vector<int>* some_;
     std::unique_ptr<SceneWriter> file_;
     size_t animated_ = 0, still_ = 0;
+    CurvesFrame still_frame_;
     Kept kept_[3];
 };
 
@@ -280,7 +281,7 @@ class SolidsExport {
     SolidsExport(const ExportOptions& o, const RunReader& run, const Target& target, const std::vector<int>& frames)
         : run_(run),
           axes_(target, o.solids),
-          file_(create_scene_file(o.solids, o.overwrite, settings_of(o, target, run.header().fps, frames.front()))) {
+          file_(create_scene_file(o.solids, o.overwrite, settings_of(o, {.metres = target.metres}, run.header().fps, frames.front()))) {
         const std::vector<PosedMesh> solids = at(frames.front());
         if (solids.empty()) throw Misuse("--solids: the scene of " + o.run + " has no solid to write");
         for (size_t k = 0; k < solids.size(); ++k) {

@@ -78,7 +78,8 @@ struct CurvesFrame {
 // Who the file is for: what is the same in all its objects.
 struct SceneFileSettings {
     double fps = 24;
-    int first_frame = 1;         // number of the first frame; its time is first_frame / fps
+    int first_frame = 1;         // number of the first frame; the time of a frame is its number / fps
+    int every = 1;               // from one frame's number to the next one's
     double metres_per_unit = 1;  // of the points as they are given; said where the format can say it
     char up = 'y';
     bool for_unreal = false;  // the attributes that Unreal's groom importer asks for

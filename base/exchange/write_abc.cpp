@@ -520,7 +520,7 @@ class AbcWriter : public SceneWriter {
             put(all, most, 4), all += bytes_of(cycle), put(all, 1, 4), all += bytes_of(first);
         };
         add(1, 1, 0);
-        add(samples, 1 / settings_.fps, settings_.first_frame / settings_.fps);
+        add(samples, settings_.every / settings_.fps, settings_.first_frame / settings_.fps);
         return all;
     }
 

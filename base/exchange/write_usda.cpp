@@ -256,10 +256,13 @@ class UsdaWriter : public SceneWriter {
                std::any_of(n.children.begin(), n.children.end(), [&](size_t c) { return holds_curves(c); });
     }
 
-    // `frame` counts from 0.
+    // Of a frame that counts from 0.
+    long long number_of(size_t frame) const {
+        return settings_.first_frame + settings_.every * (long long)(frame);
+    }
     [[noreturn]] void fail(const Object& object, size_t frame, const std::string& text) const {
         throw Error(file_.path() + ": " + object.path() + ", frame " +
-                    std::to_string(settings_.first_frame + (long long)(frame)) + ": " + text);
+                    std::to_string(number_of(frame)) + ": " + text);
     }
     void require_finite(const Object& object, size_t frame, const char* what,
                         std::span<const float> values) const {
@@ -391,7 +394,7 @@ void UsdaWriter::track(int depth, const char* name, const Track& track, size_t e
     text_ += ".timeSamples = {\n";
     for (size_t frame = 0; frame < track.frames(); ++frame) {
         text_.append(size_t(4 * depth + 4), ' ');
-        append_number(text_, settings_.first_frame + (long long)(frame));
+        append_number(text_, number_of(frame));
         text_ += ": ";
         samples(frame);
         text_ += ",\n";
@@ -473,7 +476,7 @@ void UsdaWriter::finish() {
     line(0, "(");
     line(1, "defaultPrim = \"" + nodes_[nodes_[0].children[0]].name + "\"");
     line(1, "doc = \"" + doc + "\"");
-    line(1, "endTimeCode = " + number_text(settings_.first_frame + (long long)(frames)-1));
+    line(1, "endTimeCode = " + number_text(number_of(frames - 1)));
     line(1, "framesPerSecond = " + number_text(settings_.fps));
     line(1, "metersPerUnit = " + number_text(settings_.metres_per_unit));
     line(1, "startTimeCode = " + number_text(settings_.first_frame));
