@@ -81,6 +81,7 @@ void TextFile::fail(size_t line, const std::string& found, const std::string& ex
 // Moves what is left of the buffer to its front and reads on; whether `wanted` bytes are there.
 bool UsdaScanner::fill(size_t wanted) {
     const size_t left = end_ - at_;
+    if (base_ + end_ >= file_.size()) return left >= wanted;
     std::memmove(buffer_.data(), buffer_.data() + at_, left);
     base_ += at_;
     at_ = 0;

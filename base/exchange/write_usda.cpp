@@ -385,13 +385,14 @@ void UsdaWriter::track(int depth, const char* name, const Track& track, size_t e
         spool_.read(track.at(frame), values);
         array(std::span<const float>(values), each);
     };
-    text_.append(size_t(4 * depth), ' ').append(name);
     if (track.constant() && track.frames() > 1) {
-        text_ += " = ";
+        text_.append(size_t(4 * depth), ' ').append(name).append(" = ");
         samples(0);
         return line(0, suffix(interpolation));
     }
-    text_ += ".timeSamples = {\n";
+    // Metadata stand at a declaration of their own, before the samples, as Pixar's library writes them.
+    if (interpolation) line(depth, name + suffix(interpolation));
+    line(depth, std::string(name) + ".timeSamples = {");
     for (size_t frame = 0; frame < track.frames(); ++frame) {
         text_.append(size_t(4 * depth + 4), ' ');
         append_number(text_, number_of(frame));
@@ -400,8 +401,6 @@ void UsdaWriter::track(int depth, const char* name, const Track& track, size_t e
         text_ += ",\n";
     }
     line(depth, "}");
-    // Metadata of an attribute with samples stand at a declaration of its own.
-    if (interpolation) line(depth, name + suffix(interpolation));
 }
 
 void UsdaWriter::write_curves(int depth, const Object& object) {

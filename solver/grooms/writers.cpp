@@ -93,13 +93,15 @@ void write_obj(ByteWriter& out, const StrandsOut& in) {
     std::string text;
     for (const auto& strand : in.strands)
         for (const auto& x : strand) {
-            text = "v ";
+            text.clear();
+            text += "v ";
             append_point(text, x);
             out.text(text += '\n');
         }
     size_t vertex = 1;
     for (const auto& strand : in.strands) {
-        text = "l";
+        text.clear();
+        text += 'l';
         for (size_t i = 0; i < strand.size(); ++i) {
             text += ' ';
             append_number(text, vertex++);
