@@ -541,6 +541,23 @@ std::string Table::text(const KeyRow& row) const {
     return *body_->files.insert((fs::path(body_->folder) / found).lexically_normal().string()).first;
 }
 
+std::vector<std::string> Table::words(const KeyRow& row) const {
+    require_kind(row, row.kind == Kind::words);
+    WETCURL_TAKE(row.key);
+    std::vector<std::string> out;
+    if (!n) return out;
+    const auto* a = n->as_array();
+    if (!a) fail(row.key, fmt::format("found {}, words in brackets are needed", shown(*n)));
+    for (const auto& e : *a) {
+        const std::string found = e.is_string() ? e.as_string()->get() : shown(e);
+        if (!e.is_string() || std::find(row.words.begin(), row.words.end(), found) == row.words.end())
+            fail(row.key, fmt::format("found '{}', allowed: {}{}", found, fmt::join(row.words, ", "),
+                                      did_you_mean(found, {row.words.begin(), row.words.end()})));
+        if (std::find(out.begin(), out.end(), found) == out.end()) out.push_back(found);
+    }
+    return out;
+}
+
 std::vector<double> Table::numbers(const KeyRow& row) const {
     require_kind(row, row.is_vector());
     WETCURL_TAKE(row.key);

@@ -73,6 +73,8 @@ class Table {
     bool boolean(const KeyRow& row) const;
     // A word, a text, or a path, made absolute from the file's folder.
     std::string text(const KeyRow& row) const;
+    // Those of the row's words that are written, each once at most.
+    std::vector<std::string> words(const KeyRow& row) const;
     // A vector: exactly `row.size` numbers.
     std::vector<double> numbers(const KeyRow& row) const;
     // A value with [low, high] in a number's place, low ≤ high: one such pair, an array of them for a vector,

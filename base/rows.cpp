@@ -9,7 +9,8 @@
 namespace wetcurl {
 
 const char* name_of(Kind kind) {
-    const char* names[] = {"number", "integer", "boolean", "word", "text", "path", "vector", "integers"};
+    const char* names[] = {"number", "integer", "boolean",  "word", "text",
+                           "path",   "vector",  "integers", "words"};
     return names[size_t(kind)];
 }
 
@@ -27,6 +28,7 @@ std::string When::text() const {
 std::string KeyRow::default_text() const {
     if (!has_default()) return "";
     if (is_text()) return fmt::format("\"{}\"", word);
+    if (kind == Kind::words) return "[]";
     if (kind == Kind::boolean) return fallback != 0 ? "true" : "false";
     if (is_vector()) return fmt::format("[{}]", fmt::join(vector.begin(), vector.begin() + long(size), ", "));
     return fmt::format("{}", fallback);

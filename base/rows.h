@@ -13,8 +13,8 @@ namespace wetcurl {
 
 inline constexpr double unbounded = std::numeric_limits<double>::infinity();
 
-// integers: a vector of them.
-enum class Kind { number, integer, boolean, word, text, path, vector, integers };
+// integers: a vector of them; words: an array of any of the words.
+enum class Kind { number, integer, boolean, word, text, path, vector, integers, words };
 // "number", ..., as listings name it.
 const char* name_of(Kind kind);
 
@@ -91,6 +91,13 @@ struct KeyRow {
                                    const char* meaning, const char* source = "", When when = {}) {
         KeyRow row = of(key, Kind::word, meaning, source, when);
         row.word = fallback, row.words = words;
+        return row;
+    }
+    // None of them by default.
+    static constexpr KeyRow some_of(const char* key, std::span<const char* const> words, const char* meaning,
+                                    const char* source = "", When when = {}) {
+        KeyRow row = of(key, Kind::words, meaning, source, when);
+        row.words = words;
         return row;
     }
     static constexpr KeyRow text(const char* key, const char* fallback, const char* meaning,

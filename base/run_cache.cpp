@@ -64,13 +64,15 @@ struct RunWriter::Body {
 
 // A member of each strand's origin as a dataset, and back.
 template <class T>
-static void write_member(H5Writer& f, const std::string& name, const std::vector<StrandOrigin>& origin, T StrandOrigin::*member) {
+static void write_member(H5Writer& f, const std::string& name, const std::vector<StrandOrigin>& origin,
+                         T StrandOrigin::*member) {
     std::vector<T> values;
     for (const auto& strand : origin) values.push_back(strand.*member);
     f.write(name, values.data(), {values.size()});
 }
 template <class T>
-static void read_member(const H5Reader& f, const std::string& name, std::vector<StrandOrigin>& origin, T StrandOrigin::*member) {
+static void read_member(const H5Reader& f, const std::string& name, std::vector<StrandOrigin>& origin,
+                        T StrandOrigin::*member) {
     const auto values = f.read<T>(name, {origin.size()});
     for (size_t s = 0; s < origin.size(); ++s) origin[s].*member = values[s];
 }

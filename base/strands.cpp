@@ -41,10 +41,10 @@ std::vector<StrandOrigin> origins_of(const Groom& groom) {
     for (int row = 0; row < groom.grid.height; ++row)
         for (int column = 0; column < groom.grid.width; ++column)
             if (const int s = groom.grid.at(column, row); s >= 0)
-                origin[size_t(s)] = {.number = s,
-                                     .id = s,
-                                     .uv = {float(column) / float(groom.grid.width),
-                                            float(row) / float(groom.grid.height)}};
+                origin[size_t(s)] = {
+                    .number = s,
+                    .id = s,
+                    .uv = {float(column) / float(groom.grid.width), float(row) / float(groom.grid.height)}};
     return origin;
 }
 

@@ -36,10 +36,10 @@ struct RootGrid {
 
 // What the file that a strand came from says of it.
 struct StrandOrigin {
-    int number = 0;       // its place in the file, or in the scene's whole groom, from 0
-    int id = 0;           // its number where the file says none
+    int number = 0;  // its place in the file, or in the scene's whole groom, from 0
+    int id = 0;      // its number where the file says none
     int group = 0;
-    float width = 0;      // diameter [m]; 0: not said
+    float width = 0;       // diameter [m]; 0: not said
     float uv[2] = {0, 0};  // of its root; its pixel's place on the grid where the file says none
 };
 
@@ -49,7 +49,7 @@ struct Groom {
     std::vector<Vec3f> normal;  // unit, one a strand
     RootGrid grid;
     std::vector<StrandOrigin> origin;  // (strand); empty: as they stand here
-    std::string hash() const;  // of points and grid: two runs pair only where grooms nest
+    std::string hash() const;          // of points and grid: two runs pair only where grooms nest
 };
 
 // Its `origin`, or, where that is empty, what it stands for.

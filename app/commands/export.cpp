@@ -34,8 +34,8 @@ struct Target {
     bool for_unreal = false;     // with the attributes of its grooms
 };
 constexpr Target targets[] = {
-    {"", 1, false, false},         {"blender", 1, false, false},  {"houdini", 1, false, false},
-    {"maya", 0.01, false, false},  {"unreal", 0.01, true, true},
+    {"", 1, false, false},        {"blender", 1, false, false}, {"houdini", 1, false, false},
+    {"maya", 0.01, false, false}, {"unreal", 0.01, true, true},
 };
 
 bool is_scene_file(const std::string& path) {
@@ -47,7 +47,8 @@ bool is_scene_file(const std::string& path) {
 class Axes {
   public:
     Axes(const Target& target, const std::string& path)
-        : scale_(float(1 / target.metres)), swap_(target.swaps_y_and_z && fs::path(path).extension() == ".abc") {}
+        : scale_(float(1 / target.metres)),
+          swap_(target.swaps_y_and_z && fs::path(path).extension() == ".abc") {}
     Vec3f operator()(const Vec3f& x) const { return scale_ * (swap_ ? Vec3f{x.x, x.z, x.y} : x); }
     float length(double metres) const { return float(metres) * scale_; }
 
@@ -62,7 +63,8 @@ class ExportedStrands {
     ExportedStrands(const RunReader& run, const ExportOptions& o)
         : run_(run), options_(o), origin_(origins_of(run.header().groom)), order_(origin_.size()) {
         std::iota(order_.begin(), order_.end(), 0);
-        std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) { return origin(a).number < origin(b).number; });
+        std::stable_sort(order_.begin(), order_.end(),
+                         [&](int a, int b) { return origin(a).number < origin(b).number; });
         const Strands& rest = run.header().groom.rest;
         particles_ = rest.particles;
         for (int s : order_) roots_.push_back(rest.at(s, 0));
@@ -75,7 +77,8 @@ class ExportedStrands {
     bool has_wetness() const { return !run_.header().saturation.empty(); }
 
     // Of the strands named, or of all; `path` in the file.
-    CurvesObject layout(const std::string& path, const Axes& axes, const std::vector<int>* some = nullptr) const {
+    CurvesObject layout(const std::string& path, const Axes& axes,
+                        const std::vector<int>* some = nullptr) const {
         CurvesObject out;
         out.path = path;
         for (size_t k = 0; k < (some ? some->size() : count()); ++k) {
@@ -86,7 +89,8 @@ class ExportedStrands {
             out.root_uv.push_back({from.uv[0], from.uv[1]});
             out.widths.insert(out.widths.end(), size_t(points_of_each()), axes.length(width_of(from)));
         }
-        if (std::all_of(out.groups.begin(), out.groups.end(), [](int group) { return group == 0; })) out.groups.clear();
+        if (std::all_of(out.groups.begin(), out.groups.end(), [](int group) { return group == 0; }))
+            out.groups.clear();
         return out;
     }
     // [m]
@@ -106,7 +110,8 @@ class ExportedStrands {
                 return;
             }
             std::vector<Vec3d> given(static_cast<size_t>(particles_));
-            std::transform(strand, strand + particles_, given.begin(), [](const Vec3f& x) { return cast<double>(x); });
+            std::transform(strand, strand + particles_, given.begin(),
+                           [](const Vec3f& x) { return cast<double>(x); });
             const std::vector<Vec3d> even = resampled(given, options_.resample);
             std::transform(even.begin(), even.end(), to, [](const Vec3d& x) { return cast<float>(x); });
         });
@@ -151,13 +156,15 @@ class ExportedStrands {
 template <class T>
 std::vector<T> of_strands(const std::vector<T>& all, const std::vector<int>& some, int points) {
     std::vector<T> out;
-    for (int s : some) out.insert(out.end(), all.begin() + long(s) * points, all.begin() + long(s + 1) * points);
+    for (int s : some)
+        out.insert(out.end(), all.begin() + long(s) * points, all.begin() + long(s + 1) * points);
     return out;
 }
 
 // Diameter of a hair of the scene [m].
 double width_of_scene(const RunHeader& header) {
-    const Scene scene = parse_scene(header.scene, scene_name(header), header.scene_folder, {.stride = header.stride});
+    const Scene scene =
+        parse_scene(header.scene, scene_name(header), header.scene_folder, {.stride = header.stride});
     return std::sqrt(4 * scene.linear_density / (std::numbers::pi * scene.volume_density));
 }
 
@@ -166,15 +173,18 @@ std::vector<int> frames_of(const ExportOptions& o, int there) {
     int first = 0, last = there - 1;
     if (!o.frames.empty()) {
         const size_t colon = o.frames.find(':');
-        const std::string a = o.frames.substr(0, colon), b = colon == std::string::npos ? a : o.frames.substr(colon + 1);
+        const std::string a = o.frames.substr(0, colon),
+                          b = colon == std::string::npos ? a : o.frames.substr(colon + 1);
         auto number = [&](const std::string& text) {
             if (text.empty() || text.size() > 9 || text.find_first_not_of("0123456789") != std::string::npos)
-                throw Misuse("--frames: found '" + o.frames + "', allowed FIRST:LAST or one frame, as 0:47 or 12");
+                throw Misuse("--frames: found '" + o.frames +
+                             "', allowed FIRST:LAST or one frame, as 0:47 or 12");
             return std::stoi(text);
         };
         first = number(a), last = number(b);
         if (first > last || last >= there)
-            throw Misuse("--frames: found " + o.frames + ", but " + o.run + " has frames 0 to " + std::to_string(there - 1));
+            throw Misuse("--frames: found " + o.frames + ", but " + o.run + " has frames 0 to " +
+                         std::to_string(there - 1));
     }
     std::vector<int> out;
     for (int f = first; f <= last; f += o.every) out.push_back(f);
@@ -193,7 +203,8 @@ std::string numbered(const std::string& pattern, int number) {
 }
 
 const Target& target_named(const std::string& name) {
-    return *std::find_if(std::begin(targets), std::end(targets), [&](const Target& t) { return name == t.name; });
+    return *std::find_if(std::begin(targets), std::end(targets),
+                         [&](const Target& t) { return name == t.name; });
 }
 
 SceneFileSettings settings_of(const ExportOptions& o, const Target& target, double fps, int first) {
@@ -208,16 +219,18 @@ SceneFileSettings settings_of(const ExportOptions& o, const Target& target, doub
 // The strands as one animated file.
 class AnimatedExport {
   public:
-    AnimatedExport(const ExportOptions& o, const RunReader& run, const ExportedStrands& strands, const Target& target,
-                   const std::vector<int>& frames)
+    AnimatedExport(const ExportOptions& o, const RunReader& run, const ExportedStrands& strands,
+                   const Target& target, const std::vector<int>& frames)
         : run_(run),
           strands_(strands),
           axes_(target, o.output),
           some_(o.guides ? &strands.guides().strands : nullptr),
-          file_(create_scene_file(o.output, o.overwrite, settings_of(o, target, run.header().fps, frames.front()))) {
+          file_(create_scene_file(o.output, o.overwrite,
+                                  settings_of(o, target, run.header().fps, frames.front()))) {
         animated_ = file_->add_curves(strands.layout(some_ ? "/hair/guides" : "/hair/strands", axes_, some_));
         if (!some_) return;
-        // All strands as they are at first, with the guides that they follow, by their numbers among the guides.
+        // All strands as they are at first, with the guides that they follow, by their numbers among the
+        // guides.
         CurvesObject all = strands.layout("/hair/strands", axes_);
         std::vector<int> guide_of(strands.count(), -1);
         for (size_t g = 0; g < some_->size(); ++g) guide_of[size_t((*some_)[g])] = int(g);
@@ -278,10 +291,13 @@ class AnimatedExport {
 // Head and solids as one animated file.
 class SolidsExport {
   public:
-    SolidsExport(const ExportOptions& o, const RunReader& run, const Target& target, const std::vector<int>& frames)
+    SolidsExport(const ExportOptions& o, const RunReader& run, const Target& target,
+                 const std::vector<int>& frames)
         : run_(run),
           axes_(target, o.solids),
-          file_(create_scene_file(o.solids, o.overwrite, settings_of(o, {.metres = target.metres}, run.header().fps, frames.front()))) {
+          file_(create_scene_file(
+              o.solids, o.overwrite,
+              settings_of(o, {.metres = target.metres}, run.header().fps, frames.front()))) {
         const std::vector<PosedMesh> solids = at(frames.front());
         if (solids.empty()) throw Misuse("--solids: the scene of " + o.run + " has no solid to write");
         for (size_t k = 0; k < solids.size(); ++k) {
@@ -299,14 +315,17 @@ class SolidsExport {
         size_t k = 0;
         for (const PosedMesh& solid : at(f)) {
             std::vector<Vec3f> points;
-            for (const auto& x : solid.mesh.vertices) points.push_back(axes_(cast<float>(solid.pose(cast<double>(x)))));
+            for (const auto& x : solid.mesh.vertices)
+                points.push_back(axes_(cast<float>(solid.pose(cast<double>(x)))));
             file_->append_mesh(k++, points);
         }
     }
     void finish() { file_->finish(); }
 
   private:
-    std::vector<PosedMesh> at(int f) const { return solids_of(run_.header(), run_.frame(f), f / run_.header().fps); }
+    std::vector<PosedMesh> at(int f) const {
+        return solids_of(run_.header(), run_.frame(f), f / run_.header().fps);
+    }
 
     const RunReader& run_;
     Axes axes_;
@@ -333,7 +352,8 @@ void check(const ExportOptions& o) {
     refuse_scene_options(o, "export");
     refuse_device(o, "export");
     if (o.every < 1) throw Misuse("--every: found " + std::to_string(o.every) + ", allowed 1 or more");
-    if (o.resample == 1) throw Misuse("--resample: found 1, allowed 0 (as the run has it) or 2 points and more");
+    if (o.resample == 1)
+        throw Misuse("--resample: found 1, allowed 0 (as the run has it) or 2 points and more");
     if (!o.solids.empty() && !is_scene_file(o.solids))
         throw Misuse("--solids: found '" + o.solids + "', allowed are .abc and .usda");
     if (!o.solids.empty() && o.solids == o.output)
@@ -342,10 +362,13 @@ void check(const ExportOptions& o) {
         check_files(o, o.output, {o.run});
         return;
     }
-    if (o.guides) throw Misuse("--guides: goes with .abc and .usda, which hold them beside the rest; found " + o.output);
+    if (o.guides)
+        throw Misuse("--guides: goes with .abc and .usda, which hold them beside the rest; found " +
+                     o.output);
     const std::string ending = fs::path(o.output).extension().string();
     if ((" " + writable_endings() + " ").find(" " + ending + " ") == std::string::npos)
-        throw Misuse("export: found the output '" + o.output + "', allowed endings .abc .usda " + writable_endings());
+        throw Misuse("export: found the output '" + o.output + "', allowed endings .abc .usda " +
+                     writable_endings());
     check_files(o, numbered(o.output, o.first_number), {o.run});
 }
 
@@ -353,20 +376,29 @@ void check(const ExportOptions& o) {
 
 void add_options(CLI::App& app, ExportOptions& o) {
     input_file(app.add_option("run", o.run, "RUN.h5"))->required();
-    app.add_option("-o,--output", o.output, "NAME.abc or NAME.usda: all frames; NAME.####.hair .data .ply .obj .tfx .pbrt: one file a frame, its number in the place of #")
+    app.add_option("-o,--output", o.output,
+                   "NAME.abc or NAME.usda: all frames; NAME.####.hair .data .ply .obj .tfx .pbrt: one file a "
+                   "frame, its number in the place of #")
         ->required();
-    app.add_option("--for", o.target, "the program that reads it: blender, houdini, maya, unreal; its unit, axes and attributes (default: metres, Y up)")
+    app.add_option("--for", o.target,
+                   "the program that reads it: blender, houdini, maya, unreal; its unit, axes and attributes "
+                   "(default: metres, Y up)")
         ->check(CLI::IsMember({"blender", "houdini", "maya", "unreal"}));
     app.add_option("--positions", o.positions, "displayed, as render shows them, or simulated, before Eq 10")
         ->check(CLI::IsMember({"displayed", "simulated"}))
         ->capture_default_str();
     app.add_option("--frames", o.frames, "of the run, FIRST:LAST or one (default: all)");
     app.add_option("--every", o.every, "write every so many frames")->capture_default_str();
-    app.add_option("--first-number", o.first_number, "number of the run's frame 0 in the file")->capture_default_str();
-    app.add_option("--resample", o.resample, "points a strand, evenly along it; 0: as the run has it")->check(CLI::Range(0, 10000));
-    app.add_option("--guides", o.guides, "animate so many strands alone; the others stand still, each with three of them and their weights")
+    app.add_option("--first-number", o.first_number, "number of the run's frame 0 in the file")
+        ->capture_default_str();
+    app.add_option("--resample", o.resample, "points a strand, evenly along it; 0: as the run has it")
+        ->check(CLI::Range(0, 10000));
+    app.add_option(
+           "--guides", o.guides,
+           "animate so many strands alone; the others stand still, each with three of them and their weights")
         ->check(CLI::PositiveNumber);
-    app.add_option("--width", o.width, "diameter of the hair [m] (default: as its file says, else by the scene's density)")
+    app.add_option("--width", o.width,
+                   "diameter of the hair [m] (default: as its file says, else by the scene's density)")
         ->check(CLI::Range(1e-7, 1.0));
     app.add_option("--solids", o.solids, "NAME.abc or NAME.usda for head and solids");
 }
@@ -380,7 +412,8 @@ int export_command(const ExportOptions& o) {
     const bool animated = is_scene_file(o.output);
     if (!animated && frames.size() > 1 && o.output.find('#') == std::string::npos)
         throw Misuse("export: found " + std::to_string(frames.size()) + " frames for one file " + o.output +
-                     "; write NAME.####" + fs::path(o.output).extension().string() + " for a file a frame, or choose one by --frames");
+                     "; write NAME.####" + fs::path(o.output).extension().string() +
+                     " for a file a frame, or choose one by --frames");
     const Target& target = target_named(o.target);
     ExportedStrands strands(run, o);
     strands.set_usual_width(width_of_scene(run.header()));
@@ -392,7 +425,9 @@ int export_command(const ExportOptions& o) {
     if (!o.solids.empty()) solids.emplace(o, run, target, frames);
     Progress progress("export", int(frames.size()), "frame");
     for (size_t k = 0; k < frames.size(); ++k) {
-        if (guard.asked()) throw Interrupted("interrupted after " + std::to_string(k) + " frames: what was begun is not kept");
+        if (guard.asked())
+            throw Interrupted("interrupted after " + std::to_string(k) +
+                              " frames: what was begun is not kept");
         if (hair)
             hair->append(frames[k]);
         else

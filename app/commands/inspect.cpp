@@ -24,6 +24,7 @@
 #include "learn/codec/pairs.h"
 #include "solver/chain/scene_checks.h"
 #include "solver/run/simulation.h"
+#include "solver/scene/findings.h"
 #include "solver/scene/scene_rows.h"
 #include "training/recipe.h"
 
@@ -62,8 +63,13 @@ void show(const InspectOptions& o, const Json& json) {
 }
 
 Json scene_json(const InspectOptions& o) {
-    const Scene scene = load_scene(
-        o.file, {.set = o.set, .frames = {}, .strands = {}, .seed = o.seed, .groom = "", .stride = 0});
+    const Scene scene = load_scene(o.file, {.set = o.set,
+                                            .frames = {},
+                                            .strands = {},
+                                            .seed = o.seed,
+                                            .groom = "",
+                                            .stride = 0,
+                                            .findings_stop = false});
     check_files(o, "", scene.files);
     const auto simulation = make_simulation(scene, "float");
     const Presence p = presence_of(scene);
@@ -82,6 +88,12 @@ Json scene_json(const InspectOptions& o) {
     json["bytes"] = sum;
     json["bytes_per_particle"] = double(sum) / double(scene.groom.rest.points.size());
     json["stiffness_number"] = stiffness_number(scene);
+    json["findings"] = Json::array();
+    for (const Finding& finding : findings_of(scene))
+        json["findings"].push_back({{"level", name_of(finding.level)},
+                                    {"name", finding.name},
+                                    {"text", finding.text},
+                                    {"remedy", finding.remedy}});
     return json;
 }
 

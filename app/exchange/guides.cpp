@@ -10,8 +10,8 @@ namespace wetcurl {
 
 Guides guides_of(const std::vector<Vec3f>& roots, int count) {
     if (count < 1 || size_t(count) > roots.size())
-        throw Misuse("--guides: found " + std::to_string(count) + ", allowed 1 to " + std::to_string(roots.size()) +
-                     ", the strands that there are");
+        throw Misuse("--guides: found " + std::to_string(count) + ", allowed 1 to " +
+                     std::to_string(roots.size()) + ", the strands that there are");
     Guides out;
     Vec3f middle{0, 0, 0};
     for (const auto& x : roots) middle += (1.0f / float(roots.size())) * x;

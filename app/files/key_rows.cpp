@@ -19,6 +19,7 @@ Json number_of(const KeyRow& row, double value) {
 
 Json default_of(const KeyRow& row) {
     if (row.is_text()) return row.word;
+    if (row.kind == Kind::words) return Json::array();
     if (row.kind == Kind::boolean) return row.fallback != 0;
     if (row.is_number()) return number_of(row, row.fallback);
     Json all = Json::array();
@@ -52,7 +53,7 @@ Json json_of(const KeyRow& row) {
         out["minimum"] = number_of(row, row.minimum);
         out["maximum"] = number_of(row, row.maximum);
     }
-    if (row.kind == Kind::word) out["allowed"] = std::vector<std::string>(row.words.begin(), row.words.end());
+    if (!row.words.empty()) out["allowed"] = std::vector<std::string>(row.words.begin(), row.words.end());
     out["meaning"] = row.meaning;
     if (*row.source) out["source"] = row.source;
     if (*row.when.keys) out["read"] = json_of(row.when);
@@ -65,7 +66,7 @@ std::string values_of(const KeyRow& row) {
     const std::string unit = *row.unit && row.unit != std::string("1") ? fmt::format(" {}", row.unit) : "";
     if (row.is_number() || row.is_vector())
         return fmt::format("{}{}; {} to {}", usual, row.has_default() ? unit : "", row.minimum, row.maximum);
-    if (row.kind == Kind::word) return fmt::format("{}; {}", usual, fmt::join(row.words, " | "));
+    if (!row.words.empty()) return fmt::format("{}; {}", usual, fmt::join(row.words, " | "));
     return usual;
 }
 
@@ -97,6 +98,10 @@ Json schema_of(const KeyRow& row) {
         out.update({{"type", "array"}, {"items", number}, {"minItems", row.size}, {"maxItems", row.size}});
     } else if (row.kind == Kind::boolean) {
         out["type"] = "boolean";
+    } else if (row.kind == Kind::words) {
+        const Json word{{"type", "string"},
+                        {"enum", std::vector<std::string>(row.words.begin(), row.words.end())}};
+        out.update({{"type", "array"}, {"items", word}});
     } else {
         out["type"] = "string";
         if (row.kind == Kind::word)

@@ -261,8 +261,8 @@ class UsdaWriter : public SceneWriter {
         return settings_.first_frame + settings_.every * (long long)(frame);
     }
     [[noreturn]] void fail(const Object& object, size_t frame, const std::string& text) const {
-        throw Error(file_.path() + ": " + object.path() + ", frame " +
-                    std::to_string(number_of(frame)) + ": " + text);
+        throw Error(file_.path() + ": " + object.path() + ", frame " + std::to_string(number_of(frame)) +
+                    ": " + text);
     }
     void require_finite(const Object& object, size_t frame, const char* what,
                         std::span<const float> values) const {

@@ -88,7 +88,8 @@ static void move(StrandPoints& strands, double scale, const Vec3d& offset) {
         for (auto& x : strand) x = scale * x + offset;
 }
 
-// The grid asked for, or {0, 0} for the finest there is. One with fewer pixels than the file has strands is a choice of strands.
+// The grid asked for, or {0, 0} for the finest there is. One with fewer pixels than the file has strands is a
+// choice of strands.
 static GridSize grid_wanted(const Table& table, const GroomTable& groom, size_t strands) {
     if (!table.has("grid")) return {0, 0};
     const auto [width, height] = groom.grid;
@@ -112,14 +113,19 @@ static void rest_procedural_keys(const Table& table, const std::string& file) {
         log_info(table.where() + ": strands come from " + file + "; without effect:" + resting);
 }
 
-static Groom file_groom(const Table& table, const GroomTable& groom) {
+static Groom file_groom(const Table& table, const GroomTable& groom, std::vector<Finding>* findings) {
     const auto& [file, particles] = std::tie(groom.file, groom.particles);
     rest_procedural_keys(table, file);
     const auto scalp = read_scalp(groom);
 
     ImportedStrands in = import_strands(file, groom.hair_units());
     StrandPoints& strands = in.strands;
+    if (groom.tip_first)
+        for (auto& strand : strands) std::reverse(strand.begin(), strand.end());
     move(strands, groom.scale, groom.offset);
+    if (groom.repair)
+        log_info(file + ": " + std::to_string(repair(in)) + " strands end before a stray point");
+    if (findings) *findings = findings_of_strands(in, file);
     const std::vector<Vec3d> roots = roots_of(strands);
     if (scalp) log_info(file + ": " + described(root_depth(strands, *scalp)));
     warn_of_few_particles(table, turns_of(strands), particles);
@@ -145,10 +151,10 @@ static Groom file_groom(const Table& table, const GroomTable& groom) {
     return coarsened(full, 1);  // strands in the order of their pixels
 }
 
-Groom load_groom(const Table& table, unsigned long long seed) {
+Groom load_groom(const Table& table, unsigned long long seed, std::vector<Finding>* findings) {
     GroomTable read;
     read_parameters(read, GroomTable::parameters, table);
-    if (!read.file.empty()) return file_groom(table, read);
+    if (!read.file.empty()) return file_groom(table, read, findings);
     const ProceduralGroom groom = read_procedural(table, seed);
     warn_of_few_particles(table, turns_of(groom), groom.particles);
     return make_procedural(groom);

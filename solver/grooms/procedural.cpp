@@ -57,13 +57,17 @@ Shape shape_at(const ProceduralGroom& g, double u, double v) {
 }
 
 Cap cap_of(const ProceduralGroom& g) {
-    return {{0, std::cos(g.tilt), -std::sin(g.tilt)}, {1, 0, 0}, g.coverage, g.hairline == "natural" ? hairline : nullptr};
+    return {{0, std::cos(g.tilt), -std::sin(g.tilt)},
+            {1, 0, 0},
+            g.coverage,
+            g.hairline == "natural" ? hairline : nullptr};
 }
 
 // The part: a point before the rim of the hair, in the middle of the brow. Strands run away from it.
 Vec3d part_of(const ProceduralGroom& g) {
     constexpr double before_rim = 0.15;  // [rad]
-    const double rim = g.hairline == "natural" ? hairline({0, 0, 1}) : g.coverage - g.tilt, angle = rim + before_rim;
+    const double rim = g.hairline == "natural" ? hairline({0, 0, 1}) : g.coverage - g.tilt,
+                 angle = rim + before_rim;
     return rotate(rotation_about({0, 1, 0}, g.part_turn), {0, std::cos(angle), std::sin(angle)});
 }
 

@@ -48,13 +48,15 @@ struct GroomTable {
     std::string units = "auto", up = "y";
     double scale = 1;
     Vec3d offset{0, 0, 0};  // [m]
+    bool tip_first = false, repair = false;
 
     FileUnits hair_units() const { return {units, up}; }
     // Those of the hair, where the scalp has none of its own.
     FileUnits units_of_scalp() const {
         return {scalp_units.empty() ? units : scalp_units, scalp_up.empty() ? up : scalp_up};
     }
-    static constexpr const char *units_words[] = {"m", "cm", "mm", "auto"}, *up_words[] = {"y", "z"};
+    static constexpr const char *units_words[] = {"m", "cm", "mm", "auto"}, *up_words[] = {"y", "z"},
+                                *orders[] = {"root_first", "tip_first"};
     static constexpr Parameter<GroomTable> parameters[] = {
         {KeyRow::integers("grid", {32, 32}, 1, 4096,
                           "Roots each way; of a file's strands, without it, the finest grid that they fill."),
@@ -87,6 +89,13 @@ struct GroomTable {
         {KeyRow::numbers("offset", "m", {0, 0, 0}, -1e4, 1e4, "Translation of those strands, after scale.",
                          "", {"file"}),
          &GroomTable::offset},
+        {KeyRow::one_of("order", orders, "root_first", "Where strands of the file begin.", "", {"file"}),
+         &GroomTable::tip_first},
+        {KeyRow::boolean(
+             "repair", false,
+             "Whether strands end before a stray point: at the origin, or far from the one before it.", "",
+             {"file"}),
+         &GroomTable::repair},
     };
 };
 
@@ -112,16 +121,19 @@ inline constexpr Parameter<ProceduralGroom> procedural_parameters[] = {
                     "Radius of the ball; of a mesh: depth of its centre below the top."),
      &ProceduralGroom::scalp_radius},
     {KeyRow::number("coverage", "rad", 1.6, 0.1, 3.0,
-                    "Angle from the middle of the hair to its rim, seen from the centre.", "", {"hairline", "round", true}),
+                    "Angle from the middle of the hair to its rim, seen from the centre.", "",
+                    {"hairline", "round", true}),
      &ProceduralGroom::coverage},
     {KeyRow::number("tilt", "rad", 0.7, 0, 1.5,
                     "Angle of the middle of the hair, back from straight up: the face (+Z) stays free."),
      &ProceduralGroom::tilt},
     {KeyRow::one_of("hairline", hairlines, "round",
-                    "Rim of the hair: a circle at coverage, or natural: above brow and temples, round the ears, down to the "
+                    "Rim of the hair: a circle at coverage, or natural: above brow and temples, round the "
+                    "ears, down to the "
                     "nape."),
      &ProceduralGroom::hairline},
-    {KeyRow::number("part_turn", "rad", 0, -1.5, 1.5, "Turn of the part from the middle of the brow, toward +X."),
+    {KeyRow::number("part_turn", "rad", 0, -1.5, 1.5,
+                    "Turn of the part from the middle of the brow, toward +X."),
      &ProceduralGroom::part_turn},
 };
 

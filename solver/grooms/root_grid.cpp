@@ -20,7 +20,8 @@ GridSize finest_grid(int roots) {
         for (int height = unit; (height - unit) * (height - unit) <= roots; height += unit)
             for (int width = height; width <= 1.5 * height + 1; width += unit) {
                 const int holes = width * height - roots;
-                if (holes < 0 || holes > most_holes({width, height}) || (unit > 1 && holes > 0.1 * roots)) continue;
+                if (holes < 0 || holes > most_holes({width, height}) || (unit > 1 && holes > 0.1 * roots))
+                    continue;
                 if (holes < fewest) best = {width, height}, fewest = holes;
                 break;
             }
@@ -276,7 +277,8 @@ int untangle(RootGrid& grid, const std::vector<Vec3d>& roots) {
     auto way = [&](int c, int r) {
         double sum = 0;
         for (auto [dc, dr] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
-            if (c + dc >= 0 && c + dc < grid.width && r + dr >= 0 && r + dr < grid.height && pixel(c + dc, r + dr) >= 0)
+            if (c + dc >= 0 && c + dc < grid.width && r + dr >= 0 && r + dr < grid.height &&
+                pixel(c + dc, r + dr) >= 0)
                 sum += squared(roots[size_t(pixel(c, r))] - roots[size_t(pixel(c + dc, r + dr))]);
         return sum;
     };
@@ -364,12 +366,12 @@ std::string described(const RootLayout& layout) {
     const GridQuality& q = layout.quality;
     char text[400];
     const int holes = layout.grid.width * layout.grid.height - q.pixels;
-    std::snprintf(text, sizeof text,
-                  "%d x %d pixels for %d roots (%d left out, %d pixels empty): neighbours %.2f mm apart, nearest roots "
-                  "%.2f mm (%.2f times); %s; %s",
-                  layout.grid.width, layout.grid.height, q.roots, q.roots - q.pixels, holes,
-                  1e3 * q.neighbour_mean, 1e3 * q.nearest_mean, q.ratio(), layout.parameterisation.c_str(),
-                  layout.assignment.c_str());
+    std::snprintf(
+        text, sizeof text,
+        "%d x %d pixels for %d roots (%d left out, %d pixels empty): neighbours %.2f mm apart, nearest roots "
+        "%.2f mm (%.2f times); %s; %s",
+        layout.grid.width, layout.grid.height, q.roots, q.roots - q.pixels, holes, 1e3 * q.neighbour_mean,
+        1e3 * q.nearest_mean, q.ratio(), layout.parameterisation.c_str(), layout.assignment.c_str());
     return text;
 }
 

@@ -24,13 +24,14 @@ struct RootLayout {
     std::string assignment;        // how places came to pixels: the better one of those tried
 };
 
-// Sides of a near-square grid with a pixel for each root, and few more: multiples of 8 where at most a tenth of the roots'
-// number stays empty, else of 4, 2 or 1. The first is the longer one.
+// Sides of a near-square grid with a pixel for each root, and few more: multiples of 8 where at most a tenth
+// of the roots' number stays empty, else of 4, 2 or 1. The first is the longer one.
 struct GridSize {
     int width, height;
 };
 GridSize finest_grid(int roots);
-// Pixels that may stay empty: those in odd columns of odd rows, where no coarser grid of every 2nd, 4th... root has one.
+// Pixels that may stay empty: those in odd columns of odd rows, where no coarser grid of every 2nd, 4th...
+// root has one.
 int most_holes(GridSize size);
 
 // The roots [m] as a dome: middle, axis and curvature, by least squares; `flat` where they lie in a plane.
@@ -57,8 +58,9 @@ int untangle(RootGrid& grid, const std::vector<Vec3d>& roots);
 
 GridQuality grid_quality(const RootGrid& grid, const std::vector<Vec3d>& roots);
 
-// Parameterises, tries the assignments, keeps the better. `size` = {0, 0}: finest_grid. Where it has fewer pixels than
-// there are roots, roots are left out. Throws Error for no root, or where more pixels than most_holes would stay empty.
+// Parameterises, tries the assignments, keeps the better. `size` = {0, 0}: finest_grid. Where it has fewer
+// pixels than there are roots, roots are left out. Throws Error for no root, or where more pixels than
+// most_holes would stay empty.
 RootLayout lay_on_grid(const std::vector<Vec3d>& roots, const ScalpMesh* scalp, GridSize size = {0, 0});
 
 // "88 x 88 pixels of 7905 roots: neighbours 3.1 mm apart, nearest roots 1.4 mm (2.2 times); ..."

@@ -75,7 +75,9 @@ Planar square_to_disk(double u, double v) {
 }
 
 // `angle` from the pole, toward a unit vector across it.
-Vec3d Cap::at(double angle, const Vec3d& toward) const { return std::cos(angle) * pole + std::sin(angle) * toward; }
+Vec3d Cap::at(double angle, const Vec3d& toward) const {
+    return std::cos(angle) * pole + std::sin(angle) * toward;
+}
 
 double Cap::coverage_toward(const Vec3d& toward) const {
     if (!rim) return coverage;

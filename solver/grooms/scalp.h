@@ -44,10 +44,11 @@ Planar square_to_disk(double u, double v);
 struct Cap {
     Vec3d pole, right;  // unit, perpendicular
     double coverage;    // [rad] from the pole to the rim
-    // In its place, where given: the angle from straight up [rad] at which the cap ends in the direction given.
+    // In its place, where given: the angle from straight up [rad] at which the cap ends in the direction
+    // given.
     double (*rim)(const Vec3d& direction) = nullptr;
-    // Unit direction of a place of the unit square; with a rim that is a circle, equal areas of the one are equal areas of the
-    // other.
+    // Unit direction of a place of the unit square; with a rim that is a circle, equal areas of the one are
+    // equal areas of the other.
     Vec3d direction(double u, double v) const;
 
   private:

@@ -6,6 +6,7 @@
 
 #include "base/log.h"
 #include "solver/grooms/groom.h"
+#include "solver/scene/findings.h"
 #include "solver/scene/read_compared.h"
 #include "solver/scene/read_solids.h"
 #include "solver/scene/rest_state.h"
@@ -145,7 +146,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_integrator(scene, root.table("integrator"));
     const Table g = root.table("groom");
     read_parameters(scene, Scene::groom_parameters, g);
-    const Groom full = load_groom(g, scene.seed);
+    const Groom full = load_groom(g, scene.seed, &scene.groom_findings);
     scene.motion = Motion(root.table("motion"));
     read_chain(scene, root);
     // Of the full groom, so that a thinned run is smoothed as its twin.
@@ -189,7 +190,9 @@ Scene read_scene(Config config, const SceneOptions& options) {
 }  // namespace
 
 Scene load_scene(const std::string& path, const SceneOptions& options) {
-    return read_scene(Config::load(path), options);
+    Scene scene = read_scene(Config::load(path), options);
+    if (options.findings_stop) act_on(findings_of(scene), scene, path);
+    return scene;
 }
 
 Scene parse_scene(const std::string& text, const std::string& name, const std::string& folder,

@@ -12,6 +12,7 @@
 #include "base/shift_units.h"
 #include "base/strands.h"
 #include "solver/compared/list.h"
+#include "solver/grooms/strand_findings.h"
 #include "solver/motion/deformation.h"
 #include "solver/motion/motion.h"
 #include "solver/terms/air.h"
@@ -105,6 +106,9 @@ struct Scene {
     Motion motion;
     std::vector<Solid> solids;
 
+    std::vector<std::string> allow;       // findings (solver/scene/findings.h) that do not stop the scene
+    std::vector<Finding> groom_findings;  // of the strands' file
+
     Groom groom;  // of this run: the full groom, thinned by `stride`
     int stride = 1;
     std::vector<float> saturation;   // (strand, particle) at the start; empty without wetness
@@ -117,6 +121,9 @@ struct Scene {
         {KeyRow::integer("frames", 100, 1, 1'000'000, "Frames to simulate."), &Scene::frames},
         {KeyRow::number("fps", "1/s", 24, 1, 10000, "Frames of a second."), &Scene::fps},
         {KeyRow::integer("seed", 1, 0, double(largest_seed), "Seed of all that is random."), &Scene::seed},
+        {KeyRow::some_of("allow", Finding::names,
+                         "Findings, as `inspect scene` names them, that do not stop the scene."),
+         &Scene::allow},
     };
     static constexpr Parameter<Scene> groom_parameters[] = {
         {KeyRow::number("linear_density", "kg/m", 6.5e-6, 1e-12, 1e3,
@@ -167,8 +174,9 @@ struct SceneOptions {
     std::vector<std::string> set;        // key.path=value
     std::optional<int> frames, strands;  // --frames, --strands
     std::optional<long> seed;
-    std::string groom;  // a hair file in place of the scene's groom
-    int stride = 0;     // exactly this stride of the full grid, where above 0
+    std::string groom;          // a hair file in place of the scene's groom
+    int stride = 0;             // exactly this stride of the full grid, where above 0
+    bool findings_stop = true;  // load_scene acts on what looks wrong (solver/scene/findings.h)
 };
 
 // Reads and checks a scene; builds its groom, wetness and level sets. Throws Misuse (a wrong key or value,

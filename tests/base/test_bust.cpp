@@ -9,7 +9,8 @@ namespace {
 double volume(const Mesh& mesh) {
     double sum = 0;
     for (const auto& t : mesh.triangles) {
-        const Vec3d a = cast<double>(mesh.vertices[size_t(t[0])]), b = cast<double>(mesh.vertices[size_t(t[1])]),
+        const Vec3d a = cast<double>(mesh.vertices[size_t(t[0])]),
+                    b = cast<double>(mesh.vertices[size_t(t[1])]),
                     c = cast<double>(mesh.vertices[size_t(t[2])]);
         sum += dot(a, cross(b, c)) / 6;
     }
@@ -57,15 +58,17 @@ TEST(Bust, hair_grows_on_crown_sides_and_nape_and_not_in_the_face) {
     };
     EXPECT_TRUE(grows({0, 1, 0}));
     EXPECT_TRUE(grows({0, 0, -1}));
-    EXPECT_TRUE(grows({0, -0.5, -1}));   // nape
-    EXPECT_TRUE(grows({1, 0.3, 0}));     // over the ear
-    EXPECT_FALSE(grows({1, -0.3, 0}));   // ear
-    EXPECT_FALSE(grows({0, 0.2, 1}));    // forehead
+    EXPECT_TRUE(grows({0, -0.5, -1}));    // nape
+    EXPECT_TRUE(grows({1, 0.3, 0}));      // over the ear
+    EXPECT_FALSE(grows({1, -0.3, 0}));    // ear
+    EXPECT_FALSE(grows({0, 0.2, 1}));     // forehead
     EXPECT_FALSE(grows({0.5, -0.5, 1}));  // cheek
-    EXPECT_FALSE(grows({0, -1, -0.5}));  // neck
+    EXPECT_FALSE(grows({0, -1, -0.5}));   // neck
     // Without a step.
     for (double a = 0; a < 3.14; a += 0.001)
-        EXPECT_LT(std::abs(hairline({std::sin(a), 0, std::cos(a)}) - hairline({std::sin(a + 0.001), 0, std::cos(a + 0.001)})), 0.004);
+        EXPECT_LT(std::abs(hairline({std::sin(a), 0, std::cos(a)}) -
+                           hairline({std::sin(a + 0.001), 0, std::cos(a + 0.001)})),
+                  0.004);
 }
 
 }  // namespace

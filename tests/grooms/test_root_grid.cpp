@@ -60,8 +60,8 @@ TEST(GridSize, is_near_square_and_has_a_pixel_for_each_root_and_few_more) {
 
 // ---- assignment
 
-// Every root is at one pixel, or, where there are fewer pixels than roots, every pixel has one; what is empty lies where no
-// coarser grid has a root.
+// Every root is at one pixel, or, where there are fewer pixels than roots, every pixel has one; what is empty
+// lies where no coarser grid has a root.
 void expect_one_root_a_pixel(const RootGrid& grid, size_t roots) {
     std::set<int> seen;
     for (int r = 0; r < grid.height; ++r)

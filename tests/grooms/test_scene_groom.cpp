@@ -1,7 +1,6 @@
 // `[groom]` of a scene: files laid on a grid, thinning, roots under the scalp; the import command.
-#include <set>
-
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/commands/import.h"
 #include "base/geometry/shapes.h"
@@ -92,7 +91,7 @@ TEST(SceneGroom, no_strand_of_a_file_is_lost) {
         // What a coarser grid has keeps its number too.
         std::vector<int> kept;
         const Groom coarse = coarsened(g, 2, &kept);
-        for (size_t s = 0; s < kept.size(); ++s) 
+        for (size_t s = 0; s < kept.size(); ++s)
             EXPECT_EQ(coarse.origin[s].number, g.origin[size_t(kept[s])].number);
     }
 }

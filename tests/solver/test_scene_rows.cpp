@@ -144,6 +144,7 @@ string allowed_value(const TableRow& table, const KeyRow& row) {
     if (row.kind == Kind::path) return quoted(fixtures().path(full_key(table, row)));
     if (row.kind == Kind::word) return quoted(row.has_default() ? row.word : row.words.front());
     if (row.kind == Kind::text) return quoted("a name");
+    if (row.kind == Kind::words) return "[" + quoted(row.words.front()) + "]";
     if (row.kind == Kind::boolean) return row.fallback != 0 ? "true" : "false";
     if (row.is_vector()) return row.default_text().empty() ? "[0, 0, 0]" : row.default_text();
     const double usual = row.has_default() ? row.fallback : std::min(0.01, row.maximum);
@@ -204,6 +205,11 @@ std::vector<std::pair<string, string>> refused_values(const KeyRow& row) {
                 {"3", needs_string},
                 {"true", needs_string},
                 {"[\"a\"]", needs_string}};
+    if (row.kind == Kind::words)
+        return {{"\"size\"", "in brackets"},
+                {"[\"no such word\"]", "allowed: "},
+                {"[3]", "allowed: "},
+                {"true", "in brackets"}};
     if (row.is_text()) return {{"3", needs_string}, {"true", needs_string}, {"[\"a\"]", needs_string}};
     if (row.kind == Kind::boolean)
         return {{"1", "true or false"}, {"\"true\"", "true or false"}, {"[true]", "true or false"}};
