@@ -62,7 +62,7 @@ OgawaKey ogawa_key(std::string_view bytes) {
 OgawaWriter::OgawaWriter(const std::string& path, bool overwrite)
     : file_(path, overwrite), stream_(nullptr, std::fclose) {
     file_.begin();
-    stream_.reset(std::fopen(file_.partial().c_str(), "wb"));
+    stream_.reset(std::fopen(file_.partial().c_str(), "wbe"));
     if (!stream_) fail();
     std::string header(magic);
     header += std::string("\0\0\1", 3) + std::string(8, '\0');

@@ -1,5 +1,6 @@
 // Alembic files, read: objects and headers at once, samples when they are asked for.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -429,7 +430,9 @@ class AbcReader : public SceneReader {
     explicit AbcReader(const std::string& path) : archive_(path) {
         const std::string& metadata = archive_.metadata();
         if (const std::string metres = value_of(metadata, "wetcurl_metres_per_unit"); !metres.empty())
-            if (const double value = std::strtod(metres.c_str(), nullptr); value > 0 && std::isfinite(value))
+            if (double value = 0;
+                std::from_chars(metres.data(), metres.data() + metres.size(), value).ec == std::errc() &&
+                value > 0 && std::isfinite(value))
                 axes_.metres_per_unit = value;
         if (const std::string up = value_of(metadata, "wetcurl_up"); up == "x" || up == "y" || up == "z")
             axes_.up = up[0];

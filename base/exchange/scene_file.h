@@ -46,7 +46,7 @@ struct CurvesObject {
 struct MeshObject {
     std::string path;
     std::vector<int> counts;   // (face): its corners
-    std::vector<int> corners;  // indices of points
+    std::vector<int> corners;  // indices of points, counterclockwise seen from outside
     size_t points = 0;
     std::vector<double> times;  // (sample) [s]; one where it does not move
 };

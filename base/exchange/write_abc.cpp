@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <list>
 
@@ -257,6 +258,8 @@ class AbcWriter : public SceneWriter {
         if (frame.wetness.size() != (o.has_wetness ? o.points : 0))
             fail(o.path, where, std::to_string(frame.wetness.size()) + " values of wetness",
                  o.has_wetness ? std::to_string(o.points) : "none, as in the first frame");
+        require_finite(o, frame.velocities, where, "velocity");
+        require_finite(o, frame.wetness, where, "wetness");
         append_points(o, frame.points, where);
         if (o.has_velocities) schema.at(".velocities").append(file_, frame.velocities);
         if (o.has_wetness) schema.at(".arbGeomParams").at("wetness").append(file_, frame.wetness);
@@ -391,21 +394,32 @@ class AbcWriter : public SceneWriter {
             if (p.kind != Kind::compound && p.samples < samples) p.repeat();
     }
 
+    template <class T>
+    void require_finite(const Object& o, const std::vector<T>& values, const std::string& where,
+                        const char* what) const {
+        const std::string_view bytes = bytes_of(values);
+        const auto is_finite = [&](size_t k) {
+            constexpr uint32_t exponent = 0x7f800000;
+            uint32_t bits;
+            std::memcpy(&bits, bytes.data() + k * sizeof bits, sizeof bits);
+            return (bits & exponent) != exponent;
+        };
+        const size_t numbers = bytes.size() / sizeof(float);
+        bool all = true;
+        for (size_t k = 0; k < numbers; ++k) all &= is_finite(k);
+        for (size_t k = 0; !all && k < numbers; ++k)
+            if (!is_finite(k))
+                fail(o.path, where,
+                     std::string("a number that is not finite in ") + what + " " +
+                         std::to_string(k * sizeof(float) / sizeof(T)),
+                     "finite numbers");
+    }
+
     void append_points(Object& o, const std::vector<Vec3f>& points, const std::string& where) {
+        require_finite(o, points, where, "point");
         constexpr float far = std::numeric_limits<float>::infinity();
         Vec3f low{far, far, far}, high{-far, -far, -far};
-        float sum = 0;  // of zeros, or not a number
-        for (const Vec3f& x : points) {
-            low = lower(low, x), high = upper(high, x);
-            sum += 0 * x.x + 0 * x.y + 0 * x.z;
-        }
-        if (sum != 0)
-            for (size_t i = 0; i < points.size(); ++i)
-                for (float c : {points[i].x, points[i].y, points[i].z})
-                    if (!std::isfinite(c))
-                        fail(o.path, where,
-                             "the coordinate " + std::to_string(c) + " of point " + std::to_string(i),
-                             "finite numbers");
+        for (const Vec3f& x : points) low = lower(low, x), high = upper(high, x);
         if (points.empty()) low = high = {0, 0, 0};
         const Box box{{low.x, low.y, low.z}, {high.x, high.y, high.z}};
         Property& schema = o.node->schema();

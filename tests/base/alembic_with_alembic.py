@@ -304,7 +304,37 @@ def they_write_many():
           "where they stand")
 
 
+def they_write_other_numbers():
+    """Numbers of types that AbcGeom does not ask for, and values by index."""
+    path = folder + "/numbers.abc"
+    archive = OArchive(path)
+    metadata = MetaData()
+    metadata.set("schema", "AbcGeom_Curve_v2")
+    said = Argument(metadata)
+    thing = OObject(archive.getTop(), "wide", said)
+    geometry = OCompoundProperty(thing.getProperties(), ".geom", said)
+    points = array(imath.V3dArray, [imath.V3d(*v) for v in strand])
+    OP3dArrayProperty(geometry, "P").setValue(points)
+    counts = array(imath.ShortArray, [2, 2])
+    OInt16ArrayProperty(geometry, "nVertices").setValue(counts)
+    linear = array(imath.UnsignedCharArray, [1, 0, 0, 0])
+    OUcharArrayProperty(geometry, "curveBasisAndType").setValue(linear)
+    parameters = OCompoundProperty(geometry, ".arbGeomParams")
+    ids = array(imath.UnsignedCharArray, [7, 200])
+    OUcharArrayProperty(parameters, "groom_id").setValue(ids)
+    values = array(imath.V2fArray, [imath.V2f(0.25, 0.5), imath.V2f(0.75, 1)])
+    indices = array(imath.UnsignedIntArray, [1, 0])
+    sample = OV2fGeomParamSample(values, indices, GeometryScope.kUniformScope)
+    OV2fGeomParam(parameters, "groom_root_uv", True, GeometryScope.kUniformScope, 1).set(sample)
+    del archive, thing, geometry, parameters
+    o = read(path)["curves"][0]
+    check(near(o["samples"], [strand]), "positions in double precision")
+    check(o["counts"] == [2, 2] and o["ids"] == [7, 200], "whole numbers of one and two bytes")
+    check(near(o["root_uv"], [[0.75, 1], [0.25, 0.5]]), "values by index")
+
+
 we_write()
 they_write()
+they_write_other_numbers()
 they_write_many()
 sys.exit(failures > 0)

@@ -253,6 +253,8 @@ TEST(Alembic, what_does_not_fit_is_refused_where_it_is_given) {
     broken([](CurvesFrame& f) { f.points[3].y = NAN; },
            {path, "/hair/strands", "frame 1", "point 3", "finite"});
     broken([](CurvesFrame& f) { f.points[3].y = -INFINITY; }, {path, "frame 1", "point 3"});
+    broken([](CurvesFrame& f) { f.velocities[5].z = NAN; }, {path, "frame 1", "velocity 5", "finite"});
+    broken([](CurvesFrame& f) { f.wetness[4] = INFINITY; }, {path, "frame 1", "wetness 4", "finite"});
     broken([](CurvesFrame& f) { f.points.pop_back(); }, {path, "frame 1", "points"});
     broken([](CurvesFrame& f) { f.velocities.clear(); }, {path, "frame 1", "0 velocities"});
     broken([](CurvesFrame& f) { f.wetness.pop_back(); }, {path, "frame 1", "wetness"});
@@ -287,9 +289,14 @@ TEST(Alembic, foreign_and_unfinished_files_are_refused_with_the_way_out) {
 // A file as numbers of 8 bytes: places of groups and what they list.
 struct Words {
     std::string bytes;
-    uint64_t& at(uint64_t place) { return *reinterpret_cast<uint64_t*>(bytes.data() + place); }
-    uint64_t root() { return at(8); }
-    uint64_t child(uint64_t group, uint64_t index) { return group + 8 * (1 + index); }
+    uint64_t at(uint64_t place) const {
+        uint64_t word;
+        std::memcpy(&word, bytes.data() + place, sizeof word);
+        return word;
+    }
+    void set(uint64_t place, uint64_t word) { std::memcpy(bytes.data() + place, &word, sizeof word); }
+    uint64_t root() const { return at(8); }
+    static uint64_t child(uint64_t group, uint64_t index) { return group + 8 * (1 + index); }
 };
 
 TEST(Alembic, circles_and_absurd_counts_are_refused) {
@@ -302,23 +309,20 @@ TEST(Alembic, circles_and_absurd_counts_are_refused) {
         const std::string path = scratch.file("bad.abc", words.bytes);
         expect_error([&] { read_all(path); }, parts);
     };
+    constexpr uint64_t block_bit = uint64_t(1) << 63;
     // Child 2 of the root is the top object; its child 1 is the first object below.
     refused(
         [](Words& w) {
             const uint64_t top = w.at(w.child(w.root(), 2));
-            w.at(w.child(top, 1)) = top;
+            w.set(w.child(top, 1), top);
         },
         {"bad.abc", "circle"});
-    refused([](Words& w) { w.at(w.root()) = uint64_t(1) << 60; }, {"bad.abc", "root group", "a group of"});
-    refused([](Words& w) { w.at(8) = w.bytes.size() + 8; }, {"bad.abc", "cut short?"});
-    refused([](Words& w) { w.at(8) = uint64_t(1) << 62; }, {"bad.abc", "cut short?"});
-    refused([](Words& w) { w.at(8) |= uint64_t(1) << 63; }, {"bad.abc", "a block"});
-    refused(
-        [](Words& w) {
-            const uint64_t times = w.at(w.child(w.root(), 4)) & ~(uint64_t(1) << 63);
-            w.at(times) = uint64_t(1) << 50;
-        },
-        {"bad.abc", "time samplings", "a block of"});
+    refused([](Words& w) { w.set(w.root(), uint64_t(1) << 60); }, {"bad.abc", "root group", "a group of"});
+    refused([](Words& w) { w.set(8, w.bytes.size() + 8); }, {"bad.abc", "cut short?"});
+    refused([](Words& w) { w.set(8, uint64_t(1) << 62); }, {"bad.abc", "cut short?"});
+    refused([&](Words& w) { w.set(8, w.root() | block_bit); }, {"bad.abc", "a block"});
+    refused([&](Words& w) { w.set(w.at(w.child(w.root(), 4)) & ~block_bit, uint64_t(1) << 50); },
+            {"bad.abc", "time samplings", "a block of"});
 }
 
 TEST(Alembic, a_file_cut_short_anywhere_is_refused) {
