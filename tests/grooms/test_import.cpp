@@ -185,7 +185,9 @@ TEST(RealFiles, ratboy_is_2228_strands_of_32_points) {
     REQUIRE_SHARED("Ratboy_mohawk.tfx");
     const auto in = import_strands(shared + "Ratboy_mohawk.tfx", {"m", "y"});
     EXPECT_EQ(in.found, 2228u);
-    EXPECT_EQ(total(in.strands) + in.repeated_points, 2228u * 32);
+    EXPECT_EQ(in.no_length, 2u);  // of 7 and 56 micrometres
+    EXPECT_EQ(in.dropped_numbers, (std::vector<size_t>{293, 435}));
+    EXPECT_EQ(total(in.strands) + in.repeated_points, 2226u * 32);
 }
 
 }  // namespace
