@@ -24,13 +24,14 @@ double middle(std::vector<double> numbers) {
 std::string listed(const std::vector<size_t>& numbers) {
     constexpr size_t most = 8;
     std::string text;
-    for (size_t k = 0; k < std::min(most, numbers.size()); ++k) text += (k ? ", " : "") + std::to_string(numbers[k]);
+    for (size_t k = 0; k < std::min(most, numbers.size()); ++k)
+        text += (k ? ", " : "") + std::to_string(numbers[k]);
     if (numbers.size() > most) text += fmt::format(" and {} more", numbers.size() - most);
     return text;
 }
 
-// From its first point on: the number of the first segment that is `times` longer than the median one of the strand, or that
-// leads to the origin from elsewhere; 0: none.
+// From its first point on: the number of the first segment that is `times` longer than the median one of the
+// strand, or that leads to the origin from elsewhere; 0: none.
 size_t stray_segment(const std::vector<Vec3d>& strand) {
     constexpr double times = 20, at_origin = 1e-9, far_from_it = 1e-3;  // [m]
     std::vector<double> lengths;
@@ -47,9 +48,11 @@ void find_size(std::vector<Finding>& out, double length, const std::string& file
     constexpr double shortest = 1e-3, short_hair = 5e-3, long_hair = 3, longest = 30;  // [m]
     if (length >= short_hair && length <= long_hair) return;
     const bool spoils = length < shortest || length > longest;
-    out.push_back({spoils ? Level::error : Level::warning, "size",
-                   fmt::format("{}: strands are {:.3g} m long in the median, taken as {}", file, length, units),
-                   fmt::format("units = \"{}\" in [groom], if that is the unit of the file", length > 1 ? (length > 100 ? "mm" : "cm") : "m")});
+    out.push_back(
+        {spoils ? Level::error : Level::warning, "size",
+         fmt::format("{}: strands are {:.3g} m long in the median, taken as {}", file, length, units),
+         fmt::format("units = \"{}\" in [groom], if that is the unit of the file",
+                     length > 1 ? (length > 100 ? "mm" : "cm") : "m")});
 }
 
 void find_stray_points(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file) {
@@ -57,21 +60,24 @@ void find_stray_points(std::vector<Finding>& out, const ImportedStrands& in, con
     for (size_t s = 0; s < in.strands.size(); ++s)
         if (stray_segment(in.strands[s])) stray.push_back(in.numbers[s]);
     if (!stray.empty())
-        out.push_back({Level::error, "stray_points",
-                       fmt::format("{}: {} of {} strands have a point far from the others or at the origin: strand {}", file,
-                                   stray.size(), in.strands.size(), listed(stray)),
-                       "repair = true in [groom], which ends a strand before such a point"});
+        out.push_back(
+            {Level::error, "stray_points",
+             fmt::format("{}: {} of {} strands have a point far from the others or at the origin: strand {}",
+                         file, stray.size(), in.strands.size(), listed(stray)),
+             "repair = true in [groom], which ends a strand before such a point"});
 }
 
-void find_short_strands(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file, double length) {
+void find_short_strands(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file,
+                        double length) {
     constexpr double share = 0.02;  // of the median strand
     std::vector<size_t> numbers;
     for (size_t s = 0; s < in.strands.size(); ++s)
-        if (arc_length(in.strands[s].data(), int(in.strands[s].size())) < share * length) numbers.push_back(in.numbers[s]);
+        if (arc_length(in.strands[s].data(), int(in.strands[s].size())) < share * length)
+            numbers.push_back(in.numbers[s]);
     if (!numbers.empty())
         out.push_back({Level::warning, "short_strands",
-                       fmt::format("{}: {} strands are shorter than {}: strand {}", file, numbers.size(), fmt::format("{:.3g} mm", 1e3 * share * length),
-                                   listed(numbers)),
+                       fmt::format("{}: {} strands are shorter than {}: strand {}", file, numbers.size(),
+                                   fmt::format("{:.3g} mm", 1e3 * share * length), listed(numbers)),
                        ""});
 }
 
@@ -79,13 +85,15 @@ void find_short_strands(std::vector<Finding>& out, const ImportedStrands& in, co
 void find_up(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file) {
     Vec3d fall{0, 0, 0};
     double sum = 0;
-    for (const auto& strand : in.strands) fall += strand.back() - strand.front(), sum += norm(strand.back() - strand.front());
+    for (const auto& strand : in.strands)
+        fall += strand.back() - strand.front(), sum += norm(strand.back() - strand.front());
     if (sum == 0 || norm(fall) < 0.3 * sum) return;  // it goes every way
     const Vec3d way = (1 / norm(fall)) * fall;
     if (std::abs(way.z) < 0.8 && way.y < 0.8) return;
     const char* along = way.y > 0.8 ? "+y" : way.z < 0 ? "-z" : "+z";
-    out.push_back({Level::warning, "up", fmt::format("{}: from roots to tips the hair runs along {}", file, along),
-                   way.y > 0.8    ? "up = \"-y\" or order = \"tip_first\" in [groom], if hair should hang down"
+    out.push_back({Level::warning, "up",
+                   fmt::format("{}: from roots to tips the hair runs along {}", file, along),
+                   way.y > 0.8 ? "up = \"-y\" or order = \"tip_first\" in [groom], if hair should hang down"
                    : way.z < 0 ? "up = \"z\" in [groom], if the file is drawn so"
                                : "up = \"-z\" in [groom], if the file is drawn so"});
 }
@@ -98,7 +106,8 @@ const char* name_of(Finding::Level level) {
 }
 
 std::string described(const Finding& f) {
-    return fmt::format("{}: {}: {}{}", name_of(f.level), f.name, f.text, f.remedy.empty() ? "" : "; " + f.remedy);
+    return fmt::format("{}: {}: {}{}", name_of(f.level), f.name, f.text,
+                       f.remedy.empty() ? "" : "; " + f.remedy);
 }
 
 std::vector<Finding> findings_of_strands(const ImportedStrands& in, const std::string& file) {

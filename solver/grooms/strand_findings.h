@@ -14,8 +14,9 @@ struct Finding {
     std::string text;                                 // where, and what was found
     std::string remedy;                               // the line that would mend it; may be empty
 
-    static constexpr const char* names[] = {"size",           "up",        "order",     "stray_points",  "short_strands",
-                                            "roots_off_head", "head_size", "open_mesh", "doubled_faces", "dry_water"};
+    static constexpr const char* names[] = {
+        "size",           "up",        "order",     "stray_points",  "short_strands",
+        "roots_off_head", "head_size", "open_mesh", "doubled_faces", "dry_water"};
 };
 const char* name_of(Finding::Level level);
 // "warning: up: groom.data: from roots to tips the hair runs along -z; up = \"z\" in [groom], if ...".
@@ -24,9 +25,9 @@ std::string described(const Finding& finding);
 // Of strands as a file gave them [m], before they are resampled. `file`: its name in messages.
 std::vector<Finding> findings_of_strands(const ImportedStrands& in, const std::string& file);
 
-// Ends each strand before a stray point: one at the origin, far from the point before it, or at the end of a segment that is
-// 20 times as long as the strand's median one. Strands of which a single point is left are dropped, and counted as such.
-// Returns how many were ended.
+// Ends each strand before a stray point: one at the origin, far from the point before it, or at the end of a
+// segment that is 20 times as long as the strand's median one. Strands of which a single point is left are
+// dropped, and counted as such. Returns how many were ended.
 size_t repair(ImportedStrands& in);
 
 }  // namespace wetcurl

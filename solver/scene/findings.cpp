@@ -26,13 +26,15 @@ std::string in_millimetres(double metres) { return fmt::format("{:.3g} mm", 1e3 
 struct AttachedSolids {
     const Scene& scene;
     bool any() const {
-        return std::any_of(scene.solids.begin(), scene.solids.end(), [](const Solid& s) { return s.attached && !s.deformation; });
+        return std::any_of(scene.solids.begin(), scene.solids.end(),
+                           [](const Solid& s) { return s.attached && !s.deformation; });
     }
     // Signed [m], in the head's frame at rest.
     double distance_to(const Vec3d& x) const {
         double nearest = 1e300;
         for (const auto& solid : scene.solids)
-            if (solid.attached && !solid.deformation) nearest = std::min(nearest, double(distance(solid.shape, x).phi));
+            if (solid.attached && !solid.deformation)
+                nearest = std::min(nearest, double(distance(solid.shape, x).phi));
         return nearest;
     }
     // Diagonal of the largest one [m]; 0 where one has no end.
@@ -66,18 +68,22 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
         for (const Vec3d& x : {root, tip}) low = lower(low, x), high = upper(high, x);
     }
     const double median = middle(away), most = *std::max_element(away.begin(), away.end());
-    const std::string place = fmt::format("roots lie {} from the head in the median, {} at most; {} of {} below its surface",
-                                          in_millimetres(median), in_millimetres(most), deep.size(), hair.count);
+    const std::string place =
+        fmt::format("roots lie {} from the head in the median, {} at most; {} of {} below its surface",
+                    in_millimetres(median), in_millimetres(most), deep.size(), hair.count);
     const bool tips_first = double(nearer_tips) > 0.5 * hair.count;
     if (tips_first)
-        out.push_back({Level::error, "order",
-                       fmt::format("{} of {} strands end nearer to the head than they begin", nearer_tips, hair.count),
-                       "order = \"tip_first\" in [groom], if the file's strands run from tip to root"});
+        out.push_back(
+            {Level::error, "order",
+             fmt::format("{} of {} strands end nearer to the head than they begin", nearer_tips, hair.count),
+             "order = \"tip_first\" in [groom], if the file's strands run from tip to root"});
     constexpr double far = 0.03, too_far = 0.3;  // [m]
     if (median > too_far)
-        out.push_back({Level::error, "roots_off_head", place, "units, up, scale and offset of [groom] or of the [[solid]] that is the head"});
+        out.push_back({Level::error, "roots_off_head", place,
+                       "units, up, scale and offset of [groom] or of the [[solid]] that is the head"});
     else if (median > far && !tips_first)
-        out.push_back({Level::warning, "roots_off_head", place, "units, up, scale and offset of [groom] or of the [[solid]] that is the head"});
+        out.push_back({Level::warning, "roots_off_head", place,
+                       "units, up, scale and offset of [groom] or of the [[solid]] that is the head"});
     else
         out.push_back({Level::note, "roots_off_head", place, ""});
     const double across = norm(high - low), size = head.size();
@@ -94,7 +100,12 @@ void find_meshes(std::vector<Finding>& out, const Scene& scene) {
         if (!level_set || !*level_set) continue;
         const Mesh& mesh = (*level_set)->mesh();
         if (const int open = boundary_edges(mesh))
-            out.push_back({Level::note, "open_mesh", fmt::format("{}: the mesh has {} open edges; what is inside is told by the winding of its faces", solid.name, open), ""});
+            out.push_back(
+                {Level::note, "open_mesh",
+                 fmt::format(
+                     "{}: the mesh has {} open edges; what is inside is told by the winding of its faces",
+                     solid.name, open),
+                 ""});
         std::set<std::array<int, 3>> seen;
         size_t doubled = 0;
         for (auto corners : mesh.triangles) {
@@ -102,7 +113,10 @@ void find_meshes(std::vector<Finding>& out, const Scene& scene) {
             doubled += !seen.insert(corners).second;
         }
         if (doubled)
-            out.push_back({Level::warning, "doubled_faces", fmt::format("{}: {} of {} faces are there twice", solid.name, doubled, mesh.triangles.size()), ""});
+            out.push_back({Level::warning, "doubled_faces",
+                           fmt::format("{}: {} of {} faces are there twice", solid.name, doubled,
+                                       mesh.triangles.size()),
+                           ""});
     }
 }
 
@@ -125,11 +139,13 @@ std::vector<Finding> findings_of(const Scene& scene) {
 
 void act_on(const std::vector<Finding>& findings, const Scene& scene, const std::string& scene_name) {
     for (const auto& finding : findings) {
-        const bool allowed = std::find(scene.allow.begin(), scene.allow.end(), finding.name) != scene.allow.end();
+        const bool allowed =
+            std::find(scene.allow.begin(), scene.allow.end(), finding.name) != scene.allow.end();
         if (allowed || finding.level == Level::note) continue;
         const std::string text = scene_name + ": " + described(finding);
         if (finding.level == Level::error)
-            throw Error(text + "; allow = [\"" + finding.name + "\"] above the first table runs it all the same");
+            throw Error(text + "; allow = [\"" + finding.name +
+                        "\"] above the first table runs it all the same");
         log_warning(text);
     }
 }

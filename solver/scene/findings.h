@@ -9,8 +9,8 @@ namespace wetcurl {
 // Of the whole scene, after those that its groom has.
 std::vector<Finding> findings_of(const Scene& scene);
 
-// Logs warnings. Throws Error for the first finding of level error that the scene's `allow` does not name; `scene_name` begins
-// its text.
+// Logs warnings. Throws Error for the first finding of level error that the scene's `allow` does not name;
+// `scene_name` begins its text.
 void act_on(const std::vector<Finding>& findings, const Scene& scene, const std::string& scene_name);
 
 }  // namespace wetcurl

@@ -407,7 +407,8 @@ TEST(Write, random_floats_of_obj_read_back_to_the_bit) {
     for (size_t s = 0; s < strands.size(); ++s)
         for (size_t i = 0; i < strands[s].size(); ++i) {
             const Vec3f found = cast<float>(back[s][i]), written = cast<float>(strands[s][i]);
-            EXPECT_TRUE(found.x == written.x && found.y == written.y && found.z == written.z) << s << ", " << i;
+            EXPECT_TRUE(found.x == written.x && found.y == written.y && found.z == written.z)
+                << s << ", " << i;
         }
 }
 

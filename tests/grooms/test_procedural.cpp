@@ -2,6 +2,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "base/geometry/bust.h"
 #include "base/geometry/shapes.h"
 #include "solver/grooms/procedural.h"
 #include "tests/base/scratch.h"
@@ -212,6 +213,37 @@ TEST(Procedural, the_centre_of_a_head_lies_under_its_top) {
     for (auto& x : head.vertices) x = x + Vec3f{0.5f, 1.0f, -0.25f};
     const Vec3d centre = head_centre(head, 0.1);
     EXPECT_LT(norm(centre - Vec3d{0.5, 1.0, -0.25}), 0.005);
+}
+
+TEST(Procedural, a_natural_hairline_leaves_face_and_ears_free_and_reaches_the_nape) {
+    const std::string natural = "grid = [32, 32]\nparticles = 4\nhairline = \"natural\"\ntilt = 0.35\n";
+    const Groom hair = groom(natural);
+    double lowest = 1, foremost = -1;
+    for (int s = 0; s < hair.rest.count; ++s) {
+        const Vec3d root = cast<double>(hair.rest.at(s, 0)), out = normalized(root, root);
+        ASSERT_LT(std::acos(out.y), hairline(out) + 1e-6);
+        lowest = std::min(lowest, out.y);
+        if (std::abs(out.x) < 0.2) foremost = std::max(foremost, out.z);
+    }
+    EXPECT_LT(lowest, std::cos(2.0));                            // under the ears, at the nape
+    EXPECT_NEAR(foremost, std::sin(hairline({0, 0, 1})), 0.03);  // up to the brow
+    // Grids nest, whatever the rim.
+    EXPECT_TRUE(same_bits(coarsened(hair, 2),
+                          groom("grid = [16, 16]\nparticles = 4\nhairline = \"natural\"\ntilt = 0.35\n")));
+}
+
+TEST(Procedural, the_part_turns_to_either_side) {
+    const std::string base = "grid = [16, 16]\nparticles = 30\ncurl_radius = 0\ncomb = 3\n";
+    // Hair at the crown falls away from the part: with it on one side, more of the hair falls to the other.
+    auto sideways = [&](const std::string& turn) {
+        const Groom hair = groom(base + "part_turn = " + turn + "\n");
+        double sum = 0;
+        for (int s = 0; s < hair.rest.count; ++s) sum += double(hair.rest.at(s, 29).x - hair.rest.at(s, 0).x);
+        return sum / hair.rest.count;
+    };
+    EXPECT_LT(sideways("0.6"), sideways("0") - 1e-3);
+    EXPECT_GT(sideways("-0.6"), sideways("0") + 1e-3);
+    EXPECT_TRUE(same_bits(groom(base), groom(base + "part_turn = 0\n")));
 }
 
 }  // namespace

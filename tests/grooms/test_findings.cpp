@@ -1,0 +1,130 @@
+// What looks wrong about hair and head is found, named and mended; what is right is left alone.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "solver/grooms/groom.h"
+#include "solver/scene/findings.h"
+#include "strand_files.h"
+
+namespace wetcurl {
+namespace {
+
+using namespace testing;
+
+// Hair that falls from a ball of 0.1 m: roots on its upper half, tips 0.2 m below.
+StrandPoints falling(int count, double scale = 1) {
+    StrandPoints out;
+    for (int s = 0; s < count; ++s) {
+        const double a = 2.399963 * s, r = 0.09 * std::sqrt((s + 0.5) / count);
+        const Vec3d root{r * std::cos(a), std::sqrt(0.01 - r * r), r * std::sin(a)};
+        const Vec3d out_of_it{2.2 * root.x, 0, 2.2 * root.z};
+        std::vector<Vec3d> strand;
+        for (int i = 0; i < 12; ++i) {
+            const double t = i / 11.0;
+            strand.push_back(scale * (root + std::min(1.0, 3 * t) * (out_of_it - Vec3d{root.x, 0, root.z}) + Vec3d{0, 0.02 * t - 0.22 * t * t, 0}));
+        }
+        out.push_back(strand);
+    }
+    return out;
+}
+
+constexpr const char* head = "[[solid]]\nname = \"head\"\nattached = \"head\"\nshape = \"sphere\"\nradius = 0.095\n";
+
+class Findings : public ::testing::Test {
+  protected:
+    Scene scene_of(const StrandPoints& strands, const std::string& groom = "", const std::string& rest = head, bool stop = false) {
+        scratch.file("groom.data", data_file(strands));
+        const std::string path = scratch.file("scene.toml", above + "[groom]\nfile = \"groom.data\"\nunits = \"m\"\nparticles = 12\n" + groom +
+                                                                "\n[stretch]\n[bend]\n" + rest);
+        SceneOptions options;
+        options.findings_stop = stop;
+        return load_scene(path, options);
+    }
+    std::set<std::string> found(const StrandPoints& strands, const std::string& groom = "", const std::string& rest = head) {
+        std::set<std::string> out;
+        for (const auto& finding : findings_of(scene_of(strands, groom, rest)))
+            if (finding.level != Finding::Level::note) out.insert(finding.name);
+        return out;
+    }
+    using Names = std::set<std::string>;
+    Scratch scratch;
+    std::string above;  // the first table
+};
+
+TEST_F(Findings, are_none_where_all_is_well) {
+    EXPECT_EQ(found(falling(200)), Names{});
+    EXPECT_EQ(found(falling(200), "", ""), Names{});
+    EXPECT_NO_THROW(scene_of(falling(200), "", head, true));
+}
+
+TEST_F(Findings, tips_that_come_first_are_seen_and_turned) {
+    StrandPoints strands = falling(200);
+    for (auto& strand : strands) std::reverse(strand.begin(), strand.end());
+    EXPECT_TRUE(found(strands).contains("order"));
+    expect_error([&] { scene_of(strands, "", head, true); }, {"order", "tip_first", "allow = "});
+    EXPECT_EQ(found(strands, "order = \"tip_first\""), Names{});
+    above = "allow = [\"order\"]\n";
+    EXPECT_NO_THROW(scene_of(strands, "", head, true));
+}
+
+TEST_F(Findings, an_axis_that_is_up_is_guessed_by_the_fall_of_hair) {
+    StrandPoints strands = falling(200);
+    for (auto& strand : strands)
+        for (auto& x : strand) x = {x.x, -x.z, x.y};  // z up
+    EXPECT_TRUE(found(strands).contains("up"));
+    EXPECT_EQ(found(strands, "up = \"z\""), Names{});
+}
+
+TEST_F(Findings, stray_points_are_named_by_their_strand_and_left_out) {
+    StrandPoints strands = falling(200);
+    strands[7].back() = {0, 0, 0};
+    strands[31][6] = {0, 40, 0};
+    expect_error([&] { scene_of(strands, "", head, true); }, {"stray_points", "strand 7, 31", "repair = true"});
+    const Scene scene = scene_of(strands, "repair = true", head, true);
+    EXPECT_EQ(scene.groom.rest.count, 200);
+    for (const auto& x : scene.groom.rest.points) EXPECT_LT(norm(x), 1);
+}
+
+TEST_F(Findings, hair_that_starts_far_from_its_head_stops_the_scene) {
+    expect_error([&] { scene_of(falling(100), "offset = [1, 0, 0]", head, true); }, {"roots_off_head", "[groom]"});
+    EXPECT_EQ(found(falling(100), "offset = [0.1, 0, 0]"), Names{"roots_off_head"});
+}
+
+TEST_F(Findings, a_head_in_another_unit_stops_the_scene) {
+    const std::string giant = "[[solid]]\nname = \"head\"\nattached = \"head\"\nshape = \"sphere\"\nradius = 9.5\n";
+    EXPECT_TRUE(found(falling(100), "", giant).contains("head_size"));
+    expect_error([&] { scene_of(falling(100), "", giant, true); }, {"head"});
+}
+
+TEST_F(Findings, hair_of_no_size_that_hair_has_is_seen) {
+    EXPECT_TRUE(found(falling(100, 100), "", "").contains("size"));
+    EXPECT_TRUE(found(falling(100, 0.001), "", "").contains("size"));
+    EXPECT_EQ(found(falling(100, 100), "scale = 0.01", ""), Names{});
+}
+
+TEST_F(Findings, short_strands_are_counted_and_named) {
+    StrandPoints strands = falling(100);
+    strands[5] = {{0, 0.1, 0}, {0, 0.101, 0}, {0, 0.102, 0}};
+    const Scene scene = scene_of(strands);
+    const auto all = findings_of(scene);
+    const auto at = std::find_if(all.begin(), all.end(), [](const Finding& f) { return f.name == std::string("short_strands"); });
+    ASSERT_NE(at, all.end());
+    EXPECT_NE(at->text.find("strand 5"), std::string::npos);
+}
+
+TEST_F(Findings, water_that_wets_nothing_is_seen) {
+    EXPECT_EQ(found(falling(50), "", std::string(head) + "[wetness]\nlevel = 0\n"), Names{"dry_water"});
+}
+
+TEST_F(Findings, every_name_is_one_that_allow_takes) {
+    for (const char* name : Finding::names) {
+        above = std::string("allow = [\"") + name + "\"]\n";
+        EXPECT_NO_THROW(scene_of(falling(20), "", head, true)) << name;
+    }
+    above = "allow = [\"everything\"]\n";
+    expect_error<Misuse>([&] { scene_of(falling(20)); }, {"allow", "everything", "roots_off_head"});
+}
+
+}  // namespace
+}  // namespace wetcurl
