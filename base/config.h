@@ -73,6 +73,9 @@ class Table {
     bool boolean(const KeyRow& row) const;
     // A word, a text, or a path, made absolute from the file's folder.
     std::string text(const KeyRow& row) const;
+    // The text of a path where it is one of `names`, which names something else than a file: `text` then
+    // returns "" for it. Else "".
+    std::string name_in_place_of(const KeyRow& path, const std::vector<std::string>& names) const;
     // A vector: exactly `row.size` numbers.
     std::vector<double> numbers(const KeyRow& row) const;
     // A value with [low, high] in a number's place, low ≤ high: one such pair, an array of them for a vector,
