@@ -54,6 +54,7 @@ struct Config::Body {
     toml::table root;
     std::string name, folder;
     std::set<std::string> used;                  // full paths that a getter asked for
+    std::set<std::string> names;                 // full paths of keys whose value names no file
     std::set<std::string> files;                 // read, or named by a value that was asked for
     std::map<std::string, std::string> written;  // by set(), and what gave it: no line to show
     Places places;                               // of the others
@@ -537,6 +538,7 @@ std::string Table::text(const KeyRow& row) const {
         fail(row.key, fmt::format("found '{}', allowed: {}{}", found, fmt::join(row.words, ", "),
                                   did_you_mean(found, {row.words.begin(), row.words.end()})));
     if (row.kind != Kind::path || found.empty()) return found;
+    if (body_->names.contains(joined(path_, row.key))) return "";
     if (const std::string wrong = backslashes_in(found, body_->folder); !wrong.empty()) fail(row.key, wrong);
     return *body_->files.insert((fs::path(body_->folder) / found).lexically_normal().string()).first;
 }
@@ -556,6 +558,14 @@ std::vector<std::string> Table::words(const KeyRow& row) const {
         if (std::find(out.begin(), out.end(), found) == out.end()) out.push_back(found);
     }
     return out;
+}
+
+std::string Table::name_in_place_of(const KeyRow& path, const std::vector<std::string>& names) const {
+    const toml::node* n = has(path.key) ? as_table(node_)->get(path.key) : nullptr;
+    if (!n || !n->is_string() || std::find(names.begin(), names.end(), n->as_string()->get()) == names.end())
+        return "";
+    body_->names.insert(joined(path_, path.key));
+    return n->as_string()->get();
 }
 
 std::vector<double> Table::numbers(const KeyRow& row) const {

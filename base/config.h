@@ -75,6 +75,9 @@ class Table {
     std::string text(const KeyRow& row) const;
     // Those of the row's words that are written, each once at most.
     std::vector<std::string> words(const KeyRow& row) const;
+    // The text of a path where it is one of `names`, which names something else than a file: `text` then
+    // returns "" for it. Else "".
+    std::string name_in_place_of(const KeyRow& path, const std::vector<std::string>& names) const;
     // A vector: exactly `row.size` numbers.
     std::vector<double> numbers(const KeyRow& row) const;
     // A value with [low, high] in a number's place, low ≤ high: one such pair, an array of them for a vector,

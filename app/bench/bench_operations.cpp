@@ -23,8 +23,9 @@ double chain_operations(const Scene& scene, const SimulationState& from) {
     for (int strand = 0; strand < state.strands; ++strand) {
         const size_t k = state.at(strand, 0);
         auto at = [&](auto& buffer) { return buffer.empty() ? nullptr : &buffer[k]; };
-        Vec3<S> root[2];
-        place_roots(p.head, &state.root[size_t(strand) * 2], root);
+        const auto of_root = cast<S>(p.roots.empty() ? p.head_motion : p.roots[size_t(strand)]);
+        const Vec3<S>* in_frame = &state.root[size_t(strand) * 2];
+        const Vec3<S> root[2] = {of_root(in_frame[0]), of_root(in_frame[1])};
         BlockStep<S> step{.n = n,
                           .dt = float(dt),
                           .first = from.first,
@@ -34,7 +35,7 @@ double chain_operations(const Scene& scene, const SimulationState& from) {
                           .v_before = at(state.v_before),
                           .root = root,
                           .gravity = cast<float>(scene.integrator.gravity),
-                          .root_turn = p.root_turn,
+                          .root_turn = of_root.turn,
                           .frame = at(state.frame),
                           .pushed = at(state.pushed)};
         step.share = float(predictor_share(scene));
@@ -43,8 +44,7 @@ double chain_operations(const Scene& scene, const SimulationState& from) {
         ChainView<S> view{};
         view.n = n;
         view.set_arrays(state.pointers(strand));
-        view.head_spin = cast<S>(p.head_spin), view.head_center = cast<S>(p.head_center);
-        view.head_velocity = cast<S>(p.head_velocity);
+        view.set_root(of_root);
         take_substep(rules, step, view, {}, at(state.rest_depth),
                      SolidsInALoop<S, std::vector<PosedSolid<float>>>{p.solids}, scratch,
                      static_cast<NoMeter*>(nullptr));

@@ -59,6 +59,7 @@ void take_learned(InferOptions& o, const Scene& scene, int low_strands) {
 // Throws unless the scene can be predicted for from a low-resolution run of that groom.
 void require_predictable(const InferOptions& o, const Scene& scene, const Groom& low) {
     check_files(o, o.output, scene.files);
+    require_rigid_scalp(scene, scene_name(o));
     if (scene.flow)
         throw Error(o.input +
                     ": its scene moves the water ([wetness.flow]), allowed is wetness that stays; "

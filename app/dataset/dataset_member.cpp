@@ -28,6 +28,9 @@ Scene scene_of(const DatasetRecipe& recipe, const DatasetMember& m) {
     try {
         Scene scene = parse_scene(config);
         if (scene.flow) throw Misuse("its water moves ([wetness.flow]), allowed is wetness that stays");
+        if (scene.riding)
+            throw Misuse(
+                "its hair rides on a solid that deforms, allowed is hair that moves with a rigid head");
         if (recipe.first >= scene.frames)
             throw Misuse(fmt::format("{}: found {}, allowed 0 to {}, since the scene has {} frames",
                                      recipe.first_line, recipe.first, scene.frames - 1, scene.frames));
@@ -123,7 +126,7 @@ class MemberRun {
   private:
     bool keeps_runs() const { return recipe_.runs == member_.split; }
     HeadWindow heads_at(int f) const {
-        const auto at = [&](int frame) { return high_.motion.at(frame / high_.fps); };
+        const auto at = [&](int frame) { return high_.head_at(frame / high_.fps); };
         HeadWindow heads;
         heads.fps = high_.fps, heads.gravity = high_.integrator.gravity;
         heads.before = at(f - 1), heads.now = at(f);

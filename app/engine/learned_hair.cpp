@@ -27,6 +27,13 @@ void require_solids_for(const ModelCard& card, const Scene& scene, const std::st
                 "with target = \"strands\" is kept out of every solid");
 }
 
+void require_rigid_scalp(const Scene& scene, const std::string& file) {
+    if (scene.riding)
+        throw Error(file +
+                    ": its hair rides on a solid that deforms, allowed for networks and interpolation "
+                    "is hair that moves with a rigid head; `wetcurl simulate` simulates the scene");
+}
+
 double reach_of(const Scene& scene) { return scene.cohesion ? scene.cohesion->h_c : 0; }
 
 int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
@@ -75,13 +82,14 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
     const ModelCard card = network_module().card(model);
     if (card.codec != "strand")
         throw Error(model + ": found a model of codec " + card.codec + ", allowed is one of codec strand");
+    require_rigid_scalp(scene, scene_file);
     require_solids_for(card, scene, scene_file);
     const Strands shape = shape_at_rest(scene);
     auto learned = network_module().load_strands(
         model,
         StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet", reach_of(scene), settled),
         low, device, threads);
-    if (card.target == "displayed" && scene.has_attached_solid()) {
+    if (card.target == "displayed" && scene.has_solid_with_roots()) {
         HeadShapes head;
         for (const Solid& solid : scene.solids) head.shapes.push_back(solid.shape);
         head.depth = rest_depths_of(scene);

@@ -13,6 +13,10 @@ namespace wetcurl {
 // 10, and a solid of the scene is not attached to the head or deforms: nothing would keep strands out of it.
 void require_solids_for(const ModelCard& card, const Scene& scene, const std::string& file);
 
+// Throws Error, naming `file`, where roots of the scene ride on a solid that deforms: networks and
+// interpolation place them on a rigid head.
+void require_rigid_scalp(const Scene& scene, const std::string& file);
+
 // Reach of Eq 10 on what is displayed of the scene [m], 0 without it.
 double reach_of(const Scene& scene);
 

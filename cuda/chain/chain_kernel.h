@@ -28,6 +28,7 @@ struct ChainLaunch {
     unsigned long long* limited;  // edges that the limiter shortened are added to it
     T* workspace;                 // group.bytes of each block where strands are not near, else null
     StrandGroup group;
+    WETCURL_HD bool riding() const { return (set >> present::riding) & 1; }
     WETCURL_HD bool is_first(int substep) const { return always_first || (first && substep == 0); }
 };
 template <class T>

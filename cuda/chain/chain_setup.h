@@ -20,11 +20,12 @@ ChainConstants<T> chain_constants(const Scene& scene, double dt) {
 }
 
 inline unsigned set_of(const Scene& scene, bool given = false) {
-    return set_of(scene.chain, !scene.solids.empty(), given);
+    return set_of(scene.chain, !scene.solids.empty(), given, scene.riding.has_value());
 }
 
 // The shapes of the scene's rigid and deforming solids lie in the device's memory; the motion's
-// solids go to `solids`, its pointer to them is the caller's to set.
+// solids go to `solids`; its pointers to them and to roots that ride, here in the host's memory, are the
+// caller's to set.
 template <class T>
 SubstepMotion<T> substep_motion(const PosedScene<T>& p, const ShapeView* shapes,
                                 const ShapeView* deforming_shapes, DeviceSolid<T>* solids) {
@@ -39,12 +40,8 @@ SubstepMotion<T> substep_motion(const PosedScene<T>& p, const ShapeView* shapes,
     };
     for (const auto& solid : p.solids) add(solid, shapes++);
     for (const auto& solid : p.deforming) add(solid, deforming_shapes++);
-    return {.head_rotation = cast<T>(p.head.rotation),
-            .root_turn = p.root_turn,
-            .head_translation = cast<T>(p.head.translation),
-            .head_spin = p.head_spin,
-            .head_center = p.head_center,
-            .head_velocity = p.head_velocity,
+    return {.head = p.head_motion,
+            .roots = p.roots.data(),
             .solids = nullptr,
             .count = int(p.solids.size() + p.deforming.size())};
 }

@@ -55,12 +55,10 @@ __global__ void __launch_bounds__(threads)
     int limited = 0;
     for (int substep = 0; substep < launch.substeps; ++substep) {
         const SubstepMotion<T>& motion = launch.motion[substep];
-        Vec3<T> root[2];
-        for (int i = 0; i < 2; ++i)
-            root[i] = rotate(motion.head_rotation, m.root[size_t(strand) * 2 + size_t(i)]) +
-                      motion.head_translation;
-        view.head_spin = motion.head_spin, view.head_center = motion.head_center;
-        view.head_velocity = motion.head_velocity;
+        const RootMotion<T>& of_root = launch.riding() ? motion.roots[strand] : motion.head;
+        const Vec3<T>* in_frame = m.root + size_t(strand) * 2;
+        const Vec3<T> root[2] = {of_root(in_frame[0]), of_root(in_frame[1])};
+        view.set_root(of_root);
         BlockStep<T> step{.n = n,
                           .dt = k.dt,
                           .first = launch.is_first(substep),
@@ -70,7 +68,7 @@ __global__ void __launch_bounds__(threads)
                           .v_before = v_before,
                           .root = root,
                           .gravity = k.gravity,
-                          .root_turn = motion.root_turn,
+                          .root_turn = of_root.turn,
                           .frame = from(m.frame, first),
                           .pushed = from(m.pushed, first),
                           .external = from(m.given_force, first),

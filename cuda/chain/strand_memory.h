@@ -28,11 +28,11 @@ struct ChainConstants {
 template <class T>
 using DeviceSolid = PosedSolid<T, ShapeView>;
 
-// One substep's motion of the head and of `count` solids.
+// One substep's motion of the head, of roots and of `count` solids.
 template <class T>
 struct SubstepMotion {
-    Quat<T> head_rotation, root_turn;
-    Vec3<T> head_translation, head_spin, head_center, head_velocity;
+    RootMotion<T> head;
+    const RootMotion<T>* roots;  // (strand) of a scene whose roots ride on a solid; else not read
     const DeviceSolid<T>* solids;
     int count;
     WETCURL_HD const DeviceSolid<T>* begin() const { return solids; }

@@ -47,8 +47,14 @@ class StrandParts {
         : m_(m), k_(constants) {}
 
     // Particle 0 or 1 of a strand at the end of a substep.
-    WETCURL_HD V placed_root(const SubstepMotion<T>& motion, size_t strand, int i) const {
-        return rotate(motion.head_rotation, m_.root[strand * 2 + size_t(i)]) + motion.head_translation;
+    template <class Set>
+    WETCURL_HD V placed_root(const Set& set, const SubstepMotion<T>& motion, size_t strand, int i) const {
+        return root_of(set, motion, strand)(m_.root[strand * 2 + size_t(i)]);
+    }
+    template <class Set>
+    WETCURL_HD const RootMotion<T>& root_of(const Set& set, const SubstepMotion<T>& motion,
+                                            size_t strand) const {
+        return set.has(present::riding) ? motion.roots[strand] : motion.head;
     }
 
     template <class Set>
@@ -67,7 +73,7 @@ class StrandParts {
         if (is_given(set)) w.given_adhesion[2] = m_.given_adhesion[k];
     }
     template <class Set>
-    WETCURL_HD Element<T> element(const Set& set, const SubstepMotion<T>& motion, const Bdf2<T>& scheme,
+    WETCURL_HD Element<T> element(const Set& set, const RootMotion<T>& root, const Bdf2<T>& scheme,
                                   Window<T>& w) const {
         const V zero{T(0), T(0), T(0)};
         const Sym3<T> no_sym = identity_times(T(0));
@@ -84,8 +90,7 @@ class StrandParts {
         view.saturation = w.saturation, view.touching = w.touching, view.phi = w.phi, view.normal = w.normal;
         view.surface_velocity = w.surface_velocity, view.air = w.air;
         if (is_given(set)) view.given_adhesion = w.given_adhesion;
-        view.head_spin = motion.head_spin, view.head_center = motion.head_center;
-        view.head_velocity = motion.head_velocity;
+        view.set_root(root);
         view.chord = w.chord;
         assemble_present(set, view, system, std::make_index_sequence<std::tuple_size_v<ChainTerms>>());
         Element<T> e;

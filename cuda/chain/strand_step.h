@@ -132,7 +132,7 @@ class StrandStep {
                 if (has<StrainLimit>(set_)) limit_edge_[k] = e;
                 if (!has<Bend>(set_)) return;
                 const Q frame = frame_[k];
-                frame_[k] = Frame{transported(at.begins ? motion_->root_turn * frame : frame, e)};
+                frame_[k] = Frame{transported(at.begins ? root_of(g).turn * frame : frame, e)};
             });
     }
     WETCURL_HD void take(stage::RelaxTwist, stage::Prepare) {
@@ -268,7 +268,10 @@ class StrandStep {
     }
     WETCURL_HD V edge_at(int k) const { return at_[k + 1] - at_[k]; }
     WETCURL_HD V placed_root(int g, int i) const {
-        return parts_.placed_root(*motion_, first_ + size_t(g), i);
+        return parts_.placed_root(set_, *motion_, first_ + size_t(g), i);
+    }
+    WETCURL_HD const RootMotion<T>& root_of(int g) const {
+        return parts_.root_of(set_, *motion_, first_ + size_t(g));
     }
     WETCURL_HD V known(int g, int i) const {
         return (T(1) / scheme_.h) * (placed_root(g, i) - at_[cell(g, i)]);
@@ -432,7 +435,7 @@ class StrandStep {
         if (has<CurlPush>(set_)) w.chord = at_[cell(g, m_.n - 1)] - at_[cell(g, 0)];
         w.saturation[2] = parts_.sees_water(set_) ? of(m_.saturation, k) : T(0);
         parts_.fill(set_, *motion_, place(k), w);
-        return parts_.element(set_, *motion_, scheme_, w);
+        return parts_.element(set_, root_of(g), scheme_, w);
     }
     // The rows of strands that are to be solved. Elements that share one take turns.
     WETCURL_HD void assemble() const {

@@ -84,7 +84,7 @@ AnyPulls PairForcesOnDevice<T>::pulls_of(const BoundaryParticles2013& method) {
 template <class T>
 void PairForcesOnDevice<T>::put_motion(int slot, double time) const {
     if (solids_.empty()) return;
-    const Pose head = scene_.motion.at(time);
+    const Pose head = scene_.head_at(time);
     for (size_t k = 0; k < solids_.size(); ++k)
         (*host_pose_)[size_t(slot) * solids_.size() + k] = solids_[k]->at(time, head);
 }

@@ -32,7 +32,7 @@ bool needs_reference(const Scene& scene) {
 template <class T>
 CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
     : state(scene),
-      head(scene.motion.at(0)),
+      head(scene.head_at(0)),
       scene_(scene),
       dt_(1 / (scene.fps * scene.integrator.substeps)),
       by_reference_(stepping == Stepping::by_reference || needs_reference(scene)),
@@ -42,7 +42,8 @@ CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
       deforming_each_(deforming_in(scene)),
       motion_(motions_in(scene)),
       solids_(motions_in(scene) * solids_each_),
-      deforming_(motions_in(scene) * deforming_each_) {
+      deforming_(motions_in(scene) * deforming_each_),
+      roots_(scene.riding ? motions_in(scene) * size_t(state.strands) : 0) {
     give_state(), give(StrandPart::water), give(StrandPart::fixed);
     if (by_reference_) {
         const auto rules = substep_rules<T>(scene);
@@ -183,6 +184,9 @@ void CudaHair<T>::put_motion(int slot, const PosedScene<T>& p) {
     SubstepMotion<T> motion = substep_motion(p, shapes_.data(), deforming_.device.data() + begin_deforming,
                                              solids_.host.data() + begin);
     motion.solids = solids_.device.data() + begin;
+    const size_t begin_roots = size_t(slot) * p.roots.size();
+    std::copy(p.roots.begin(), p.roots.end(), roots_.host.data() + begin_roots);
+    motion.roots = roots_.device.data() + begin_roots;
     motion_.host[size_t(slot)] = motion;
     if (forces_ && slot < slots_) forces_->put_motion(slot, p.begins);
 }
@@ -190,6 +194,7 @@ void CudaHair<T>::put_motion(int slot, const PosedScene<T>& p) {
 template <class T>
 void CudaHair<T>::upload_motion() {
     motion_.send(stream_.handle), solids_.send(stream_.handle), deforming_.send(stream_.handle);
+    roots_.send(stream_.handle);
     if (forces_) forces_->upload_motion(stream_.handle);
     report_.clear(stream_.handle);
 }

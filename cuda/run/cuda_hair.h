@@ -213,6 +213,7 @@ class CudaHair {
     OnBoth<SubstepMotion<T>> motion_;
     OnBoth<DeviceSolid<T>> solids_;
     OnBoth<ShapeView> deforming_;
+    OnBoth<RootMotion<T>> roots_;  // of roots that ride; empty: none does
     FrameReports report_;
     std::optional<CohesionDevice> cohesion_;
     std::optional<FrameRecord<T>> record_;  // once one is asked for

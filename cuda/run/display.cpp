@@ -20,7 +20,7 @@ class OnDevice final : public DeviceDisplay {
           shapes_(scene),
           cohesion_(*scene.cohesion, scene.groom.rest.count,
                     Thinning(scene.groom.rest, scene.cohesion->spacing),
-                    cast<float>(scene.motion.at(0).translation), volumes_of(scene), scene.saturation, false,
+                    cast<float>(scene.head_at(0).translation), volumes_of(scene), scene.saturation, false,
                     rest_depths_of(scene)),
           strands_(scene.groom.rest.points.size()),
           solids_(shapes_.size()) {}
@@ -57,8 +57,8 @@ class OnDevice final : public DeviceDisplay {
         DeviceSolid<float>* to = solids_.host.data();
         for (const auto& solid : scene_.solids) {
             const Pose pose = solid.at(time, head);
-            *to++ = {shape++,       cast<float>(pose.rotation), cast<float>(pose.translation), {}, {}, 0.f,
-                     solid.attached};
+            *to++ = {shape++, cast<float>(pose.rotation), cast<float>(pose.translation), {}, {},
+                     0.f,     solid.moves_with_roots()};
         }
         motion_.host[0] = {};
         motion_.host[0].solids = solids_.device.data(), motion_.host[0].count = int(shapes_.size());

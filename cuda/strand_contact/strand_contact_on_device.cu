@@ -38,7 +38,7 @@ StrandContactOnDevice<T>::StrandContactOnDevice(const Scene& scene, const ChainS
       drawn_(scene.groom.rest.points),
       positions_(drawn_.size()),
       search_(drawn_.size(), state.n, strand_contact_radius(term_),
-              cast<float>(scene.motion.at(0).translation)),
+              cast<float>(scene.head_at(0).translation)),
       point_(drawn_.size()),
       contacts_(drawn_.size()) {
     check_cuda(cudaStreamSynchronize(nullptr), "groom");  // streams of launches do not wait for this one

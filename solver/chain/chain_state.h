@@ -46,7 +46,7 @@ struct ChainState : StrandArrays<S, HostArray> {
     int strand_of(int block, int lane) const { return std::min(block * lanes + lane, strands - 1); }
     int strands_in(int block) const { return std::min(lanes, strands - block * lanes); }
 
-    // At rest on the head's first pose.
+    // At rest on the first pose of the head, or of each root that rides.
     explicit ChainState(const Scene& scene)
         : strands(scene.groom.rest.count),
           n(scene.groom.rest.particles),
@@ -55,9 +55,15 @@ struct ChainState : StrandArrays<S, HostArray> {
             array.resize(size_t(blocks) * info.entries(n));
         });
         const std::vector<float> depth = rest_depths_of(scene);
+        RidingRoots::Room roots;
+        if (scene.riding) scene.root_poses_at(0, roots);
+        const Pose head = scene.motion.at(0);
 #pragma omp parallel for schedule(dynamic)
         for (int block = 0; block < blocks; ++block)
-            for (int lane = 0; lane < lanes; ++lane) place(scene, depth, block, lane, strand_of(block, lane));
+            for (int lane = 0; lane < lanes; ++lane) {
+                const int s = strand_of(block, lane);
+                place(scene, scene.riding ? roots.pose[size_t(s)] : head, depth, block, lane, s);
+            }
     }
 
     // One lane of a number, a vector, a rotation.
@@ -168,20 +174,20 @@ struct ChainState : StrandArrays<S, HostArray> {
                 for (int i = 0; i < n; ++i) f(first + size_t(i), at(block, i), lane);
             }
     }
-    void place(const Scene& scene, const std::vector<float>& depth, int block, int lane, int s) {
-        const Pose head = scene.motion.at(0);
+    void place(const Scene& scene, const Pose& root_pose, const std::vector<float>& depth, int block,
+               int lane, int s) {
         const StrandRest rest = rest_state_of(scene, s);
         for (int i = 0; i < n; ++i) {
             const Vec3d p = rest.start[size_t(i)];
             const size_t k = at(block, i), drawn = size_t(s) * size_t(n) + size_t(i);
-            const Vec3d world = head(p);
+            const Vec3d world = root_pose(p);
             put(x[k], lane, world);
             put(x_before[k], lane, world);
             if (i < 2) put(root[size_t(block) * 2 + size_t(i)], lane, p);
             if (!rest_depth.empty()) put(rest_depth[k], lane, depth[drawn]);
             if (i + 1 == n) continue;
             put(rest_length[k], lane, rest.rest_length[size_t(i)]);
-            if (!frame.empty()) put(frame[k], lane, head.rotation * rest.frame[size_t(i)]);
+            if (!frame.empty()) put(frame[k], lane, root_pose.rotation * rest.frame[size_t(i)]);
         }
         const size_t first = size_t(s) * size_t(n);
         put_water(scene, block, lane, rest, scene.saturation.empty() ? nullptr : &scene.saturation[first]);

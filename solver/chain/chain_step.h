@@ -48,9 +48,9 @@ struct BlockStep {
         *v_before;        // (n) now and one step ago; on return the new state lies in *_before
     const Vec3<S>* root;  // (2) prescribed positions of particles 0 and 1 at the end of the step
     Vec3<Plain<S>> gravity;
-    Quat<Plain<S>> root_turn;  // rotation of the root over the step
-    Quat<S>* frame;            // (n-1) or null; the caller carries them on to where the step ends
-    S* pushed;  // (n) [kg m/s] by surfaces in the step before, then in this one; null: no solids
+    Quat<S> root_turn;  // rotation of the root over the step
+    Quat<S>* frame;     // (n-1) or null; the caller carries them on to where the step ends
+    S* pushed;          // (n) [kg m/s] by surfaces in the step before, then in this one; null: no solids
     const Vec3<S>* external = nullptr;  // (n) [N] beside the terms', at the positions now; null: none
     // (n) [N/m]: `external` is at the predicted positions, and no steeper than this there; null: explicit.
     const S* external_stiffness = nullptr;
@@ -129,11 +129,11 @@ class OwnScratch : public ChainScratch<S> {
 
 // The frames of all edges carried to the positions x: first the root's own rotation, then each edge's.
 template <class S>
-WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<Plain<S>>& root_turn,
-                                 const Vec3<S>* x, Quat<S>* to) {
-    const Quat<S> turn = cast<S>(root_turn);
+WETCURL_HD void transport_frames(int n, const Quat<S>* from, const Quat<S>& turn, const Vec3<S>* x,
+                                 Quat<S>* to) {
     // w alone rounds to 1 for a slow turn.
-    const bool turns = root_turn.x != 0 || root_turn.y != 0 || root_turn.z != 0;
+    const bool turns =
+        any_positive(maximum(turn.x, -turn.x) + maximum(turn.y, -turn.y) + maximum(turn.z, -turn.z));
     for (int i = 0; i + 1 < n; ++i) to[i] = transported(turns ? turn * from[i] : from[i], x[i + 1] - x[i]);
 }
 

@@ -22,7 +22,7 @@ static bool far_pays(const Scene& scene) {
 template <class T>
 ChainStepper<T>::ChainStepper(const Scene& scene)
     : state(scene),
-      head(scene.motion.at(0)),
+      head(scene.head_at(0)),
       scene_(scene),
       n_(state.n),
       dt_(1 / (scene.fps * scene.integrator.substeps)),
@@ -49,6 +49,22 @@ ChainView<Pack<T>> ChainStepper<T>::view_of(int block) const {
     return view;
 }
 
+// Of the lanes of a block.
+template <class T>
+RootMotion<Pack<T>> ChainStepper<T>::root_motion_of(int block, const PosedScene<T>& p) const {
+    if (p.roots.empty()) return cast<S>(p.head_motion);
+    RootMotion<S> out;
+    for (int lane = 0; lane < S::lanes; ++lane) {
+        const RootMotion<T>& one = p.roots[size_t(state.strand_of(block, lane))];
+        const auto put = [&](auto& to, const auto& value) {
+            ChainState<S>::put(to, lane, cast<double>(value));
+        };
+        put(out.rotation, one.rotation), put(out.turn, one.turn), put(out.translation, one.translation);
+        put(out.spin, one.spin), put(out.velocity, one.velocity);
+    }
+    return out;
+}
+
 // One substep. The new state is written over the one before.
 template <class T>
 void ChainStepper<T>::step_block(int block, const BlockState& now, const PosedScene<T>& p,
@@ -56,8 +72,9 @@ void ChainStepper<T>::step_block(int block, const BlockState& now, const PosedSc
                                  FarFromSolids<S>* far) {
     const size_t k = state.at(block, 0);
     auto from = [&](auto& buffer) { return buffer.empty() ? nullptr : &buffer[k]; };
-    Vec3<S> root[2];
-    place_roots(p.head, &state.root[size_t(block) * 2], root);
+    const RootMotion<S> of_root = root_motion_of(block, p);
+    const Vec3<S>* in_frame = &state.root[size_t(block) * 2];
+    const Vec3<S> root[2] = {of_root(in_frame[0]), of_root(in_frame[1])};
     BlockStep<S> step{.n = n_,
                       .dt = T(dt_),
                       .first = first,
@@ -67,7 +84,7 @@ void ChainStepper<T>::step_block(int block, const BlockState& now, const PosedSc
                       .v_before = now.v_before,
                       .root = root,
                       .gravity = cast<T>(scene_.integrator.gravity),
-                      .root_turn = p.root_turn,
+                      .root_turn = of_root.turn,
                       .frame = from(state.frame),
                       .pushed = from(state.pushed),
                       .external = given.force ? given.force + k : nullptr,
@@ -79,8 +96,7 @@ void ChainStepper<T>::step_block(int block, const BlockState& now, const PosedSc
     if (meter) step.reaction = meter->begin(step);
     ChainView<S> view = view_of(block);
     view.given_adhesion = given.adhesion ? given.adhesion + k : nullptr;
-    view.head_spin = cast<S>(p.head_spin), view.head_center = cast<S>(p.head_center);
-    view.head_velocity = cast<S>(p.head_velocity);
+    view.set_root(of_root);
     const NearestView<S> near{from(nearest_.phi), from(nearest_.normal), from(nearest_.velocity),
                               from(state.touching)};
     const int limited =

@@ -71,6 +71,7 @@ class ChainStepper {
                                      const GivenToChain<S>& given, bool first, ChainScratch<S>& scratch,
                                      FarFromSolids<S>* far);
     ChainView<S> view_of(int block) const;
+    RootMotion<S> root_motion_of(int block, const PosedScene<T>& p) const;
     std::vector<S> energy_of(int block) const;  // of each kind in each lane
 
     const Scene& scene_;

@@ -44,7 +44,7 @@ struct OneStrand : StrandArrays<double, HostArray> {
     int n;
     Points normal, surface_velocity, core_pull;
     std::vector<double> phi;
-    Vec3d head_spin{0, 0, 0}, head_center{0, 0, 0}, head_velocity{0, 0, 0};
+    Vec3d root_spin{0, 0, 0}, root_center{0, 0, 0}, root_velocity{0, 0, 0};
 
     OneStrand(const Points& shape, double linear_density = 6.5e-6)
         : n(int(shape.size())),
@@ -72,9 +72,9 @@ struct OneStrand : StrandArrays<double, HostArray> {
         c.phi = phi.data();
         c.normal = normal.data();
         c.surface_velocity = surface_velocity.data();
-        c.head_spin = head_spin;
-        c.head_center = head_center;
-        c.head_velocity = head_velocity;
+        c.root_spin = root_spin;
+        c.root_center = root_center;
+        c.root_velocity = root_velocity;
         c.chord = at.back() - at.front();
         c.core_pull = core_pull.data();
         return c;

@@ -88,7 +88,7 @@ class BlockStages {
 
     WETCURL_HD void take(stage::CarryFrames at) {
         if (b_.frame)
-            transport_frames(n_, b_.frame, at.begins ? b_.root_turn : Quat<T>::identity(), view_.x, b_.frame);
+            transport_frames(n_, b_.frame, at.begins ? b_.root_turn : Quat<S>::identity(), view_.x, b_.frame);
     }
     WETCURL_HD void take(stage::PlaceLimit) {
         for (int i = 0; limit() && i + 1 < n_; ++i)
@@ -240,7 +240,7 @@ class BlockStages {
     WETCURL_HD const Slot<StrainLimit>& limit() const { return std::get<Slot<StrainLimit>>(rules_.terms); }
     WETCURL_HD const Slot<Adhesion>& adhesion() const { return std::get<Slot<Adhesion>>(rules_.terms); }
     // Of the frames, to where the substep ends.
-    WETCURL_HD Quat<T> turn_left() const { return rules_.implicit ? Quat<T>::identity() : b_.root_turn; }
+    WETCURL_HD Quat<S> turn_left() const { return rules_.implicit ? Quat<S>::identity() : b_.root_turn; }
 
     // Nothing more is added to row i of K: it becomes one of the system, `diagonal` its own block.
     WETCURL_HD void complete(int i, Sym3<S>& diagonal) {

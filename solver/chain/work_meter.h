@@ -77,7 +77,7 @@ S work_of_terms(const ChainTerms& terms, const ChainView<S>& c, Plain<S> dt, con
     // f.(v - v_rigid) is lost to drag; the rest of f.v is the driver's.
     if (forces_of<Stiffness>(terms, c, h, force))
         for (int i = 2; i < c.n; ++i)
-            sum += S(dt) * dot(force[i], c.head_velocity + cross(c.head_spin, c.x[i] - c.head_center));
+            sum += S(dt) * dot(force[i], c.root_velocity + cross(c.root_spin, c.x[i] - c.root_center));
     return sum;
 }
 
@@ -146,8 +146,8 @@ class WorkMeter {
         return reaction_;
     }
     // The step took particles from `from` to view.x; `turn_left`: of its frames.
-    void add_step(const BlockStep<S>& step, ChainView<S> view, const Quat<Plain<S>>& turn_left,
-                  const Vec3<S>* from, ChainScratch<S>& scratch) {
+    void add_step(const BlockStep<S>& step, ChainView<S> view, const Quat<S>& turn_left, const Vec3<S>* from,
+                  ChainScratch<S>& scratch) {
         if (step.first) std::copy_n(reaction_, 2, reaction_before_);
         work_.roots += sum_of_lanes(work_of_roots(reaction_before_, reaction_, from, view.x), lanes_);
         std::copy_n(reaction_, 2, reaction_before_);
@@ -171,7 +171,7 @@ class WorkMeter {
     // What `act`, which moves particles at the end of the step, adds to the energy is its work.
     template <class Act>
     void add_change(double Work::*kind, const BlockStep<S>& step, const ChainView<S>& view,
-                    const Quat<Plain<S>>& turn_left, Act act) {
+                    const Quat<S>& turn_left, Act act) {
         const double before = energy(step, view, turn_left);
         act();
         work_.*kind += energy(step, view, turn_left) - before;
@@ -182,11 +182,11 @@ class WorkMeter {
     void add_forces(const BlockStep<S>& step, const Vec3<S>* from, const Vec3<S>* to) {
         work_.forces += sum_of_lanes(half_work_of(step.external, step.n, from, to), lanes_);
     }
-    void carry_frames(const BlockStep<S>& step, ChainView<S>& view, const Quat<Plain<S>>& turn_left) {
+    void carry_frames(const BlockStep<S>& step, ChainView<S>& view, const Quat<S>& turn_left) {
         transport_frames(step.n, step.frame, turn_left, view.x, frame_.data());
         view.frame = frame_.data();
     }
-    double energy(const BlockStep<S>& step, ChainView<S> view, const Quat<Plain<S>>& turn_left) {
+    double energy(const BlockStep<S>& step, ChainView<S> view, const Quat<S>& turn_left) {
         if (with_frames_) carry_frames(step, view, turn_left);
         S sum(0);
         for (const S& e : energies(terms_, view, gravity_)) sum += e;

@@ -34,8 +34,8 @@ void Display::apply(Strands& p, const Pose& head, double time, const MovingGrid*
         const Solid& solid = scene_.solids[k];
         if (solid.deformation) shapes_[k].grid = *surfaces++;
         const Pose pose = solid.at(time, head);
-        solids_[k] = {&shapes_[k],   cast<float>(pose.rotation), cast<float>(pose.translation), {}, {}, 0.f,
-                      solid.attached};
+        solids_[k] = {&shapes_[k], cast<float>(pose.rotation), cast<float>(pose.translation), {}, {},
+                      0.f,         solid.moves_with_roots()};
     }
     cohesion_.apply(p, [&](int s, Vec3f* x, const float* edges) {
         if (solids_.empty()) return;

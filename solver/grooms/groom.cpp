@@ -113,10 +113,11 @@ static void rest_procedural_keys(const Table& table, const std::string& file) {
         log_info(table.where() + ": strands come from " + file + "; without effect:" + resting);
 }
 
-static Groom file_groom(const Table& table, const GroomTable& groom, std::vector<Finding>* findings) {
+static Groom file_groom(const Table& table, const GroomTable& groom,
+                        const std::shared_ptr<const ScalpMesh>& of_solid, std::vector<Finding>* findings) {
     const auto& [file, particles] = std::tie(groom.file, groom.particles);
     rest_procedural_keys(table, file);
-    const auto scalp = read_scalp(groom);
+    const auto scalp = read_scalp(groom, of_solid);
 
     ImportedStrands in = import_strands(file, groom.hair_units());
     StrandPoints& strands = in.strands;
@@ -151,11 +152,12 @@ static Groom file_groom(const Table& table, const GroomTable& groom, std::vector
     return coarsened(full, 1);  // strands in the order of their pixels
 }
 
-Groom load_groom(const Table& table, unsigned long long seed, std::vector<Finding>* findings) {
+Groom load_groom(const Table& table, unsigned long long seed, std::shared_ptr<const ScalpMesh> of_solid,
+                 std::vector<Finding>* findings) {
     GroomTable read;
     read_parameters(read, GroomTable::parameters, table);
-    if (!read.file.empty()) return file_groom(table, read, findings);
-    const ProceduralGroom groom = read_procedural(table, seed);
+    if (!read.file.empty()) return file_groom(table, read, of_solid, findings);
+    const ProceduralGroom groom = read_procedural(table, seed, of_solid);
     warn_of_few_particles(table, turns_of(groom), groom.particles);
     return make_procedural(groom);
 }

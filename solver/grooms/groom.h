@@ -15,9 +15,12 @@ namespace wetcurl {
 // `units`, `up`, then x <- `scale` x + `offset` [m], each resampled to `particles` points even in arc length,
 // roots laid on a grid (`grid`, else the finest that they fill), normals from the `scalp` where one is named,
 // else off the middle of the roots. Keys of the built-in groom are then checked and said to rest, since
-// `--groom` lays a file over any scene. Throws Misuse for keys and values, Error for bad files.
-// `findings`, where given, receives what looks wrong about the file's strands.
-Groom load_groom(const Table& table, unsigned long long seed, std::vector<Finding>* findings = nullptr);
+// `--groom` lays a file over any scene. `of_solid`: the scalp, where `scalp` names a solid. `findings`, where
+// given, receives what looks wrong about the file's strands. Throws Misuse for keys and values, Error for bad
+// files.
+Groom load_groom(const Table& table, unsigned long long seed,
+                 std::shared_ptr<const ScalpMesh> of_solid = nullptr,
+                 std::vector<Finding>* findings = nullptr);
 
 // The grid of every 1st, 2nd, 4th... root each way: the finest that has at most `at_most` strands, 1 or more.
 // `stride`, where given, receives which. Throws Misuse where at_most < 1, Error where no root is left.

@@ -145,12 +145,14 @@ Vec3d Grower::grow(double u, double v, Vec3f* points) const {
 
 }  // namespace
 
-std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom) {
-    if (groom.scalp.empty()) return nullptr;
+std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom,
+                                            const std::shared_ptr<const ScalpMesh>& of_solid) {
+    if (groom.scalp.empty()) return of_solid;
     return std::make_shared<const ScalpMesh>(import_mesh(groom.scalp, groom.units_of_scalp()));
 }
 
-ProceduralGroom read_procedural(const Table& table, unsigned long long seed) {
+ProceduralGroom read_procedural(const Table& table, unsigned long long seed,
+                                const std::shared_ptr<const ScalpMesh>& of_solid) {
     GroomTable read;
     read_parameters(read, GroomTable::parameters, table);
     ProceduralGroom g;
@@ -158,7 +160,7 @@ ProceduralGroom read_procedural(const Table& table, unsigned long long seed) {
     g.width = read.grid[0], g.height = read.grid[1];
     g.particles = read.particles;
     read_parameters(g, procedural_parameters, table);
-    g.head = read_scalp(read);
+    g.head = read_scalp(read, of_solid);
     const Vec3d usual = g.head ? head_centre(g.head->mesh(), g.scalp_radius) : Vec3d{0, 0, 0};
     g.scalp_centre = read.scalp_centre.value_or(usual);
     return g;

@@ -62,7 +62,10 @@ struct GroomTable {
                           "Roots each way; of a file's strands, without it, the finest grid that they fill."),
          &GroomTable::grid},
         {KeyRow::integer("particles", 50, 2, 10000, "Particles of each strand."), &GroomTable::particles},
-        {KeyRow::path("scalp", "a ball", "Mesh of the head, .obj or .ply, on which the roots lie."),
+        {KeyRow::path("scalp", "a ball",
+                      "Mesh of the head, .obj or .ply, on which the roots lie; or the name of a [[solid]] of "
+                      "the scene "
+                      "with shape = \"mesh\", on which they also ride."),
          &GroomTable::scalp},
         {KeyRow::one_of("scalp_units", units_words, "", "Unit of the numbers in the scalp's file.", "",
                         {"scalp"})
@@ -137,11 +140,14 @@ inline constexpr Parameter<ProceduralGroom> procedural_parameters[] = {
      &ProceduralGroom::part_turn},
 };
 
-// Reads `[groom]`. Throws Misuse for what is out of range.
-ProceduralGroom read_procedural(const Table& table, unsigned long long seed);
+// Reads `[groom]`. `of_solid`: the scalp, where `scalp` names a solid. Throws Misuse for what is out of
+// range.
+ProceduralGroom read_procedural(const Table& table, unsigned long long seed,
+                                const std::shared_ptr<const ScalpMesh>& of_solid = nullptr);
 
-// The head's mesh that `[groom] scalp` names; null where it names none.
-std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom);
+// The mesh in the file that `[groom] scalp` names, else that of the solid; null where it names none.
+std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom,
+                                            const std::shared_ptr<const ScalpMesh>& of_solid);
 
 // Of a strand of no noise, as its curl winds once it is open.
 CurlTurns turns_of(const ProceduralGroom& groom);

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "solver/motion/spline.h"
-
 namespace wetcurl {
 
 namespace {
@@ -82,18 +80,31 @@ Mesh Deformation::at(double time) const {
     return mesh;
 }
 
-void Deformation::vertices_at(double time, std::vector<Vec3f>& out) const {
+Deformation::Place Deformation::place_of(double time) const {
     const auto after =
         std::upper_bound(keys_.begin(), keys_.end(), time, [](double x, const Key& k) { return x < k.time; });
-    out = (after == keys_.begin() ? keys_.front() : after[-1]).vertices;
-    if (after == keys_.begin() || after == keys_.end()) return;
-    const Key &from = after[-1], &to = *after;
-    const double h = to.time - from.time;
-    const HermiteWeights w = hermite_weights((time - from.time) / h, h);
-    for (size_t v = 0; v < out.size(); ++v)
-        out[v] = cast<float>(w.from * cast<double>(from.vertices[v]) +
-                             w.from_slope * cast<double>(from.slopes[v]) +
-                             w.to * cast<double>(to.vertices[v]) + w.to_slope * cast<double>(to.slopes[v]));
+    const Key& from = after == keys_.begin() ? keys_.front() : after[-1];
+    if (after == keys_.begin() || after == keys_.end()) return {from, nullptr, {}};
+    const double h = after->time - from.time;
+    return {from, &*after, hermite_weights((time - from.time) / h, h)};
+}
+
+Vec3d Deformation::Place::vertex(size_t v) const {
+    if (!to) return cast<double>(from.vertices[v]);
+    return w.from * cast<double>(from.vertices[v]) + w.from_slope * cast<double>(from.slopes[v]) +
+           w.to * cast<double>(to->vertices[v]) + w.to_slope * cast<double>(to->slopes[v]);
+}
+
+void Deformation::vertices_at(double time, std::vector<Vec3f>& out) const {
+    const Place place = place_of(time);
+    out.resize(place.from.vertices.size());
+    for (size_t v = 0; v < out.size(); ++v) out[v] = cast<float>(place.vertex(v));
+}
+
+void Deformation::vertices_at(double time, std::span<const int> which, std::vector<Vec3d>& out) const {
+    const Place place = place_of(time);
+    out.resize(which.size());
+    for (size_t k = 0; k < which.size(); ++k) out[k] = place.vertex(size_t(which[k]));
 }
 
 Bounds Deformation::box() const {

@@ -1,11 +1,13 @@
 // A mesh that deforms: keyframes of one connectivity, C1 between them as Motion is.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/geometry/mesh.h"
 #include "base/parameters.h"
+#include "solver/motion/spline.h"
 
 namespace wetcurl {
 
@@ -32,6 +34,10 @@ class Deformation {
     Mesh at(double time) const;
     // Its vertices [m]; allocates nothing where `out` had as many.
     void vertices_at(double time, std::vector<Vec3f>& out) const;
+    // Of these vertices alone, not rounded to single precision.
+    void vertices_at(double time, std::span<const int> which, std::vector<Vec3d>& out) const;
+    // The shape in which hair is bound to it.
+    Mesh rest() const { return at(0); }
     // Holds the mesh at all times [m]: no vertex goes beyond its keyframes.
     Bounds box() const;
 
@@ -41,6 +47,15 @@ class Deformation {
         std::vector<Vec3f> vertices;  // (vertex) [m]
         std::vector<Vec3f> slopes;    // (vertex) [m/s]
     };
+    // Between two keys, or at one of them.
+    struct Place {
+        const Key& from;
+        const Key* to;  // null: at `from`
+        HermiteWeights w;
+        Vec3d vertex(size_t v) const;
+    };
+    Place place_of(double time) const;
+
     std::vector<std::array<int, 3>> triangles_;
     std::vector<Key> keys_;
 };

@@ -134,7 +134,7 @@ class BoundaryForces final : public PairForces {
     // reach of each wet particle, in the coordinates of their solid: all of an i by one thread.
     template <class Visit>
     void for_each(const std::vector<Vec3d>& x, double time, Visit visit) const {
-        const Pose head = scene_.motion.at(time);
+        const Pose head = scene_.head_at(time);
         for (const auto& s : solids_) {
             const Pose pose = s.solid->at(time, head);
 #pragma omp parallel for schedule(dynamic, 256)

@@ -234,7 +234,7 @@ SimulationState SimulationOf<H>::state() const {
 template <Hair H>
 void SimulationOf<H>::restore(const SimulationState& from) {
     time_ = from.time, hair_.first = from.first || hair_.always_first();
-    hair_.head = scene_.motion.at(time_);
+    hair_.head = scene_.head_at(time_);
     if (surfaces_) surfaces_->hold(time_);
     hair_.fetch(), hair_.fetch_history();
     hair_.state.restore(from);

@@ -6,6 +6,7 @@
 
 #include "base/log.h"
 #include "solver/grooms/groom.h"
+#include "solver/grooms/procedural.h"
 #include "solver/scene/findings.h"
 #include "solver/scene/read_compared.h"
 #include "solver/scene/read_solids.h"
@@ -129,6 +130,55 @@ void read_integrator(Scene& scene, const Table& t) {
     if (scene.baseline<Iben2013>() && !t.has("kind")) in.kind = "explicit";
 }
 
+const LevelSet* level_set_of(const Solid& solid) {
+    const auto* shape = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape);
+    return shape ? shape->get() : nullptr;
+}
+
+// The solid that `[groom] scalp` names; null where it names a file or nothing. It is a mesh. A rigid one is
+// the head, so that all strands move with it.
+Solid* solid_of_scalp(Scene& scene, const Table& groom) {
+    std::vector<std::string> names;
+    for (const auto& solid : scene.solids) names.push_back(solid.name);
+    const auto& row = *std::ranges::find(GroomTable::parameters, std::string_view("scalp"), &KeyRow::key);
+    const std::string name = groom.name_in_place_of(row, names);
+    if (name.empty()) return nullptr;
+    if (std::count(names.begin(), names.end(), name) > 1)
+        groom.fail("scalp", "'" + name +
+                                "' is the name of several solids; the one that hair grows on needs "
+                                "a name of its own");
+    for (const char* of_file : {"scalp_units", "scalp_up"})
+        if (groom.has(of_file))
+            groom.fail(of_file, "belongs to a scalp that is a file; this one is [[solid]] '" + name + "'");
+    Solid& solid = *std::ranges::find(scene.solids, name, &Solid::name);
+    if (!solid.deformation && !level_set_of(solid))
+        groom.fail("scalp", "[[solid]] '" + name + "' is no mesh; roots lie on one with shape = \"mesh\"");
+    if (solid.attached) return &solid;
+    if (scene.motion.moves())
+        groom.fail("scalp",
+                   "[[solid]] '" + name +
+                       "' is not attached to the head, which [motion] moves; hair "
+                       "that grows on the solid moves with it: write attached = \"head\", or the motion "
+                       "in [solid.motion]");
+    if (!solid.deformation) scene.motion = solid.motion, solid.attached = true;
+    return &solid;
+}
+
+std::shared_ptr<const ScalpMesh> scalp_of(const Solid& solid) {
+    return std::make_shared<const ScalpMesh>(solid.deformation ? solid.deformation->rest()
+                                                               : level_set_of(solid)->mesh());
+}
+
+// Roots ride on a solid that deforms. One that is attached moves by the head's own motion; what else is
+// attached to the head follows the roots.
+void ride(Scene& scene, Solid& solid, const Groom& full, const std::vector<int>& kept) {
+    if (solid.attached) solid.motion = scene.motion;
+    solid.attached = false, solid.carries_roots = true;
+    std::vector<Vec3d> roots;
+    for (int s = 0; s < full.rest.count; ++s) roots.push_back(cast<double>(full.rest.at(s, 0)));
+    scene.riding = Riding{solid.motion, RidingRoots(solid.deformation, roots).kept(kept)};
+}
+
 Scene read_scene(Config config, const SceneOptions& options) {
     for (const auto& s : options.set) config.set(s);
     if (options.frames) config.set("frames=" + std::to_string(*options.frames), "--frames");
@@ -146,8 +196,10 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_integrator(scene, root.table("integrator"));
     const Table g = root.table("groom");
     read_parameters(scene, Scene::groom_parameters, g);
-    const Groom full = load_groom(g, scene.seed, &scene.groom_findings);
     scene.motion = Motion(root.table("motion"));
+    scene.solids = read_solids(root);
+    Solid* const scalp = solid_of_scalp(scene, g);
+    const Groom full = load_groom(g, scene.seed, scalp ? scalp_of(*scalp) : nullptr, &scene.groom_findings);
     read_chain(scene, root);
     // Of the full groom, so that a thinned run is smoothed as its twin.
     if (auto& core = scene.term<Core>()) core->beta = filter_beta(mean_segment(full), core->alpha_c);
@@ -155,7 +207,6 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_wet(scene, root);
     if (scene.term<Adhesion>() && !root.has("solid"))
         root.fail("adhesion", "[adhesion] needs a [[solid]] to stick to");
-    scene.solids = read_solids(root);
     read_air(scene, root);
     read_learned(scene, root);
     check_baselines(scene, root);
@@ -172,6 +223,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     else if (options.strands)
         thinned(full, *options.strands, &scene.stride);
     scene.groom = coarsened(full, scene.stride, &kept);
+    if (scalp && scalp->deformation) ride(scene, *scalp, full, kept);
     if (const int taken = scene.groom.rest.count; options.strands && taken != *options.strands)
         log_info("--strands " + std::to_string(*options.strands) + ": " + nesting_text(full) + "; " +
                  std::to_string(taken) + " are taken");

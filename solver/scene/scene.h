@@ -15,6 +15,7 @@
 #include "solver/grooms/strand_findings.h"
 #include "solver/motion/deformation.h"
 #include "solver/motion/motion.h"
+#include "solver/motion/riding.h"
 #include "solver/terms/air.h"
 #include "solver/terms/cohesion.h"
 #include "solver/terms/curl.h"
@@ -58,9 +59,12 @@ struct Solid {
     std::shared_ptr<const Deformation> deformation;  // in its place; null: rigid
     double spacing = 0;                              // [m] of a mesh's level set; 0: the usual one
     Motion motion;
-    bool attached = false;  // to the head
-    double friction = 0.3;  // Coulomb
+    bool attached = false;       // to the head
+    bool carries_roots = false;  // deforms, and roots ride on it
+    double friction = 0.3;       // Coulomb
     Pose at(double time, const Pose& head) const { return attached ? head : motion.at(time); }
+    // Then hair may lie as deep in it as it is drawn.
+    bool moves_with_roots() const { return attached || carries_roots; }
 };
 
 // The network that `infer` runs in place of the physics; the solver knows its name alone.
@@ -84,6 +88,12 @@ struct Learned {
     };
 };
 
+// Roots that ride on a solid that deforms.
+struct Riding {
+    Motion motion;  // of that solid
+    RidingRoots roots;
+};
+
 struct Scene {
     std::string title;
     int frames = 100;
@@ -103,8 +113,9 @@ struct Scene {
     std::string adhesion_model;  // file of a network in Eq 11's place; "": Eq 11
     Baselines baselines;         // compared methods in place of ours, part by part
     std::optional<Learned> learned;
-    Motion motion;
+    Motion motion;  // of the head
     std::vector<Solid> solids;
+    std::optional<Riding> riding;  // of the groom's roots; none: all move with the head
 
     std::vector<std::string> allow;       // findings (solver/scene/findings.h) that do not stop the scene
     std::vector<Finding> groom_findings;  // of the strands' file
@@ -163,10 +174,22 @@ struct Scene {
             if (s.deformation) return true;
         return false;
     }
-    bool has_attached_solid() const {
+    bool has_solid_with_roots() const {
         for (const auto& s : solids)
-            if (s.attached) return true;
+            if (s.moves_with_roots()) return true;
         return false;
+    }
+    // The pose of the head [m]; where roots ride on a solid, the rigid motion nearest to theirs.
+    Pose head_at(double time, RidingRoots::Room& room) const {
+        return riding ? riding->roots.middle_at(time, riding->motion.at(time), room) : motion.at(time);
+    }
+    Pose head_at(double time) const {
+        RidingRoots::Room room;
+        return head_at(time, room);
+    }
+    // Poses of roots that ride, (strand), each in the place of the head's.
+    void root_poses_at(double time, RidingRoots::Room& room) const {
+        riding->roots.poses_at(time, riding->motion.at(time), room);
     }
 };
 

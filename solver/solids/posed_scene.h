@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "solver/motion/root_motion.h"
 #include "solver/scene/scene.h"
 #include "solver/solids/solid_tree.h"
 
@@ -12,13 +13,14 @@ namespace wetcurl {
 template <class T>
 struct PosedScene {
     Pose head;
-    Quat<T> root_turn;                              // rotation of the head over the substep
-    Vec3<T> head_spin, head_center, head_velocity;  // [rad/s], [m], [m/s]
-    std::vector<PosedSolid<T>> solids;              // rigid ones
+    RootMotion<T> head_motion;
+    std::vector<RootMotion<T>> roots;   // (strand) that ride on a solid; empty: all move with the head
+    std::vector<PosedSolid<T>> solids;  // rigid ones
     std::vector<PosedSolid<T, MovingGrid>> deforming;
     std::optional<SolidTree<T>> tree;  // of `solids`, where they are many
-    double begins;                     // [s] the substep that ends here
-    T dt;                              // [s] its length
+    RidingRoots::Room room, room_before;
+    double begins;  // [s] the substep that ends here
+    T dt;           // [s] its length
     // Whether a plain loop over `solids` is all there is to do.
     bool few() const { return !tree && deforming.empty(); }
     // The longest way [m] from `before` to x, a substep later, that a rigid solid sees.
@@ -120,14 +122,6 @@ struct SurfacesOf {
     }
 };
 
-// Particles 0 and 1 of a block at a pose of the head, from where they are in its frame.
-template <class S>
-void place_roots(const Pose& head, const Vec3<S>* in_head, Vec3<S>* root) {
-    for (int i = 0; i < 2; ++i)
-        root[i] = rotate(cast<S>(cast<Plain<S>>(head.rotation)), in_head[i]) +
-                  cast<S>(cast<Plain<S>>(head.translation));
-}
-
 // The surface nearest to each particle, (block, particle); empty where no present term needs it.
 template <class S>
 struct NearestSurface {
@@ -135,27 +129,32 @@ struct NearestSurface {
     std::vector<Vec3<S>> normal, velocity;
 };
 
-// Rotation vector of the way from one rotation to the other, over dt [rad/s].
-Vec3d angular_velocity(const Quatd& before, const Quatd& after, double dt);
-
 // At `time`, coming from where all was dt earlier. `moving` = false: all is held as it is. `surfaces`: of
 // each deforming solid in the scene's order, at that time; null: the scene has none. `room`: an earlier
 // one, whose memory is used again.
 template <class T>
 PosedScene<T> posed_scene_at(const Scene& scene, double time, double dt, bool moving = true,
                              const MovingGrid* surfaces = nullptr, PosedScene<T> room = {}) {
-    const Pose head = scene.motion.at(time), head_before = moving ? scene.motion.at(time - dt) : head;
+    const Pose head = scene.head_at(time, room.room),
+               head_before = moving ? scene.head_at(time - dt, room.room) : head;
     PosedScene<T> p{.head = head,
-                    .root_turn = cast<T>(head.rotation * conjugate(head_before.rotation)),
-                    .head_spin = cast<T>(angular_velocity(head_before.rotation, head.rotation, dt)),
-                    .head_center = cast<T>(head.translation),
-                    .head_velocity = cast<T>((1 / dt) * (head.translation - head_before.translation)),
+                    .head_motion = root_motion<T>(head_before, head, dt),
+                    .roots = std::move(room.roots),
                     .solids = std::move(room.solids),
                     .deforming = std::move(room.deforming),
                     .tree = std::move(room.tree),
+                    .room = std::move(room.room),
+                    .room_before = std::move(room.room_before),
                     .begins = moving ? time - dt : time,
                     .dt = T(dt)};
     p.solids.clear(), p.deforming.clear();
+    if (scene.riding) {
+        scene.root_poses_at(time, p.room);
+        if (moving) scene.root_poses_at(time - dt, p.room_before);
+        const auto &now = p.room.pose, &before = moving ? p.room_before.pose : now;
+        p.roots.resize(now.size());
+        for (size_t s = 0; s < now.size(); ++s) p.roots[s] = root_motion<T>(before[s], now[s], dt);
+    }
     for (const auto& solid : scene.solids) {
         const Pose now = solid.at(time, head), before = moving ? solid.at(time - dt, head_before) : now;
         auto posed = [&]<class Body>(const Body* body) {
@@ -165,7 +164,7 @@ PosedScene<T> posed_scene_at(const Scene& scene, double time, double dt, bool mo
                                        .velocity = cast<T>((1 / dt) * (now.translation - before.translation)),
                                        .spin = cast<T>(angular_velocity(before.rotation, now.rotation, dt)),
                                        .friction = T(solid.friction),
-                                       .attached = solid.attached};
+                                       .attached = solid.moves_with_roots()};
         };
         if (solid.deformation)
             p.deforming.push_back(posed(surfaces++));

@@ -7,8 +7,8 @@
 
 namespace wetcurl {
 
-// How deep each particle may lie in what is attached to the head: min(0, phi at rest) [m], (strand,
-// particle); empty where nothing is attached.
+// How deep each particle may lie in what moves with the roots: min(0, phi at rest) [m], (strand, particle);
+// empty where nothing does.
 std::vector<float> rest_depths_of(const Scene& scene);
 
 }  // namespace wetcurl

@@ -4,6 +4,7 @@
 
 #include "base/geometry/frames.h"
 #include "base/vec3.h"
+#include "solver/motion/root_motion.h"
 #include "solver/terms/strand_arrays.h"
 
 namespace wetcurl {
@@ -21,12 +22,15 @@ struct ChainView : StrandArrays<S, ConstPointer> {
     const Vec3<S>* surface_velocity;  // (n) of the solid there
     const S* given_adhesion;          // (n) F.n / (sigma m a_max) from a network in Eq 11's place, or null
     const Vec3<S>* limit_edge;        // (n-1) edges at which the strain limit is taken
-    Vec3<S> head_spin, head_center, head_velocity;  // [rad/s], [m], [m/s]: the head's rigid motion
+    Vec3<S> root_spin, root_center, root_velocity;  // [rad/s], [m], [m/s]: rigid motion of the root's frame
     Vec3<S> chord;                                  // x_{n-1} - x_0
     Vec3<S>* core_pull;  // (n-1) the core's force along each edge, made by its `prepare`
 
     WETCURL_HD void set_arrays(const StrandArrays<S, ConstPointer>& arrays) {
         static_cast<StrandArrays<S, ConstPointer>&>(*this) = arrays;
+    }
+    WETCURL_HD void set_root(const RootMotion<S>& root) {
+        root_spin = root.spin, root_center = root.translation, root_velocity = root.velocity;
     }
 };
 

@@ -38,7 +38,7 @@ struct Stiffness {
         for (int i = begin; i < end; ++i) {
             const S sigma = c.saturation ? c.saturation[i] : S(0);
             const S rate = S(c_all) + sigma * S(c_wet) + (S(1) - sigma) * S(c_dry);
-            const Vec3<S> rigid = c.head_velocity + cross(c.head_spin, c.x[i] - c.head_center);
+            const Vec3<S> rigid = c.root_velocity + cross(c.root_spin, c.x[i] - c.root_center);
             a.force(i) -= rate * c.mass[i] * (c.v[i] - rigid);
             if (a.with_matrix()) add_identity(a.diagonal(i), a.h * rate * c.mass[i]);
         }

@@ -61,7 +61,7 @@ struct StrandArrayInfo {
     ROW(saturation, S, particles, water, read, "saturation",                                           \
         scene.wetness && (scene.term<Adhesion>() || scene.term<Stiffness>()))                          \
     /* [m] how deep a particle may lie in solids on the head */                                        \
-    ROW(rest_depth, S, particles, fixed, read, "rest depth", scene.has_attached_solid())               \
+    ROW(rest_depth, S, particles, fixed, read, "rest depth", scene.has_solid_with_roots())             \
     /* [m] edges of the helix of Eq 9 as printed, its root-to-tip along x */                           \
     ROW(push, Vec3<S>, particles, water, coupling, "printed curl", scene.term<CurlPush>().has_value()) \
     /* [m/s] velocity of the air at particles */                                                       \

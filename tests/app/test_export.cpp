@@ -17,7 +17,8 @@ using testing::Scratch;
 constexpr int strands = 6, particles = 5, frames = 4;
 constexpr double fps = 24;
 
-// Six strands, the last of the file first, that move along x at one metre a second and are wetter toward their tips.
+// Six strands, the last of the file first, that move along x at one metre a second and are wetter toward
+// their tips.
 class Export : public ::testing::Test {
   protected:
     Export() {
@@ -33,11 +34,13 @@ class Export : public ::testing::Test {
         groom.grid = {3, 2, {0, 1, 2, 3, 4, 5}};
         groom.origin = origins_of(groom);
         for (int s = 0; s < strands; ++s) {
-            groom.origin[size_t(s)].number = strands - 1 - s, groom.origin[size_t(s)].id = 100 + strands - 1 - s;
+            groom.origin[size_t(s)].number = strands - 1 - s,
+            groom.origin[size_t(s)].id = 100 + strands - 1 - s;
             for (int i = 0; i < particles; ++i) groom.rest.at(s, i) = start(s, i);
         }
         groom.origin[2].width = 2e-4f;
-        for (int k = 0; k < strands * particles; ++k) header.saturation.push_back(float(k % particles) / (particles - 1));
+        for (int k = 0; k < strands * particles; ++k)
+            header.saturation.push_back(float(k % particles) / (particles - 1));
         RunWriter run(path("run.h5"), header, true);
         for (int f = 0; f < frames; ++f) {
             RunFrame frame;
@@ -110,7 +113,8 @@ TEST_F(Export, takes_some_frames_some_points_and_what_is_simulated) {
     EXPECT_NEAR(hair.times[1], 14 / fps, 1e-9);
     EXPECT_EQ(hair.counts, std::vector<int>(strands, 9));
     const auto points = file->points_of_curves(0, 1);
-    for (int i = 0; i < 9; ++i) EXPECT_LT(norm(points[size_t(i)] - Vec3f{0.5f + float(3 / fps), -0.005f * float(i), 0.02f}), 1e-5f);
+    for (int i = 0; i < 9; ++i)
+        EXPECT_LT(norm(points[size_t(i)] - Vec3f{0.5f + float(3 / fps), -0.005f * float(i), 0.02f}), 1e-5f);
 }
 
 TEST_F(Export, animates_guides_alone_and_says_who_follows_them) {
@@ -118,7 +122,8 @@ TEST_F(Export, animates_guides_alone_and_says_who_follows_them) {
     const auto file = exported();
     ASSERT_EQ(file->curves().size(), 2u);
     const bool guides_first = file->curves()[0].counts.size() == 3;
-    const CurvesObject &guides = file->curves()[guides_first ? 0 : 1], &all = file->curves()[guides_first ? 1 : 0];
+    const CurvesObject &guides = file->curves()[guides_first ? 0 : 1],
+                       &all = file->curves()[guides_first ? 1 : 0];
     EXPECT_EQ(guides.counts.size(), 3u);
     EXPECT_EQ(guides.times.size(), size_t(frames));
     ASSERT_EQ(all.counts.size(), size_t(strands));
@@ -149,10 +154,13 @@ TEST_F(Export, writes_a_file_of_strands_for_each_frame) {
         o.output = path("frame.####") + ending;
         EXPECT_EQ(export_command(o), 0);
         for (int f = 0; f < frames; ++f) {
-            const ImportedStrands in = import_strands(path("frame.000" + std::to_string(1 + f)) + ending, {"m", "y"});
+            const ImportedStrands in =
+                import_strands(path("frame.000" + std::to_string(1 + f)) + ending, {"m", "y"});
             ASSERT_EQ(in.strands.size(), size_t(strands)) << ending;
             for (int i = 0; i < particles; ++i)
-                EXPECT_LT(norm(cast<float>(in.strands[0][size_t(i)]) - start(strands - 1, i) - Vec3f{float(f / fps), 0, 0.5f}), 1e-5f);
+                EXPECT_LT(norm(cast<float>(in.strands[0][size_t(i)]) - start(strands - 1, i) -
+                               Vec3f{float(f / fps), 0, 0.5f}),
+                          1e-5f);
         }
     }
     o.output = path("one.data"), o.frames = "2";
@@ -170,7 +178,9 @@ TEST_F(Export, writes_the_solids_into_a_file_of_their_own) {
 }
 
 TEST_F(Export, refuses_what_cannot_be_meant) {
-    auto refused = [&](std::initializer_list<std::string> parts) { expect_error<Misuse>([&] { export_command(o); }, parts); };
+    auto refused = [&](std::initializer_list<std::string> parts) {
+        expect_error<Misuse>([&] { export_command(o); }, parts);
+    };
     o.output = path("hair.fbx"), refused({".fbx", ".abc", ".data"});
     o.output = path("hair.data"), refused({"4 frames", "####"});
     o.frames = "1:9", refused({"--frames", "0 to 3"});

@@ -307,8 +307,8 @@ class Comparison {
         OwnScratch<S> scratch(packs.n, scene_.chain, implicit(), !scene_.solids.empty());
         std::vector<S> phi(packs.x.size(), S(1e9));
         std::vector<Vec3<S>> normal(phi.size(), {S(0), S(1), S(0)}), velocity(phi.size(), {S(0), S(0), S(0)});
-        Vec3<S> root[2];
-        place_roots(p_.head, packs.root.data(), root);
+        const auto of_root = cast<S>(p_.head_motion);
+        const Vec3<S> root[2] = {of_root(packs.root[0]), of_root(packs.root[1])};
         auto step = step_of(packs, root, dt, packed_force_, packed_stiffness_);
         const NearestView<S> near{phi.data(), normal.data(), velocity.data(), data_of(packs.touching)};
         auto record = [&](auto&, bool more, auto... stages) {
@@ -393,8 +393,8 @@ class Comparison {
             OwnScratch<double> scratch(state.n, scene_.chain, implicit(), !scene_.solids.empty());
             std::vector<double> phi(n, 1e9);
             std::vector<Vec3d> normal(n, {0, 1, 0}), velocity(n, {0, 0, 0});
-            Vec3d root[2];
-            place_roots(p_.head, &state.root[size_t(strand) * 2], root);
+            const Vec3d* in_frame = &state.root[size_t(strand) * 2];
+            const Vec3d root[2] = {p_.head_motion(in_frame[0]), p_.head_motion(in_frame[1])};
             auto step = step_of(state, root, dt, force_, stiffness_, k);
             const NearestView<double> near{phi.data(), normal.data(), velocity.data(),
                                            data_of(state.touching, k)};
@@ -435,7 +435,7 @@ class Comparison {
                 .v_before = &state.v_before[k],
                 .root = root,
                 .gravity = scene_.integrator.gravity,
-                .root_turn = p_.root_turn,
+                .root_turn = cast<N>(p_.head_motion.turn),
                 .frame = data_of(state.frame, k),
                 .pushed = data_of(state.pushed, k),
                 .external = data_of(force, k),
@@ -449,8 +449,7 @@ class Comparison {
         ChainView<N> view{};
         view.n = state.n;
         view.set_arrays(state.pointers(block));
-        view.head_spin = cast<N>(p_.head_spin), view.head_center = cast<N>(p_.head_center);
-        view.head_velocity = cast<N>(p_.head_velocity);
+        view.set_root(cast<N>(p_.head_motion));
         return view;
     }
     static ShapeView view_of(const Shape& shape) { return wetcurl::view_of(shape); }

@@ -5,6 +5,7 @@
 #include "solver/chain/chain_state.h"
 #include "tests/cuda/dense_adhesion.h"
 #include "tests/cuda/host_team.h"
+#include "tests/solver/characters.h"
 #include "tests/solver/one_strand.h"
 #include "tests/solver/scenes.h"
 
@@ -23,6 +24,7 @@ struct OnHost {
     std::vector<ShapeView> shapes;
     std::vector<SubstepMotion<T>> motion;
     std::vector<DeviceSolid<T>> solids;
+    std::vector<std::vector<RootMotion<T>>> roots;  // (substep, strand) of roots that ride
 
     OnHost(const Scene& s, int frames)
         : scene(s), state(s), constants(chain_constants<T>(s, 1 / (s.fps * s.integrator.substeps))) {
@@ -34,9 +36,10 @@ struct OnHost {
         solids.resize(substeps * shapes.size());
         for (size_t k = 0; k < substeps; ++k) {
             DeviceSolid<T>* const of_substep = solids.data() + k * shapes.size();
-            motion.push_back(substep_motion(posed_scene_at<T>(scene, double(k + 1) * dt, dt), shapes.data(),
-                                            nullptr, of_substep));
+            PosedScene<T> posed = posed_scene_at<T>(scene, double(k + 1) * dt, dt);
+            motion.push_back(substep_motion(posed, shapes.data(), nullptr, of_substep));
             motion[k].solids = of_substep;
+            motion[k].roots = roots.emplace_back(std::move(posed.roots)).data();
         }
     }
     Strands strands() const {
@@ -199,6 +202,26 @@ TEST(StrandStep, does_what_the_reference_passes_do) {
         // The whip of a chain without bends magnifies rounding.
         EXPECT_LT(farthest(stepped<double>(scene, AnySet{set_of(scene)}, 4), wanted), 1e-6) << c.name;
     }
+}
+
+// Without the solid: a level set that moves is not here.
+TEST(StrandStep, of_roots_that_ride_does_what_the_reference_passes_do) {
+    const Scratch scratch;
+    const Warp twists = [](const Vec3d& x, double time) {
+        const double turn = 3 * time * x.y / 0.1;
+        return rotate(rotation_about({0, 1, 0}, turn), x) + Vec3d{0.4 * time, 0.3 * time * x.x, 0};
+    };
+    Scene scene = scene_of("[groom]\nscalp = \"body\"\n" + wet_scene.substr(wet_scene.find("grid")) +
+                               "[[solid]]\nname = \"body\"\nshape = \"mesh\"\n" +
+                               mesh_keyframes(scratch, triangulated(Sphere{0.095}, 48), twists, 24, 6),
+                           {"stiffness.wet=4"});
+    scene.solids.clear(), scene.term<Adhesion>().reset();
+    const AnySet set{set_of(scene)};
+    ASSERT_TRUE(set.has(present::riding));
+    const Strands wanted = after(scene, 4, "double").positions;
+    ASSERT_GT(farthest(wanted, scene.groom.rest), 1e-2);
+    EXPECT_LT(farthest(stepped<double>(scene, set, 4), wanted), 1e-6);
+    EXPECT_LT(farthest(stepped<double>(scene, set, 4, ManyThreads()), wanted), 1e-6);
 }
 
 // Their chunks are of more edges.

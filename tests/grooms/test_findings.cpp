@@ -22,26 +22,31 @@ StrandPoints falling(int count, double scale = 1) {
         std::vector<Vec3d> strand;
         for (int i = 0; i < 12; ++i) {
             const double t = i / 11.0;
-            strand.push_back(scale * (root + std::min(1.0, 3 * t) * (out_of_it - Vec3d{root.x, 0, root.z}) + Vec3d{0, 0.02 * t - 0.22 * t * t, 0}));
+            strand.push_back(scale * (root + std::min(1.0, 3 * t) * (out_of_it - Vec3d{root.x, 0, root.z}) +
+                                      Vec3d{0, 0.02 * t - 0.22 * t * t, 0}));
         }
         out.push_back(strand);
     }
     return out;
 }
 
-constexpr const char* head = "[[solid]]\nname = \"head\"\nattached = \"head\"\nshape = \"sphere\"\nradius = 0.095\n";
+constexpr const char* head =
+    "[[solid]]\nname = \"head\"\nattached = \"head\"\nshape = \"sphere\"\nradius = 0.095\n";
 
 class Findings : public ::testing::Test {
   protected:
-    Scene scene_of(const StrandPoints& strands, const std::string& groom = "", const std::string& rest = head, bool stop = false) {
+    Scene scene_of(const StrandPoints& strands, const std::string& groom = "", const std::string& rest = head,
+                   bool stop = false) {
         scratch.file("groom.data", data_file(strands));
-        const std::string path = scratch.file("scene.toml", above + "[groom]\nfile = \"groom.data\"\nunits = \"m\"\nparticles = 12\n" + groom +
-                                                                "\n[stretch]\n[bend]\n" + rest);
+        const std::string path = scratch.file(
+            "scene.toml", above + "[groom]\nfile = \"groom.data\"\nunits = \"m\"\nparticles = 12\n" + groom +
+                              "\n[stretch]\n[bend]\n" + rest);
         SceneOptions options;
         options.findings_stop = stop;
         return load_scene(path, options);
     }
-    std::set<std::string> found(const StrandPoints& strands, const std::string& groom = "", const std::string& rest = head) {
+    std::set<std::string> found(const StrandPoints& strands, const std::string& groom = "",
+                                const std::string& rest = head) {
         std::set<std::string> out;
         for (const auto& finding : findings_of(scene_of(strands, groom, rest)))
             if (finding.level != Finding::Level::note) out.insert(finding.name);
@@ -80,19 +85,22 @@ TEST_F(Findings, stray_points_are_named_by_their_strand_and_left_out) {
     StrandPoints strands = falling(200);
     strands[7].back() = {0, 0, 0};
     strands[31][6] = {0, 40, 0};
-    expect_error([&] { scene_of(strands, "", head, true); }, {"stray_points", "strand 7, 31", "repair = true"});
+    expect_error([&] { scene_of(strands, "", head, true); },
+                 {"stray_points", "strand 7, 31", "repair = true"});
     const Scene scene = scene_of(strands, "repair = true", head, true);
     EXPECT_EQ(scene.groom.rest.count, 200);
     for (const auto& x : scene.groom.rest.points) EXPECT_LT(norm(x), 1);
 }
 
 TEST_F(Findings, hair_that_starts_far_from_its_head_stops_the_scene) {
-    expect_error([&] { scene_of(falling(100), "offset = [1, 0, 0]", head, true); }, {"roots_off_head", "[groom]"});
+    expect_error([&] { scene_of(falling(100), "offset = [1, 0, 0]", head, true); },
+                 {"roots_off_head", "[groom]"});
     EXPECT_EQ(found(falling(100), "offset = [0.1, 0, 0]"), Names{"roots_off_head"});
 }
 
 TEST_F(Findings, a_head_in_another_unit_stops_the_scene) {
-    const std::string giant = "[[solid]]\nname = \"head\"\nattached = \"head\"\nshape = \"sphere\"\nradius = 9.5\n";
+    const std::string giant =
+        "[[solid]]\nname = \"head\"\nattached = \"head\"\nshape = \"sphere\"\nradius = 9.5\n";
     EXPECT_TRUE(found(falling(100), "", giant).contains("head_size"));
     expect_error([&] { scene_of(falling(100), "", giant, true); }, {"head"});
 }
@@ -108,7 +116,8 @@ TEST_F(Findings, short_strands_are_counted_and_named) {
     strands[5] = {{0, 0.1, 0}, {0, 0.101, 0}, {0, 0.102, 0}};
     const Scene scene = scene_of(strands);
     const auto all = findings_of(scene);
-    const auto at = std::find_if(all.begin(), all.end(), [](const Finding& f) { return f.name == std::string("short_strands"); });
+    const auto at = std::find_if(all.begin(), all.end(),
+                                 [](const Finding& f) { return f.name == std::string("short_strands"); });
     ASSERT_NE(at, all.end());
     EXPECT_NE(at->text.find("strand 5"), std::string::npos);
 }

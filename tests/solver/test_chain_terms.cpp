@@ -387,16 +387,16 @@ TEST(Stiffness, is_identity_where_nothing_is_wet_and_no_rate_is_set) {
 
 TEST(Stiffness, brakes_what_moves_against_the_root_at_the_rate_of_its_saturation) {
     OneStrand s = moving(curly(), 45);
-    s.head_spin = {0.3, -2, 1};
-    s.head_center = {0.1, 0, 0.2};
-    s.head_velocity = {1, 2, 3};
+    s.root_spin = {0.3, -2, 1};
+    s.root_center = {0.1, 0, 0.2};
+    s.root_velocity = {1, 2, 3};
     const double sigma = 0.25;
     s.saturation.assign(s.saturation.size(), sigma);
     const Stiffness term{8, 2, 0.5};
     const double rate = 0.5 + sigma * 8 + (1 - sigma) * 2;
     const Points f = unstacked(force_of(term, s.view()));
     for (size_t i = 0; i < f.size(); ++i) {
-        const Vec3d rigid = s.head_velocity + cross(s.head_spin, s.x[i] - s.head_center);
+        const Vec3d rigid = s.root_velocity + cross(s.root_spin, s.x[i] - s.root_center);
         EXPECT_LT(norm(f[i] + rate * s.mass[i] * (s.v[i] - rigid)), 1e-14 * rate * s.mass[i]);
         EXPECT_GT(norm(s.v[i] - rigid), 0.1);
         s.v[i] = rigid;

@@ -1,5 +1,7 @@
 // Rates of rotations.
-#include "solver/solids/posed_scene.h"
+#include "solver/motion/root_motion.h"
+
+#include <cmath>
 
 namespace wetcurl {
 
