@@ -268,6 +268,9 @@ class UsdaReader : public SceneReader {
         return nullptr;
     }
     std::string where(const std::string& object) const { return file_.path() + ": " + object; }
+    std::string where(const std::string& object, const Attribute& attribute) const {
+        return file_.path() + ":" + std::to_string(attribute.first().line) + ": " + object;
+    }
     // Values one a strand, where the file has as many; else a warning.
     template <class Values>
     Values one_a_strand(Values values, size_t strands, const std::string& object, const char* what) const {
@@ -687,7 +690,7 @@ void UsdaReader::add_curves(size_t node, const Attributes& attributes) {
     const auto in_file = values(counts->first()).numbers<int>();
     for (size_t s = 0; s < in_file.size(); ++s) {
         if (in_file[s] < 0)
-            throw Error(where(curves.path) + ": strand " + std::to_string(s) + ": found " +
+            throw Error(where(curves.path, *counts) + ": strand " + std::to_string(s) + ": found " +
                         std::to_string(in_file[s]) + " points, expected 0 or more");
         source.stored += size_t(in_file[s]);
         curves.counts.push_back(in_file[s]);
@@ -696,7 +699,7 @@ void UsdaReader::add_curves(size_t node, const Attributes& attributes) {
     // The first sample is judged here: whatever is made to match the counts can then be no larger than the
     // file.
     if (const size_t found = values(points->first()).tuples<float, 3>().size(); found != source.stored)
-        throw Error(where(curves.path) + ": found " + std::to_string(found) + " points, expected " +
+        throw Error(where(curves.path, *points) + ": found " + std::to_string(found) + " points, expected " +
                     std::to_string(source.stored) + ", the sum of curveVertexCounts");
     if (source.wrap == Wrap::pinned)
         for (int& count : curves.counts)
@@ -759,16 +762,16 @@ void UsdaReader::add_mesh(size_t node, const Attributes& attributes) {
     size_t sum = 0;
     for (size_t f = 0; f < mesh.counts.size(); ++f) {
         if (mesh.counts[f] < 0)
-            throw Error(where(mesh.path) + ": face " + std::to_string(f) + ": found " +
+            throw Error(where(mesh.path, *counts) + ": face " + std::to_string(f) + ": found " +
                         std::to_string(mesh.counts[f]) + " corners, expected 0 or more");
         sum += size_t(mesh.counts[f]);
     }
     if (sum != mesh.corners.size())
-        throw Error(where(mesh.path) + ": found " + std::to_string(mesh.corners.size()) +
+        throw Error(where(mesh.path, *corners) + ": found " + std::to_string(mesh.corners.size()) +
                     " faceVertexIndices, expected " + std::to_string(sum) + ", the sum of faceVertexCounts");
     for (size_t k = 0; k < mesh.corners.size(); ++k)
         if (mesh.corners[k] < 0 || size_t(mesh.corners[k]) >= mesh.points)
-            throw Error(where(mesh.path) + ": corner " + std::to_string(k) + ": found point " +
+            throw Error(where(mesh.path, *corners) + ": corner " + std::to_string(k) + ": found point " +
                         std::to_string(mesh.corners[k]) + ", expected 0 up to " +
                         std::to_string(mesh.points) + ", not included");
     left_handed_.push_back(token(attributes, "orientation", "rightHanded") == "leftHanded");

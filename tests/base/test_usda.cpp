@@ -553,9 +553,9 @@ TEST_F(UsdaReader, errors_name_file_and_line) {
                       "[\"!invert!xformOp:scale\"]"),
               11, "inverse"}})
         expect_refused(text, {file + ":" + std::to_string(line) + ":", what});
-    expect_refused(curves_of("", "[5, 5]"), {file, "/c", "9 points", "10"});
+    expect_refused(curves_of("", "[5, 5]"), {file + ":5: /c", "9 points", "10"});
     expect_refused(curves_of("", "[2147483647, 2147483647, 11]"), {file, "/c", "9 points"});
-    expect_refused(curves_of("", "[10, -1]"), {"strand 1", "-1"});
+    expect_refused(curves_of("", "[10, -1]"), {file + ":4: /c", "strand 1", "-1"});
     expect_refused(usda_of("int[] faceVertexIndices = [0, 1, 3]"), {"/a/m", "point 3"});
     expect_refused(
         usda_of(

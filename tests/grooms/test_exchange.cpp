@@ -130,23 +130,30 @@ uint32_t crc32_of(const std::string& bytes) {
     return ~crc;
 }
 
-// A zip archive whose entries are stored as they are.
-std::string zip_file(const std::vector<std::pair<std::string, std::string>>& entries) {
+// As deflate packs bytes that it cannot make fewer: one block, stored.
+std::string deflated(const std::string& bytes) {
+    return Bytes().put(uint8_t(1)).put(uint16_t(bytes.size())).put(uint16_t(~bytes.size())).text(bytes).str();
+}
+
+// A zip archive whose entries are stored as they are, or as deflate would.
+std::string zip_file(const std::vector<std::pair<std::string, std::string>>& entries, bool deflate = false) {
     Bytes out, directory;
-    auto common = [](Bytes& to, const std::string& name, const std::string& bytes) {
-        to.put(uint16_t(20)).put(uint16_t(0)).put(uint16_t(0)).put(uint32_t(0)).put(crc32_of(bytes));
-        to.put(uint32_t(bytes.size()))
-            .put(uint32_t(bytes.size()))
-            .put(uint16_t(name.size()))
-            .put(uint16_t(0));
+    auto common = [&](Bytes& to, const std::string& name, const std::string& bytes, size_t packed) {
+        to.put(uint16_t(20))
+            .put(uint16_t(0))
+            .put(uint16_t(deflate ? 8 : 0))
+            .put(uint32_t(0))
+            .put(crc32_of(bytes));
+        to.put(uint32_t(packed)).put(uint32_t(bytes.size())).put(uint16_t(name.size())).put(uint16_t(0));
     };
     for (const auto& [name, bytes] : entries) {
         const uint32_t offset = uint32_t(out.str().size());
+        const std::string packed = deflate ? deflated(bytes) : bytes;
         out.text("PK\x03\x04");
-        common(out, name, bytes);
-        out.text(name).text(bytes);
+        common(out, name, bytes, packed.size());
+        out.text(name).text(packed);
         directory.text("PK\x01\x02").put(uint16_t(20));
-        common(directory, name, bytes);
+        common(directory, name, bytes, packed.size());
         directory.put(uint16_t(0)).put(uint16_t(0)).put(uint16_t(0)).put(uint32_t(0)).put(offset).text(name);
     }
     const uint32_t begin = uint32_t(out.str().size());
@@ -207,11 +214,13 @@ class Npz : public ::testing::Test {
 
 TEST_F(Npz, of_any_width_and_order_holds_the_same_strands) {
     for (int bytes : {2, 4, 8})
-        for (bool fortran : {false, true}) {
-            const std::string file = scratch_.file(
-                "a.npz", zip_file({{"other.npy", "x"}, {"positions.npy", positions_file(bytes, fortran)}}));
-            EXPECT_TRUE(same(read_npz(file).points, sample_strands(3, 4))) << bytes << fortran;
-        }
+        for (bool fortran : {false, true})
+            for (bool deflate : {false, true}) {
+                const std::string file = scratch_.file(
+                    "a.npz", zip_file({{"other.npy", "x"}, {"positions.npy", positions_file(bytes, fortran)}},
+                                      deflate));
+                EXPECT_TRUE(same(read_npz(file).points, sample_strands(3, 4))) << bytes << fortran << deflate;
+            }
 }
 
 TEST_F(Npz, uv_of_roots_stay_with_their_strands) {
