@@ -93,7 +93,9 @@ void add_options(CLI::App& app, ImportOptions& o) {
     app.add_option("--units", o.units, "of the file")
         ->check(CLI::IsMember({"m", "cm", "mm", "auto"}))
         ->capture_default_str();
-    app.add_option("--up", o.up, "axis")->check(CLI::IsMember({"y", "z"}))->capture_default_str();
+    app.add_option("--up", o.up, "axis that points up; auto: as the file says, else y")
+        ->check(CLI::IsMember({"auto", "y", "z"}))
+        ->capture_default_str();
     app.add_option("--resample", o.resample, "particles a strand; 0: as it is")->check(CLI::Range(0, 100000));
     app.add_option("--scalp", o.scalp,
                    "head mesh in the units of the hair: depth of roots, and the grid laid on it");

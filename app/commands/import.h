@@ -13,7 +13,7 @@ struct ImportOptions : CommonOptions {
     static constexpr const char *command = "import",
                                 *summary = "read a hair file, report on it, write it in another format";
     static constexpr bool reads_scene = false, uses_device = false;
-    std::string input, output, units = "auto", up = "y", scalp;
+    std::string input, output, units = "auto", up = "auto", scalp;
     int resample = 0;  // 0: as it is
 };
 

@@ -45,7 +45,7 @@ struct GroomTable {
     std::string scalp_units, scalp_up;
     std::optional<Vec3d> scalp_centre;  // [m]
     std::string file;                   // strands; "": the built-in groom
-    std::string units = "auto", up = "y";
+    std::string units = "auto", up = "auto";
     double scale = 1;
     Vec3d offset{0, 0, 0};  // [m]
     bool tip_first = false, repair = false;
@@ -55,7 +55,7 @@ struct GroomTable {
     FileUnits units_of_scalp() const {
         return {scalp_units.empty() ? units : scalp_units, scalp_up.empty() ? up : scalp_up};
     }
-    static constexpr const char *units_words[] = {"m", "cm", "mm", "auto"}, *up_words[] = {"y", "z"},
+    static constexpr const char *units_words[] = {"m", "cm", "mm", "auto"}, *up_words[] = {"auto", "y", "z"},
                                 *orders[] = {"root_first", "tip_first"};
     static constexpr Parameter<GroomTable> parameters[] = {
         {KeyRow::integers("grid", {32, 32}, 1, 4096,
@@ -85,7 +85,9 @@ struct GroomTable {
                         "Unit of the numbers in the file; auto chooses by the size of the hair.", "",
                         {"file|scalp"}),
          &GroomTable::units},
-        {KeyRow::one_of("up", up_words, "y", "Axis that points up in the file.", "", {"file|scalp"}),
+        {KeyRow::one_of("up", up_words, "auto",
+                        "Axis that points up in the file; auto: as the file says, else y.", "",
+                        {"file|scalp"}),
          &GroomTable::up},
         {KeyRow::number("scale", "1", 1, 1e-6, 1e6, "Factor of the strands of the file.", "", {"file"}),
          &GroomTable::scale},

@@ -46,15 +46,18 @@ std::string drawn(const KeyRow& row, Dice& dice) {
     }
     std::string text;
     for (size_t k = 0; k < row.size; ++k) {
-        const double sign = row.minimum < 0 && dice.falls(0.5) ? -1 : 1, value = sign * value_of(row, row.vector[k], dice);
-        text += (k ? ", " : "") + (row.is_whole() ? fmt::format("{}", (long long)value) : fmt::format("{:.6g}", value));
+        const double sign = row.minimum < 0 && dice.falls(0.5) ? -1 : 1,
+                     value = sign * value_of(row, row.vector[k], dice);
+        text += (k ? ", " : "") +
+                (row.is_whole() ? fmt::format("{}", (long long)value) : fmt::format("{:.6g}", value));
     }
     return "[" + text + "]";
 }
 
 // Keys that decide how long a scene takes, or name other files.
-const std::set<std::string> left_alone{"grid", "particles", "frames", "fps", "substeps", "settle", "file", "radius_noise", "include",
-                                       "looks", "grow",  "title", "seed", "passes", "allow"};
+const std::set<std::string> left_alone{"grid",   "particles", "frames",       "fps",     "substeps",
+                                       "settle", "file",      "radius_noise", "include", "looks",
+                                       "grow",   "title",     "seed",         "passes",  "allow"};
 
 class Storm {
   public:
@@ -62,7 +65,9 @@ class Storm {
 
     std::string scene() {
         text_ = fmt::format("frames = {}\n", 8 + dice_.one_of(8));
-        write("groom", 0.25, fmt::format("grid = [{}, {}]\nparticles = {}\n", 2 + dice_.one_of(5), 2 + dice_.one_of(5), 8 + dice_.one_of(40)));
+        write("groom", 0.25,
+              fmt::format("grid = [{}, {}]\nparticles = {}\n", 2 + dice_.one_of(5), 2 + dice_.one_of(5),
+                          8 + dice_.one_of(40)));
         write("integrator", 0.15, fmt::format("substeps = {}\n", 1 + dice_.one_of(12)));
         write("stretch", 0.3), write("bend", 0.3);
         for (const char* term : {"core", "stiffness", "drag"}) maybe(term, 0.5);
@@ -83,13 +88,17 @@ class Storm {
     // A table with each of its keys at a chance.
     void write(const std::string& table, double chance, const std::string& more = "") {
         const auto& tables = scene_rows();
-        const auto found = std::find_if(tables.begin(), tables.end(), [&](const TableRow& t) { return t.name == table; });
+        const auto found =
+            std::find_if(tables.begin(), tables.end(), [&](const TableRow& t) { return t.name == table; });
         if (found == tables.end()) return;
         text_ += "[" + table + "]\n" + more;
         std::set<std::string> written;
         for (const auto& row : found->rows) {
-            if (*row.when.keys || row.kind == Kind::path || row.kind == Kind::text || row.kind == Kind::words || left_alone.contains(row.key)) continue;
-            if (dice_.falls(chance) && written.insert(row.key).second) text_ += fmt::format("{} = {}\n", row.key, drawn(row, dice_));
+            if (*row.when.keys || row.kind == Kind::path || row.kind == Kind::text ||
+                row.kind == Kind::words || left_alone.contains(row.key))
+                continue;
+            if (dice_.falls(chance) && written.insert(row.key).second)
+                text_ += fmt::format("{} = {}\n", row.key, drawn(row, dice_));
         }
     }
     void maybe(const std::string& table, double chance) {
@@ -99,14 +108,16 @@ class Storm {
     void motion(const std::string& table) {
         if (dice_.falls(0.3)) return;
         const Vec axis = way();
-        text_ += fmt::format("[{}]\naxis = [{:.4g}, {:.4g}, {:.4g}]\nangle = {:.4g}\nperiod = {:.4g}\n", table, axis[0], axis[1], axis[2],
-                             dice_.number(0, 90), std::pow(10, dice_.number(-1, 0.5)));
+        text_ +=
+            fmt::format("[{}]\naxis = [{:.4g}, {:.4g}, {:.4g}]\nangle = {:.4g}\nperiod = {:.4g}\n", table,
+                        axis[0], axis[1], axis[2], dice_.number(0, 90), std::pow(10, dice_.number(-1, 0.5)));
     }
     void solid(bool head) {
         constexpr const char* shapes[] = {"sphere", "capsule", "box", "plane"};
         const std::string shape = head ? "sphere" : shapes[dice_.one_of(4)];
         text_ += fmt::format("[[solid]]\nshape = \"{}\"\nfriction = {:.4g}\n", shape, dice_.number(0, 1));
-        if (shape == "sphere" || shape == "capsule") text_ += fmt::format("radius = {:.4g}\n", dice_.number(0.02, 0.12));
+        if (shape == "sphere" || shape == "capsule")
+            text_ += fmt::format("radius = {:.4g}\n", dice_.number(0.02, 0.12));
         if (head && dice_.falls(0.7)) {
             text_ += "attached = \"head\"\n";
             return;
@@ -114,8 +125,9 @@ class Storm {
         // From anywhere to anywhere, through the hair as it may be.
         for (const double time : {0.0, 0.3}) {
             const Vec at = way();
-            text_ += fmt::format("[[solid.motion.keyframe]]\ntime = {}\ntranslation = [{:.4g}, {:.4g}, {:.4g}]\n", time, 0.3 * at[0],
-                                 0.3 * at[1], 0.3 * at[2]);
+            text_ +=
+                fmt::format("[[solid.motion.keyframe]]\ntime = {}\ntranslation = [{:.4g}, {:.4g}, {:.4g}]\n",
+                            time, 0.3 * at[0], 0.3 * at[1], 0.3 * at[2]);
         }
     }
 
