@@ -2,6 +2,8 @@
 // all.
 #include "app/commands/render.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -72,7 +74,8 @@ class RunReel final : public Reel {
                     extent.add(solid);
             }
         }
-        camera_ = fitted_camera(extent, options_.yaw, options_.width, options_.height);
+        camera_ = fitted_camera(extent, options_.view, options_.width, options_.height);
+        fitted_at_ = runs_[0]->frame(first).head;
     }
 
     Image draw_run(size_t k, int f) const {
@@ -85,7 +88,10 @@ class RunReel final : public Reel {
         Panel panel;
         panel.layers.push_back({&frame.seen(), wet ? &frame.wetness(header) : nullptr});
         panel.solids = solids_of(header, frame, f / header.fps);
-        Image image = draw_panel(panel, camera_, options_.saturation);
+        if (!options_.light.empty())
+            panel.light_yaw = options_.light[0], panel.light_pitch = options_.light[1];
+        const Camera camera = options_.follow ? carried(camera_, fitted_at_, frame.head) : camera_;
+        Image image = draw_panel(panel, camera, options_.saturation);
         if (options_.labels)
             draw_label(image, (options_.label.empty() ? header.method : options_.label[k]) + ", " +
                                   std::to_string(frame.seen().count) + " strands, frame " +
@@ -97,6 +103,7 @@ class RunReel final : public Reel {
     std::vector<std::unique_ptr<RunReader>> runs_;
     int frames_ = 0;
     Camera camera_;
+    Pose fitted_at_;  // of the head, where the camera was placed
 };
 
 // Geometry images side by side.
@@ -145,8 +152,12 @@ void check(const RenderOptions& o, const std::string& extension) {
         throw Misuse("render: found --label " + std::to_string(o.label.size()) +
                      " times, allowed is once for each of " + std::to_string(o.runs.size()) +
                      " runs, in their order");
-    if (!(std::abs(o.yaw) <= 360))
-        throw Misuse("render: --yaw " + std::to_string(o.yaw) + ": allowed are -360 to 360 degrees");
+    auto within = [](const char* option, double value, double low, double high) {
+        if (!(value >= low && value <= high))
+            throw Misuse(fmt::format("render: {} {}: allowed are {} to {}", option, value, low, high));
+    };
+    within("--yaw", o.view.yaw, -360, 360), within("--pitch", o.view.pitch, -89, 89),
+        within("--zoom", o.view.zoom, 0.05, 50);
     refuse_scene_options(o, "render");
     refuse_device(o, "render");
     check_files(o, o.output, o.runs);
@@ -164,8 +175,14 @@ void add_options(CLI::App& app, RenderOptions& o) {
     CLI::Option* of_strands[] = {
         app.add_option("--width", o.width, "of one panel, 16 to 8192 [pixels]")->capture_default_str(),
         app.add_option("--height", o.height, "of one panel, 16 to 8192 [pixels]")->capture_default_str(),
-        app.add_option("--yaw", o.yaw, "of the camera around the head, -360 to 360 [degrees]")
+        app.add_option("--yaw", o.view.yaw, "of the camera around the head [degrees]")->capture_default_str(),
+        app.add_option("--pitch", o.view.pitch, "of the camera above the horizon [degrees]")
             ->capture_default_str(),
+        app.add_option("--zoom", o.view.zoom, "times as large as what fits")->capture_default_str(),
+        app.add_flag("--follow-head", o.follow, "the camera moves with the head"),
+        app.add_option("--light", o.light, "yaw and pitch of the key light, from the camera [degrees]")
+            ->check(CLI::Range(-180.0, 180.0))
+            ->expected(2),
         repeatable(app.add_option("--label", o.label,
                                   "of a panel, in place of its run's method (repeatable, one a run)")),
         app.add_flag("--saturation", o.saturation, "colour by saturation (red wet, blue dry)"),

@@ -1,6 +1,7 @@
 // `wetcurl render`: pictures and films.
 #pragma once
 
+#include "app/drawing/picture.h"
 #include "app/options/common_options.h"
 
 namespace CLI {
@@ -21,7 +22,10 @@ struct RenderOptions : CommonOptions {
     int pixels = 400;    // a panel's least side, for `image`
     int width = 720, height = 900;
     bool saturation = false;
-    double yaw = 30;  // of the camera around the head [degrees]
+    View view;            // of the camera around the head
+    bool follow = false;  // the camera moves with the head
+    std::vector<double>
+        light;  // yaw and pitch of the key light, from the camera [degrees]; empty: as a Panel has it
     bool labels = true;
     std::vector<std::string> label;  // of each run, in place of its method; none: the methods
 };

@@ -108,10 +108,20 @@ void Extent::add(const PosedMesh& solid) {
         points_.insert(points_.end(), outer.begin(), outer.end());
 }
 
-Camera fitted_camera(const Extent& extent, double yaw, int width, int height) {
+Camera carried(const Camera& camera, const Pose& from, const Pose& to) {
+    Camera out = camera;
+    const Quatd turn = to.rotation * conjugate(from.rotation);
+    out.eye = cast<float>(to(from.inverse(cast<double>(camera.eye))));
+    for (Vec3f* axis : {&out.right, &out.up, &out.back})
+        *axis = cast<float>(rotate(turn, cast<double>(*axis)));
+    return out;
+}
+
+Camera fitted_camera(const Extent& extent, const View& view, int width, int height) {
     const std::vector<Vec3f>& points = extent.outermost();
     if (points.empty()) throw Error("there is nothing to draw: no strands");
-    const float angle = float(yaw * std::numbers::pi / 180), pitch = 0.12f;
+    const float angle = float(view.yaw * std::numbers::pi / 180),
+                pitch = float(view.pitch * std::numbers::pi / 180);
     const Vec3f back{std::sin(angle) * std::cos(pitch), std::sin(pitch), std::cos(angle) * std::cos(pitch)};
     // Margins in pixels: the label stands on the last rows.
     const float side = 0.06f * width, top = 0.05f * height, bottom = 0.09f * height;
@@ -135,6 +145,7 @@ Camera fitted_camera(const Extent& extent, double yaw, int width, int height) {
             std::max({(right - left) / (width - 2 * side), (high - low) / (height - top - bottom), 0.05f});
         distance = std::max(distance * fill, 0.6f * size);
     }
+    camera.focal *= float(view.zoom);
     return camera;
 }
 
@@ -163,9 +174,18 @@ struct Lights {
     Light key, rim;
     Vec3f sky{0, 1, 0}, sky_color{0.62f, 0.66f, 0.72f}, front_color{0.40f, 0.38f, 0.37f};
 
-    explicit Lights(const Camera& c)
-        : key{normalized(-0.55f * c.right + 0.75f * c.up + 0.75f * c.back, c.back), {3.1f, 2.98f, 2.8f}},
+    Lights(const Camera& c, const Panel& panel)
+        : key{toward(c, panel.light_yaw, panel.light_pitch), {3.1f, 2.98f, 2.8f}},
           rim{normalized(0.75f * c.right + 0.55f * c.up - 0.75f * c.back, c.back), {1.5f, 1.6f, 1.75f}} {}
+
+  private:
+    static Vec3f toward(const Camera& c, double yaw_degrees, double pitch_degrees) {
+        const float yaw = float(yaw_degrees * std::numbers::pi / 180),
+                    pitch = float(pitch_degrees * std::numbers::pi / 180);
+        return normalized(
+            std::cos(pitch) * (std::sin(yaw) * c.right + std::cos(yaw) * c.back) + std::sin(pitch) * c.up,
+            c.back);
+    }
 };
 
 // What lies between a point and each light: hair, and solids apart, since a surface must not shade itself.
@@ -255,7 +275,7 @@ float drawn_width(int strands) {
 class Scene {
   public:
     Scene(const Panel& panel, const Camera& camera, bool rainbow)
-        : camera_(camera), lights_(camera), rainbow_(rainbow), shadows_(make_shadows(panel)) {
+        : camera_(camera), lights_(camera, panel), rainbow_(rainbow), shadows_(make_shadows(panel)) {
         for (const PosedMesh& solid : panel.solids) add_solid(solid);
         for (const StrandLayer& layer : panel.layers) add_layer(layer);
     }

@@ -57,13 +57,22 @@ class Extent {
     float strands_diagonal_ = 0;  // of the largest layer [m]
 };
 
-// A camera with a margin around all of them and room for a label below, from `yaw` degrees beside the +Z axis
-// and slightly above.
-Camera fitted_camera(const Extent& extent, double yaw, int width, int height);
+// From where a picture is taken.
+struct View {
+    double yaw = 30;      // beside the +Z axis [degrees]
+    double pitch = 6.88;  // above the horizon [degrees]
+    double zoom = 1;      // times as large as what fits
+};
+// A camera with a margin around all of them and room for a label below.
+Camera fitted_camera(const Extent& extent, const View& view, int width, int height);
+// The camera as it moves with what was at `from` and is at `to`.
+Camera carried(const Camera& camera, const Pose& from, const Pose& to);
 
 struct Panel {
     std::vector<StrandLayer> layers;
     std::vector<PosedMesh> solids;
+    // Of the key light, from the camera: to the right of it, and above [degrees].
+    double light_yaw = -36.25, light_pitch = 38.87;
 };
 
 // One panel without its label. The same bits for any number of threads.

@@ -200,6 +200,15 @@ TEST(picture, hair_under_other_hair_lies_in_its_shadow) {
     EXPECT_LT(shaded.first, 0.9 * lit.first);
 }
 
+TEST(picture, a_camera_that_follows_sees_what_moves_as_if_it_stood) {
+    const Camera camera = camera_at({0.4f, 0.2f, 1}, {0, 0, 0}, 30, 300, 400);
+    const Pose from{rotation_about({0, 1, 0}, 0.4), {0.1, 0, 0}},
+        to{rotation_about({0, 0.6, 0.8}, 1.1), {0, 0.3, -0.2}};
+    const Camera moved = carried(camera, from, to);
+    for (const Vec3d& x : {Vec3d{0, 0, 0}, {0.1, 0, 0}, {0, -0.1, 0.05}, {0.02, 0.1, -0.1}})
+        EXPECT_LT(norm(moved.project(cast<float>(to(x))) - camera.project(cast<float>(from(x)))), 2e-3f);
+}
+
 TEST(picture, the_fitted_camera_sees_all_hair_large_and_minds_no_floor) {
     const Strands strands = curls(50);
     Extent extent;
@@ -208,7 +217,7 @@ TEST(picture, the_fitted_camera_sees_all_hair_large_and_minds_no_floor) {
     floor.pose.rotation = rotation_about({1, 0, 0}, -std::numbers::pi / 2);
     extent.add(floor);
     for (double yaw : {0.0, 30.0, 200.0}) {
-        const Camera camera = fitted_camera(extent, yaw, 300, 400);
+        const Camera camera = fitted_camera(extent, {.yaw = yaw}, 300, 400);
         float left = 1e9f, right = -1e9f, top = 1e9f, bottom = -1e9f;
         for (const Vec3f& x : strands.points) {
             const Vec3f p = camera.project(x);

@@ -125,9 +125,9 @@ TEST_F(render, misuse_says_what_is_allowed) {
     options_.output = path("out.mp4");
     EXPECT_NE(refusal<Misuse>().find("--frame"), std::string::npos);
     options_.frame = -1;
-    options_.yaw = std::nan("");
+    options_.view.yaw = std::nan("");
     EXPECT_NE(refusal<Misuse>().find("-360 to 360"), std::string::npos);
-    options_.yaw = 30;
+    options_.view.yaw = 30;
     options_.width = 0;
     EXPECT_NE(refusal<Misuse>().find("16 to 8192"), std::string::npos);
     EXPECT_FALSE(fs::exists(path("out.png")));
