@@ -13,7 +13,9 @@
 #include <set>
 #include <sstream>
 
+#include "app/engine/simulated_frames.h"
 #include "app/files/results.h"
+#include "app/files/watch_results.h"
 #include "app/options/input_file.h"
 #include "app/options/repeatable.h"
 #include "base/interrupt.h"
@@ -21,6 +23,7 @@
 #include "base/progress.h"
 #include "solver/scene/scene.h"
 #include "solver/stability/battery.h"
+#include "solver/stability/storm.h"
 
 namespace wetcurl {
 
@@ -97,6 +100,78 @@ void require_rest(const Scene& scene, const std::string& name) {
                         name, longest));
 }
 
+// ---- random scenes
+
+// Largest edge length of a frame over its rest length.
+double largest_stretch(const Strands& rest, const Strands& now) {
+    double most = 0;
+#pragma omp parallel for schedule(static) reduction(max : most)
+    for (int s = 0; s < now.count; ++s)
+        for (int i = 0; i + 1 < now.particles; ++i)
+            most = std::max(most, norm(cast<double>(now.at(s, i + 1) - now.at(s, i))) /
+                                      norm(cast<double>(rest.at(s, i + 1) - rest.at(s, i))));
+    return most;
+}
+
+struct StormScene {
+    unsigned long long seed;
+    std::string text, ended;  // "whole", "warned", "diverged", "refused" when it was read
+    std::string said;         // why
+    double stretch = 0;       // largest seen, times rest
+    // Whether hair was torn and nobody was told.
+    bool silent(double allowed) const { return (ended == "whole" || ended == "warned") && stretch > allowed; }
+};
+
+StormScene weathered(unsigned long long seed) {
+    StormScene out{seed, storm_scene(seed), "whole", "", 0};
+    try {
+        const Scene scene = parse_scene(out.text, fmt::format("scene {}", seed), ".");
+        const auto simulation = make_simulation(scene, "float");
+        SimulatedFrames frames(*simulation, scene.frames);
+        RunFrame frame;
+        try {
+            while (frames.next(frame)) out.stretch = std::max(out.stretch, largest_stretch(scene.groom.rest, frame.positions));
+            if (const std::string warning = warning_of(frames.watch()); !warning.empty()) out.ended = "warned", out.said = warning;
+        } catch (const Diverged& e) {
+            out.ended = "diverged", out.said = e.what();
+        }
+    } catch (const Error& e) {
+        out.ended = "refused", out.said = e.what();
+    }
+    return out;
+}
+
+// As a table and as JSON; whether no hair was torn in silence.
+bool weather_storm(const StabilityCommandOptions& o, ResultFile& results) {
+    const InterruptGuard guard;
+    const double allowed = Integrator{}.allow_stretch;
+    std::map<std::string, int> ends;
+    Json json = Json::array();
+    int silent = 0;
+    Progress progress("storm", o.storm, "scene");
+    for (int k = 0; k < o.storm; ++k) {
+        if (guard.asked()) throw Interrupted(fmt::format("interrupted after {} of {} scenes", k, o.storm));
+        const StormScene scene = weathered((unsigned long long)(o.seed.value_or(1)) + (unsigned long long)(k));
+        ++ends[scene.ended];
+        silent += scene.silent(allowed);
+        if (scene.ended != "whole" && scene.ended != "refused" && o.json != "-")
+            fmt::print("{:8} {:10} {:8.3g} {}\n", scene.seed, scene.silent(allowed) ? "SILENT" : scene.ended, scene.stretch, scene.said);
+        json.push_back({{"seed", scene.seed},
+                        {"ended", scene.ended},
+                        {"silent", scene.silent(allowed)},
+                        {"stretch", number(scene.stretch)},
+                        {"said", scene.said},
+                        {"scene", scene.text}});
+        progress.update(k + 1);
+    }
+    if (o.json != "-") {
+        for (const auto& [end, count] : ends) fmt::print("{} {}\n", count, end);
+        fmt::print("{} of {} torn beyond {} times rest without a word\n", silent, o.storm, allowed);
+    }
+    results.write_json({{"ends", ends}, {"silent", silent}, {"scenes", json}});
+    return silent == 0;
+}
+
 }  // namespace
 
 void add_options(CLI::App& app, StabilityCommandOptions& o) {
@@ -106,10 +181,19 @@ void add_options(CLI::App& app, StabilityCommandOptions& o) {
     repeatable(app.add_option("--case", o.only, "S1 to S9 (repeatable); none: all"))
         ->check(CLI::IsMember({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"}));
     app.add_flag("--quick", o.quick, "fewer values of each parameter: under a minute");
+    app.add_option("--storm", o.storm, "random scenes, so many, in place of the battery; --seed: the first one's")
+        ->check(CLI::Range(1, 1'000'000));
 }
 
 int stability_command(const StabilityCommandOptions& o) {
     refuse_device(o, "stability");
+    if (o.storm) {
+        if (!o.scene.empty() || !o.methods.empty() || !o.only.empty() || o.quick || !o.set.empty())
+            throw Misuse("--storm: goes with --seed, --threads and --json alone: its scenes are random");
+        check_files(o, "", {});
+        ResultFile results(o);
+        return weather_storm(o, results) ? 0 : 1;
+    }
     if (o.scene.empty()) refuse_scene_options(o, "stability without a scene");
     check_files(o, "", {o.scene});
     const auto as_listed = chosen(o.methods);

@@ -16,6 +16,7 @@ struct StabilityCommandOptions : CommonOptions {
     std::string scene;                       // of S9; "": one of our own
     std::vector<std::string> methods, only;  // by name, cases by id; none: all
     bool quick = false;
+    int storm = 0;  // so many random scenes in place of the battery
 };
 
 void add_options(CLI::App& app, StabilityCommandOptions& o);
