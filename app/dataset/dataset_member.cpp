@@ -29,7 +29,9 @@ Scene scene_of(const DatasetRecipe& recipe, const DatasetMember& m) {
         Scene scene = parse_scene(config);
         if (scene.flow) throw Misuse("its water moves ([wetness.flow]), allowed is wetness that stays");
         if (!scene.adhesion_model.empty())
-            throw Misuse("it names a network in place of Eq 11 ([adhesion] model), allowed is the physics, which is what is learned");
+            throw Misuse(
+                "it names a network in place of Eq 11 ([adhesion] model), allowed is the physics, which is "
+                "what is learned");
         if (scene.riding)
             throw Misuse(
                 "its hair rides on a solid that deforms, allowed is hair that moves with a rigid head");
