@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
 
@@ -438,14 +439,14 @@ int export_command(const ExportOptions& o) {
     if (hair) hair->finish();
     if (solids) solids->finish();
     log_info("wrote " + o.output + (solids ? " and " + o.solids : ""));
-    results.write_json({{"run", o.run},
-                        {"output", o.output},
-                        {"strands", strands.count()},
-                        {"animated", o.guides ? o.guides : int(strands.count())},
-                        {"points_of_each", strands.points_of_each()},
-                        {"frames", frames.size()},
-                        {"first_number", o.first_number + frames.front()},
-                        {"metres_per_unit", target.metres}});
+    results.write_json(Json{{"run", o.run},
+                            {"output", o.output},
+                            {"strands", strands.count()},
+                            {"animated", o.guides ? size_t(o.guides) : strands.count()},
+                            {"points_of_each", strands.points_of_each()},
+                            {"frames", frames.size()},
+                            {"first_number", o.first_number + frames.front()},
+                            {"metres_per_unit", target.metres}});
     return 0;
 }
 

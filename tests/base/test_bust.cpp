@@ -6,6 +6,8 @@
 namespace wetcurl {
 namespace {
 
+using testing::expect_error;
+
 double volume(const Mesh& mesh) {
     double sum = 0;
     for (const auto& t : mesh.triangles) {
