@@ -50,7 +50,7 @@ TEST(UsdaWriter, what_is_written_reads_back_to_the_bit) {
     Scratch scratch;
     Random random(1);
     const std::string file = scratch.path("a.usda");
-    SceneFileSettings settings{30, 10, 0.01, 'z', false};
+    const SceneFileSettings settings{.fps = 30, .first_frame = 10, .metres_per_unit = 0.01, .up = 'z'};
     const CurvesObject curves = three_strands();
     std::vector<std::vector<Vec3f>> strands, heads;
     {
