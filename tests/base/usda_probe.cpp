@@ -42,7 +42,8 @@ void write(const std::string& path, char up, double metres_per_unit) {
     const MeshObject still{"/head/scalp", {4, 3}, {0, 1, 2, 3, 0, 1, 4}, 5, {}};
     MeshObject moving = still;
     moving.path = "/head/jaw";
-    const auto out = create_scene_file(path, true, {25, 1001, metres_per_unit, up, false});
+    const auto out = create_scene_file(
+        path, true, {.fps = 25, .first_frame = 1001, .metres_per_unit = metres_per_unit, .up = up});
     out->add_curves(curves);
     out->add_mesh(still);
     out->add_mesh(moving);
