@@ -20,7 +20,7 @@ GridSize finest_grid(int roots) {
         for (int height = unit; (height - unit) * (height - unit) <= roots; height += unit)
             for (int width = height; width <= 1.5 * height + 1; width += unit) {
                 const int holes = width * height - roots;
-                if (holes < 0 || holes > most_holes({width, height}) || (unit > 1 && holes > 0.1 * roots))
+                if (holes < 0 || holes > most_holes({width, height}) || (unit > 1 && holes > 0.125 * roots))
                     continue;
                 if (holes < fewest) best = {width, height}, fewest = holes;
                 break;

@@ -146,7 +146,7 @@ TEST(SceneGroom, a_file_laid_over_a_built_in_groom_leaves_its_keys_to_rest) {
     Scratch scratch;
     const std::string file = scratch.file("hair.data", data_file(hedgehog(100, 5)));
     const Groom g = load("curl_radius = 0.01\npitch = 0.03\nunits = 'm'\n", ".", file);
-    EXPECT_EQ(g.rest.count, 96);
+    EXPECT_EQ(g.rest.count, 100);
     expect_error<Misuse>([&] { load("curl_radius = -1\nunits = 'm'\n", ".", file); },
                          {"scene.toml:2", "curl_radius"});
     expect_error<Misuse>([&] { load("curl_radios = 1\nunits = 'm'\n", ".", file); },
