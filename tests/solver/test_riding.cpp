@@ -119,7 +119,7 @@ TEST(Riding, roots_stay_on_the_skin_of_a_body_that_twists_and_bends) {
             const auto at = [&](int i) { return cast<double>(frame.positions.at(s, i)); };
             // Straight out of the skin there: across two tangents of the deformed surface.
             const size_t k = size_t(s);
-            const int number = scene.groom.number.empty() ? s : scene.groom.origin[k].number;
+            const int number = scene.groom.origin.empty() ? s : scene.groom.origin[k].number;
             const Vec3d x = skin[size_t(number)], n = side[size_t(number)];
             const double d = 1e-5;
             const auto along = [&](const Vec3d& t) {
