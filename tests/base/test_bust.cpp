@@ -48,7 +48,7 @@ TEST(Bust, its_level_set_has_the_distance_of_its_surface) {
     const MeshDistance exact(level_set.mesh());
     for (const Vec3d& x : {Vec3d{0, 0, 0}, Vec3d{0.02, 0.03, 0.15}, Vec3d{0, -0.25, 0.2}, Vec3d{0.2, 0, 0}}) {
         const double d = exact.closest(x).distance * (exact.inside(x) ? -1 : 1);
-        EXPECT_NEAR(sample(level_set.grid(), x).phi, d, 1e-3);
+        EXPECT_NEAR(sample(level_set.grid(), x).phi, d, 2e-3);  // a third of a cell, of 5 mm
         EXPECT_EQ(d < 0, bust_at(x) < 0);
     }
 }
