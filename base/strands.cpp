@@ -40,7 +40,7 @@ std::vector<StrandOrigin> origins_of(const Groom& groom) {
     std::vector<StrandOrigin> origin(size_t(groom.rest.count));
     for (int row = 0; row < groom.grid.height; ++row)
         for (int column = 0; column < groom.grid.width; ++column)
-            if (const int s = groom.grid.at(column, row); s >= 0)
+            if (const int s = groom.grid.at(column, row); s >= 0 && s < groom.rest.count)
                 origin[size_t(s)] = {
                     .number = s,
                     .id = s,
