@@ -202,8 +202,8 @@ TEST(UsdaWriter, misuse_and_bad_frames_are_refused_and_leave_nothing) {
                      out.add_mesh(mesh);
                  }),
                  {"/head", "point 4"});
-    expect_error<Misuse>([&] { create_usda(file, false, {24, 1, 1, 'x', false}); }, {"'x'", "y, z"});
-    expect_error<Misuse>([&] { create_usda(file, false, {0, 1, 1, 'y', false}); }, {"frames a second"});
+    expect_error<Misuse>([&] { create_usda(file, false, {.up = 'x'}); }, {"'x'", "y, z"});
+    expect_error<Misuse>([&] { create_usda(file, false, {.fps = 0}); }, {"frames a second"});
     EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
 }
 
