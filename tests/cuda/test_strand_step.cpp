@@ -212,7 +212,7 @@ TEST(StrandStep, of_roots_that_ride_does_what_the_reference_passes_do) {
         return rotate(rotation_about({0, 1, 0}, turn), x) + Vec3d{0.4 * time, 0.3 * time * x.x, 0};
     };
     Scene scene = scene_of("[groom]\nscalp = \"body\"\n" + wet_scene.substr(wet_scene.find("grid")) +
-                               "[[solid]]\nname = \"body\"\nshape = \"mesh\"\n" +
+                               "[[solid]]\nname = \"body\"\nshape = \"mesh\"\nattached = \"head\"\n" +
                                mesh_keyframes(scratch, triangulated(Sphere{0.095}, 48), twists, 24, 6),
                            {"stiffness.wet=4"});
     scene.solids.clear(), scene.term<Adhesion>().reset();

@@ -278,7 +278,8 @@ TEST(Curves, of_all_objects_are_joined_with_what_the_file_says_of_them) {
     a.ids = {10, 11}, b.ids = {12};
     a.groups = {0, 1}, b.groups = {2};
     a.root_uv = {{0, 0}, {0.5f, 0}};  // of b not said: left out
-    const auto out = create_scene_file(file, false, {.fps = 24, .first_frame = 1, .metres_per_unit = 0.01, .up = 'z'});
+    const auto out =
+        create_scene_file(file, false, {.fps = 24, .first_frame = 1, .metres_per_unit = 0.01, .up = 'z'});
     out->add_curves(a);
     out->add_curves(b);
     for (float up : {0.0f, 1.0f}) {
