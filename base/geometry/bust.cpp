@@ -90,6 +90,7 @@ Vec3d gradient(const Vec3d& x) {
 double bust_at(const Vec3d& x, double radius) { return radius / skull * at_usual_size((skull / radius) * x); }
 
 Mesh bust_mesh(double radius, double spacing) {
+    if (spacing == 0) spacing = radius / 27;
     if (!(radius > 0 && spacing > 0)) throw Error("a bust: radius and spacing must be above 0");
     const double h = spacing * skull / radius;
     const Vec3d low{-0.235, -0.36, -0.145}, high{0.235, 0.115, 0.135};

@@ -12,8 +12,9 @@ namespace wetcurl {
 // exact distance. Those are a LevelSet's, of the mesh.
 double bust_at(const Vec3d& x, double radius = 0.095);
 
-// The surface where bust_at is 0, closed, triangles outward; vertices about `spacing` [m] apart.
-Mesh bust_mesh(double radius = 0.095, double spacing = 0.0035);
+// The surface where bust_at is 0, closed, triangles outward; vertices about `spacing` [m] apart, 0: a 27th of
+// the radius. Throws Error for a radius or a spacing below 0, and for a spacing too fine for memory.
+Mesh bust_mesh(double radius = 0.095, double spacing = 0);
 
 // Whether hair grows in `direction` (unit) from the middle of the skull: above brow and temples, round the
 // ears, down to the nape. As the angle from straight up at which it ends [rad].

@@ -71,6 +71,8 @@ def wrong_values(key):
         return ["3", "true"] + (['"no such word"'] if kind == "word" else [])
     if kind == "boolean":
         return ["1", '"true"']
+    if kind == "words":
+        return ["3", '"up"', '["no such word"]', "[3]"]
     numbers = [str(key["minimum"] - 1), str(key["maximum"] * 2 + 1)]
     if kind in ("number", "integer"):
         return ['"much"', "true", "[1]"] + numbers + (["1.5"] if kind == "integer" else [])
