@@ -25,7 +25,7 @@ for word in "$@"; do
     case $last in
         --strands) word=16 ;;
         --frame) word=1 ;;
-        --frames) word=3 ;;
+        --frames) [[ ${words[0]} == export ]] || word=3 ;;
         --device) word=cpu ;;
         --filter) word='level set build 16' ;;
     esac
