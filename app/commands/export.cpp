@@ -164,8 +164,9 @@ std::vector<T> of_strands(const std::vector<T>& all, const std::vector<int>& som
 
 // Diameter of a hair of the scene [m].
 double width_of_scene(const RunHeader& header) {
-    const Scene scene =
-        parse_scene(header.scene, scene_name(header), header.scene_folder, {.stride = header.stride});
+    SceneOptions options;
+    options.stride = header.stride;
+    const Scene scene = parse_scene(header.scene, scene_name(header), header.scene_folder, options);
     return std::sqrt(4 * scene.linear_density / (std::numbers::pi * scene.volume_density));
 }
 
