@@ -13,6 +13,7 @@
 #include "app/drawing/picture.h"
 #include "app/engine/run_solids.h"
 #include "app/files/results.h"
+#include "app/files/run_file.h"
 #include "app/options/input_file.h"
 #include "app/options/repeatable.h"
 #include "base/interrupt.h"
@@ -68,7 +69,7 @@ class RunReel final : public Reel {
             for (const auto& run : runs_) {
                 const RunFrame frame = run->frame(f);
                 extent.add(frame.seen());
-                for (const PosedMesh& solid : solids_of(run->header(), frame, f / run->header().fps))
+                for (const PosedMesh& solid : solids_of(run->header(), frame, run->header().time(f)))
                     extent.add(solid);
             }
         }
@@ -84,7 +85,7 @@ class RunReel final : public Reel {
                          (options_.saturation || !header.method.starts_with("simulated dry"));
         Panel panel;
         panel.layers.push_back({&frame.seen(), wet ? &frame.wetness(header) : nullptr});
-        panel.solids = solids_of(header, frame, f / header.fps);
+        panel.solids = solids_of(header, frame, header.time(f));
         Image image = draw_panel(panel, camera_, options_.saturation);
         if (options_.labels)
             draw_label(image, (options_.label.empty() ? header.method : options_.label[k]) + ", " +
@@ -189,7 +190,9 @@ void add_options(CLI::App& app, RenderOptions& o) {
         "without a strand are hatched.");
 }
 
-int render_command(const RenderOptions& options) {
+int render_command(const RenderOptions& given) {
+    RenderOptions options = given;
+    for (auto& path : options.runs) path = run_to_read(path);
     const std::string extension = std::filesystem::path(options.output).extension().string();
     check(options, extension);
     const std::unique_ptr<Reel> reel = reel_of(options);

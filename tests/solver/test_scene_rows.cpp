@@ -307,6 +307,7 @@ const std::map<string, string> no_effect = {
     {"include", "names a file whose keys are walked themselves"},
     {"title", "is for people"},
     {"frames", "says how long a run is, not what a frame shows"},
+    {"integrator.allow_stretch", "ends a run, or does not"},
     {"groom.density", "cancels in Eq 10, which is a ratio; only rounding is left"},
     {"adhesion.model", "is a network, which the program loads"},
     {"solid.name", "is for people"},
