@@ -46,12 +46,16 @@ class FrameDelivery {
         // computes and a processor writes.
         bool overlap = false;
         std::function<std::string()> note = {};  // at the end of the progress bar, after each frame
+        // Run times [s] of frames 0, 1, ... that are delivered already; the source goes on after them.
+        std::vector<double> earlier = {};
     };
     using Sink = std::function<void(int index, const RunFrame& frame)>;
 
     // The guard must outlive this.
     FrameDelivery(Settings settings, const InterruptGuard& guard)
-        : settings_(std::move(settings)), guard_(guard) {}
+        : settings_(std::move(settings)), guard_(guard), delivered_(int(settings_.earlier.size())) {
+        if (delivered_ > 0) seconds_.assign(settings_.earlier.begin() + 1, settings_.earlier.end());
+    }
     // Returns when all frames are delivered, none is left, or a signal has come. What source and sink throw
     // goes on to the caller, after a frame that is still on its way has been delivered.
     void run(FrameSource& source, const Sink& sink);
@@ -66,7 +70,7 @@ class FrameDelivery {
   private:
     Settings settings_;
     const InterruptGuard& guard_;
-    int delivered_ = 0;
+    int delivered_;
     std::vector<double> seconds_;
     double sink_seconds_ = 0;
 };

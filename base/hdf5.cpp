@@ -97,8 +97,50 @@ hid_t unlocked() {
     }();
     return list;
 }
-// The environment's word would go before that. Its "FALSE", for file systems without locks, still holds for
-// reading.
+// The same, for files that others read while they are written: what HDF5 calls SWMR needs this layout.
+hid_t shared_layout() {
+    static const hid_t list = [] {
+        const hid_t l = H5Pcopy(unlocked());
+        H5Pset_libver_bounds(l, H5F_LIBVER_V110, H5F_LIBVER_V110);
+        return l;
+    }();
+    return list;
+}
+// A kill divides a write where the kernel's pages meet. None of the blocks that hold a file together crosses
+// a page here, so that each is written or not.
+hid_t paged() {
+    static const hid_t list = [] {
+        constexpr hsize_t page = 4096;
+        const hid_t l = H5Pcreate(H5P_FILE_CREATE);
+        H5Pset_file_space_strategy(l, H5F_FSPACE_STRATEGY_PAGE, false, 1);
+        H5Pset_file_space_page_size(l, page);
+        return l;
+    }();
+    return list;
+}
+// The same, of a file whose writer was killed: it still says that it is being written. The property is that
+// of HDF5's own h5clear.
+hid_t after_a_kill() {
+    static const hid_t list = [] {
+        const hid_t l = H5Pcopy(shared_layout());
+        const hbool_t clear = true;
+        H5Pset(l, "clear_status_flags", &clear);
+        return l;
+    }();
+    return list;
+}
+// To read such a file: what is damaged is not asked for again and again, each time after twice as long a
+// pause, as HDF5 does; what is being written is, for some milliseconds.
+hid_t shared_reading(bool being_written) {
+    const auto list_of = [](unsigned attempts) {
+        const hid_t l = H5Pcopy(shared_layout());
+        H5Pset_metadata_read_attempts(l, attempts);
+        return l;
+    };
+    static const hid_t written = list_of(22), left = list_of(1);
+    return being_written ? written : left;
+}
+// The environment's word would go before that.
 const bool unlocked_can_be_had = [] {
     const char* word = std::getenv("HDF5_USE_FILE_LOCKING");
     return !word || std::string(word) == "FALSE" || std::string(word) == "0" ||
@@ -121,11 +163,21 @@ bool is_hdf5(const std::string& path) {
     return std::string_view(start, sizeof start) == signature;
 }
 
-H5Writer::H5Writer(OutputFile place, const std::string& format, int version)
-    : place_(std::move(place)), path_(place_.path()) {
+// Whether it has the layout of files that are shared, by the version of its first block.
+static bool is_shared(const std::string& path) {
+    constexpr size_t signature = 8;
+    char start[signature + 1] = {};
+    std::ifstream(path, std::ios::binary).read(start, sizeof start);
+    return start[signature] >= 3;
+}
+
+H5Writer::H5Writer(OutputFile place, const std::string& format, int version, Layout layout)
+    : place_(std::move(place)), path_(place_.path()), layout_(layout) {
     const Turn turn;
     place_.begin();
-    file_ = H5Fcreate(place_.partial().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, unlocked());
+    const bool shared = layout == Layout::shared;
+    file_ = H5Fcreate(place_.partial().c_str(), H5F_ACC_TRUNC, shared ? paged() : H5P_DEFAULT,
+                      shared ? shared_layout() : unlocked());
     check(file_ >= 0, path_, "cannot be written (HDF5 cannot make " + place_.partial() + ")");
     try {
         attribute("format", format);
@@ -137,11 +189,36 @@ H5Writer::H5Writer(OutputFile place, const std::string& format, int version)
     }
 }
 
+H5Writer::H5Writer(OutputFile place)
+    : place_(std::move(place)), path_(place_.path()), layout_(Layout::shared) {
+    const Turn turn;
+    place_.keep();
+    file_ = H5Fopen(place_.partial().c_str(), H5F_ACC_RDWR, after_a_kill());
+    check(file_ >= 0, path_, "cannot go on with " + place_.partial() + ": it is cut short or damaged");
+    // Killed between two flushes, the file says that it ends before its last rows: they must not be
+    // overwritten.
+    if (H5Fincrement_filesize(file_, 0) >= 0 && H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0 &&
+        H5Fstart_swmr_write(file_) >= 0) {
+        shared_ = true;
+        return;
+    }
+    H5Fclose(file_);
+    throw Error(path_ + ": cannot go on with " + place_.partial() + " (disk full, or another layout?)");
+}
+
 H5Writer::~H5Writer() {
     const Turn turn;
     if (file_ < 0) return;
     place_.keep();
-    H5Fclose(file_);
+    // To close it would write on after a full disk, in another order than readers rely on: it stays as a kill
+    // leaves it.
+    if (!failed_) H5Fclose(file_);
+}
+
+// Of a write to a file that may be shared.
+void H5Writer::require(bool ok, const std::string& what) {
+    failed_ = failed_ || (shared_ && !ok);
+    check(ok, path_, what);
 }
 
 template <class T>
@@ -158,38 +235,77 @@ void H5Writer::write(const std::string& name, const T* data, const std::vector<s
           "dataset '" + name + "' cannot be written (disk full?)");
 }
 
+static std::vector<hsize_t> row_of(const std::vector<size_t>& shape) {
+    std::vector<hsize_t> row{1};
+    row.insert(row.end(), shape.begin(), shape.end());
+    return row;
+}
+
+template <class T>
+void H5Writer::make_rows(const std::string& name, const std::vector<size_t>& shape) {
+    const Turn turn;
+    const std::vector<hsize_t> row = row_of(shape);
+    std::vector<hsize_t> none = row, limit = row;
+    none[0] = 0;
+    limit[0] = H5S_UNLIMITED;
+    // Never more of the second axis; but chunks of two unlimited axes are found by a tree, whose nodes are
+    // smaller than a page, and those of one by blocks that grow beyond it.
+    if (layout_ == Layout::shared) limit.at(1) = H5S_UNLIMITED;
+    Handle space(H5Screate_simple(int(row.size()), none.data(), limit.data()), H5Sclose);
+    Handle plist(untimed_dataset(), H5Pclose);
+    H5Pset_chunk(plist, int(row.size()), row.data());
+    Handle made(
+        H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), plist, H5P_DEFAULT),
+        H5Dclose);
+    check(made >= 0, path_, "dataset '" + name + "' cannot be made");
+}
+
+static std::vector<hsize_t> extent_of(hid_t set) {
+    Handle space(H5Dget_space(set), H5Sclose);
+    std::vector<hsize_t> extent(size_t(std::max(0, H5Sget_simple_extent_ndims(space))));
+    if (!extent.empty()) H5Sget_simple_extent_dims(space, extent.data(), nullptr);
+    return extent;
+}
+
+template <class T>
+void H5Writer::put_row(const std::string& name, size_t row, const T* data, const std::vector<size_t>& shape) {
+    const Turn turn;
+    const std::vector<hsize_t> one = row_of(shape);
+    Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    check(set >= 0, path_, "dataset '" + name + "' cannot be opened");
+    std::vector<hsize_t> extent = extent_of(set), start(one.size(), 0);
+    check(extent.size() == one.size() && std::equal(one.begin() + 1, one.end(), extent.begin() + 1), path_,
+          "dataset '" + name + "' has rows of another size");
+    start[0] = row;
+    if (row >= extent[0]) {
+        extent[0] = row + 1;
+        require(H5Dset_extent(set, extent.data()) >= 0, "dataset '" + name + "' cannot grow");
+    }
+    Handle space(H5Dget_space(set), H5Sclose);
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, one.data(), nullptr);
+    Handle memory(H5Screate_simple(int(one.size()), one.data(), nullptr), H5Sclose);
+    require(H5Dwrite(set, type_of<T>(), memory, space, H5P_DEFAULT, data) >= 0 && set.closed(),
+            "dataset '" + name + "' cannot be written (disk full?)");
+}
+
 template <class T>
 void H5Writer::append(const std::string& name, const T* data, const std::vector<size_t>& shape) {
     const Turn turn;
-    std::vector<hsize_t> row{1};
-    row.insert(row.end(), shape.begin(), shape.end());
-    const int rank = int(row.size());
+    size_t rows = 0;
     if (H5Lexists(file_, name.c_str(), H5P_DEFAULT) <= 0) {
-        std::vector<hsize_t> none = row, limit = row;
-        none[0] = 0;
-        limit[0] = H5S_UNLIMITED;
-        Handle space(H5Screate_simple(rank, none.data(), limit.data()), H5Sclose);
-        Handle plist(untimed_dataset(), H5Pclose);
-        H5Pset_chunk(plist, rank, row.data());
-        Handle made(
-            H5Dcreate2(file_, name.c_str(), type_of<T>(), space, intermediate_groups(), plist, H5P_DEFAULT),
-            H5Dclose);
-        check(made >= 0, path_, "dataset '" + name + "' cannot be made");
+        make_rows<T>(name, shape);
+    } else {
+        Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+        check(set >= 0, path_, "dataset '" + name + "' cannot be opened");
+        rows = size_t(extent_of(set).at(0));
     }
-    Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
-    check(set >= 0, path_, "dataset '" + name + "' cannot be opened");
-    std::vector<hsize_t> extent(row.size()), start(row.size(), 0);
-    {
-        Handle space(H5Dget_space(set), H5Sclose);
-        H5Sget_simple_extent_dims(space, extent.data(), nullptr);
-    }
-    start[0] = extent[0]++;
-    check(H5Dset_extent(set, extent.data()) >= 0, path_, "dataset '" + name + "' cannot grow");
-    Handle space(H5Dget_space(set), H5Sclose);
-    H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, row.data(), nullptr);
-    Handle memory(H5Screate_simple(rank, row.data(), nullptr), H5Sclose);
-    check(H5Dwrite(set, type_of<T>(), memory, space, H5P_DEFAULT, data) >= 0 && set.closed(), path_,
-          "dataset '" + name + "' cannot be written (disk full?)");
+    put_row(name, rows, data, shape);
+}
+
+void H5Writer::share() {
+    const Turn turn;
+    check(H5Fstart_swmr_write(file_) >= 0, path_, "cannot be written (disk full?)");
+    shared_ = true;
 }
 
 void H5Writer::attribute(const std::string& name, const std::string& value) {
@@ -218,8 +334,8 @@ void H5Writer::link(const std::string& name, const std::string& file, const std:
 
 void H5Writer::flush() {
     const Turn turn;
-    check(H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0, path_,
-          "cannot be written (disk full?); what was written is in " + place_.partial());
+    require(H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0,
+            "cannot be written (disk full?); what was written is in " + place_.partial());
 }
 
 void H5Writer::commit() {
@@ -241,34 +357,59 @@ static void require_unwritten(const std::string& path, const std::string& writer
     check(writer.empty(), path, "found that " + writer + " writes it; wait until it ends");
 }
 
-// A file gets its name a moment before its writer lets go of it.
-static hid_t opened_to_read(const std::string& path) {
-    constexpr int most = 50;
-    std::string writer;
-    for (int k = 0; k < most; ++k) {
-        const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-        if (file >= 0) return file;
-        writer = writer_of(path);
-        if (writer.empty() && k > 0) break;
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    require_unwritten(path, writer);
-    throw Error(path + ": is cut short or damaged (HDF5 cannot open it)");
+// NAME where NAME.partial was named and has just got its name.
+constexpr std::string_view partial_ending = ".partial";
+static std::string present_name(const std::string& path) {
+    std::error_code error;
+    if (!path.ends_with(partial_ending) || fs::exists(path, error)) return path;
+    const std::string name = path.substr(0, path.size() - partial_ending.size());
+    return fs::exists(name, error) ? name : path;
 }
 
-H5Reader::H5Reader(const std::string& path, const std::string& format, int version, int oldest)
-    : path_(path) {
+// Opens what nobody writes, what a process writes that lets others read it, or what one left that was killed.
+void H5Reader::open(bool mine) {
+    // A file gets its name a moment before its writer lets go of it, and a writer opens it before it shares
+    // it.
+    constexpr int most = 50;
+    for (int k = 0; k < most; ++k) {
+        if (k > 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        path_ = present_name(path_);
+        const bool partial = path_.ends_with(partial_ending);
+        writer_ = "";
+        if (!mine) {
+            lock_.emplace(path_);
+            if (!lock_->is_held()) lock_.reset(), writer_ = writer_of(path_);
+        }
+        const bool alone = mine || lock_;
+        written_ = Written::whole;
+        if (alone) file_ = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, unlocked());
+        if (file_ >= 0) return;
+        if (partial && is_shared(path_)) {
+            written_ = alone ? Written::broken_off : Written::under_way;
+            file_ = H5Fopen(path_.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, shared_reading(!alone));
+            if (file_ < 0 && alone) file_ = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, after_a_kill());
+            if (file_ >= 0) return;
+        }
+        if (alone && k > 0) break;
+    }
+    require_unwritten(path_, writer_);
+    throw Error(path_ + ": is cut short or damaged (HDF5 cannot open it)");
+}
+
+H5Reader::H5Reader(const std::string& named, const std::string& format, int version, int oldest, bool mine)
+    : path_(present_name(named)) {
     const Turn turn;
+    const std::string path = path_;
     if (!fs::exists(path)) throw Error(path + ": no such file");
     if (fs::is_directory(path)) throw Error(path + ": found a folder, a '" + format + "' file is needed");
     const bool empty = fs::file_size(path) == 0;
     if (!empty) refuse_lfs_pointer(path);
-    if (empty || H5Fis_hdf5(path.c_str()) <= 0) {
-        require_unwritten(path, writer_of(path));
+    if (empty || !is_hdf5(path)) {
+        require_unwritten(path, mine ? "" : writer_of(path));
         throw Error(path + (empty ? ": the file is empty"
                                   : ": found no HDF5 file, a '" + format + "' file is needed"));
     }
-    file_ = opened_to_read(path);
+    open(mine);
     try {
         check(has("about/format"), path, "found a foreign HDF5 file, a '" + format + "' file is needed");
         const std::string found = text("format");
@@ -283,6 +424,28 @@ H5Reader::H5Reader(const std::string& path, const std::string& format, int versi
         H5Fclose(file_);
         throw;
     }
+}
+
+size_t H5Reader::rows_there(const std::string& name, size_t rows) const {
+    const Turn turn;
+    Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    check(set >= 0, path_, "dataset '" + name + "' cannot be opened (damaged)");
+    const std::vector<hsize_t> extent = extent_of(set);
+    if (extent.empty()) return 0;
+    rows = std::min(rows, size_t(extent[0]));
+    std::error_code error;
+    const auto size = fs::file_size(path_, error);
+    std::vector<hsize_t> row(extent.size(), 0);
+    for (; rows > 0; --rows) {
+        row[0] = rows - 1;
+        unsigned mask = 0;
+        haddr_t place = HADDR_UNDEF;
+        hsize_t bytes = 0;
+        if (H5Dget_chunk_info_by_coord(set, row.data(), &mask, &place, &bytes) >= 0 && place != HADDR_UNDEF &&
+            place + bytes <= size)
+            break;
+    }
+    return rows;
 }
 
 H5Reader::~H5Reader() {
@@ -345,7 +508,9 @@ std::vector<size_t> H5Reader::shape(const std::string& name) const {
     std::vector<hsize_t> dims(size_t(std::max(0, H5Sget_simple_extent_ndims(space))));
     if (!dims.empty()) H5Sget_simple_extent_dims(space, dims.data(), nullptr);
     const std::vector<size_t> found(dims.begin(), dims.end());
-    if (!stored_.contains(name)) {
+    Handle list(H5Dget_create_plist(set), H5Pclose);
+    const bool grows = written_ != Written::whole && H5Pget_layout(list) == H5D_CHUNKED;
+    if (!grows && !stored_.contains(name)) {
         check_stored(set, found, path_, name);
         stored_.insert(name);
     }
@@ -387,6 +552,33 @@ std::vector<T> H5Reader::read(const std::string& name, const std::vector<size_t>
     if (count)
         check(H5Dread(set, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, out.data()) >= 0, path_,
               "dataset '" + name + "' cannot be read (cut short or damaged)");
+    check_finite(out, path_, name);
+    return out;
+}
+
+template <class T>
+std::vector<T> H5Reader::read_rows(const std::string& name, size_t rows,
+                                   const std::vector<size_t>& wanted) const {
+    const Turn turn;
+    const auto found = shape(name);
+    check(found.size() == wanted.size() + 1 && found[0] >= rows &&
+              std::equal(wanted.begin(), wanted.end(), found.begin() + 1),
+          path_,
+          "dataset '" + name + "' has shape " + shape_text(found) + ", needed " + std::to_string(rows) +
+              " rows or more of " + shape_text(wanted));
+    size_t each = 1;
+    for (const size_t side : wanted) each *= side;
+    std::vector<T> out(rows * each);
+    Handle set(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    check_same_kind(set, type_of<T>(), path_, name);
+    std::vector<hsize_t> start(found.size(), 0), count(found.begin(), found.end());
+    count[0] = rows;
+    Handle space(H5Dget_space(set), H5Sclose);
+    Handle memory(H5Screate_simple(int(count.size()), count.data(), nullptr), H5Sclose);
+    if (!out.empty())
+        check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0 &&
+                  H5Dread(set, type_of<T>(), memory, space, H5P_DEFAULT, out.data()) >= 0,
+              path_, "dataset '" + name + "' cannot be read (cut short or damaged)");
     check_finite(out, path_, name);
     return out;
 }
@@ -455,10 +647,14 @@ std::vector<std::string> H5Reader::list(const std::string& group) const {
     return names;
 }
 
-#define WETCURL_FOR(T)                                                                               \
-    template void H5Writer::write<T>(const std::string&, const T*, const std::vector<size_t>&);      \
-    template void H5Writer::append<T>(const std::string&, const T*, const std::vector<size_t>&);     \
-    template std::vector<T> H5Reader::read<T>(const std::string&, const std::vector<size_t>&) const; \
+#define WETCURL_FOR(T)                                                                                     \
+    template void H5Writer::write<T>(const std::string&, const T*, const std::vector<size_t>&);            \
+    template void H5Writer::append<T>(const std::string&, const T*, const std::vector<size_t>&);           \
+    template void H5Writer::make_rows<T>(const std::string&, const std::vector<size_t>&);                  \
+    template void H5Writer::put_row<T>(const std::string&, size_t, const T*, const std::vector<size_t>&);  \
+    template std::vector<T> H5Reader::read<T>(const std::string&, const std::vector<size_t>&) const;       \
+    template std::vector<T> H5Reader::read_rows<T>(const std::string&, size_t, const std::vector<size_t>&) \
+        const;                                                                                             \
     template void H5Reader::read_row<T>(const std::string&, size_t, T*) const;
 WETCURL_FOR(float)
 WETCURL_FOR(double)

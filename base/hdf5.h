@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,12 +18,17 @@ namespace wetcurl {
 // name when `commit` is called. One that is destroyed uncommitted stays as NAME.partial, readable.
 class H5Writer {
   public:
+    // `shared`: other processes read it while it grows (`share`), which needs HDF5 1.10 or later to read.
+    enum class Layout { plain, shared };
     // Throws Error where `path` exists and `overwrite` is false, where another process writes it, or where it
     // cannot be made.
     H5Writer(const std::string& path, const std::string& format, int version, bool overwrite)
         : H5Writer(OutputFile(path, overwrite), format, version) {}
     // Into a place that was secured before.
-    H5Writer(OutputFile place, const std::string& format, int version);
+    H5Writer(OutputFile place, const std::string& format, int version, Layout layout = Layout::plain);
+    // Goes on with what an earlier process left at `place.partial()`, of Layout::shared; it is shared at
+    // once. Throws Error where that cannot be opened; it then stays as it is.
+    explicit H5Writer(OutputFile place);
     ~H5Writer();
     H5Writer(const H5Writer&) = delete;
     H5Writer& operator=(const H5Writer&) = delete;
@@ -38,6 +44,15 @@ class H5Writer {
     // Appends one row of `shape` to the extendable dataset `name` (made on first use, one chunk a row).
     template <class T>
     void append(const std::string& name, const T* data, const std::vector<size_t>& shape);
+    // An extendable dataset of no rows of `shape`, as `append` makes it.
+    template <class T>
+    void make_rows(const std::string& name, const std::vector<size_t>& shape);
+    // Row `row` of the extendable dataset `name`, which grows where it has fewer.
+    template <class T>
+    void put_row(const std::string& name, size_t row, const T* data, const std::vector<size_t>& shape);
+    // From now on other processes may read the file, and a kill at any moment leaves it readable. Only rows
+    // of extendable datasets may be written from here on. For Layout::shared.
+    void share();
     void attribute(const std::string& name, const std::string& value);
     void attribute(const std::string& name, double value);
     // `name` here is what lies at `target` in another file, whose path starts at this one's folder.
@@ -48,9 +63,12 @@ class H5Writer {
     const std::string& path() const { return path_; }
 
   private:
+    void require(bool ok, const std::string& what);
     OutputFile place_;
     std::string path_;
+    Layout layout_;
     int64_t file_ = -1;
+    bool shared_ = false, failed_ = false;
 };
 
 // By its first bytes. False where it cannot be read.
@@ -58,19 +76,35 @@ bool is_hdf5(const std::string& path);
 
 class H5Reader {
   public:
-    // Throws Error where the file is missing, empty, being written, cut short, foreign, of another format, or
-    // of a version newer than `version` or older than `oldest`.
-    H5Reader(const std::string& path, const std::string& format, int version, int oldest = 1);
+    // How far its writer came: to its end, not yet there, or broken off by a kill or a full disk. Only a file
+    // of Layout::shared under its partial name can be read in the last two.
+    enum class Written { whole, under_way, broken_off };
+    // Throws Error where the file is missing, empty, cut short, foreign, of another format, of a version
+    // newer than `version` or older than `oldest`, or is being written and cannot be read meanwhile. `mine`:
+    // this process holds the lock of an OutputFile there, and writes nothing meanwhile.
+    H5Reader(const std::string& path, const std::string& format, int version, int oldest = 1,
+             bool mine = false);
     ~H5Reader();
     H5Reader(const H5Reader&) = delete;
     H5Reader& operator=(const H5Reader&) = delete;
 
+    Written written() const { return written_; }
+    // "process 123", while it writes the file; "" otherwise.
+    const std::string& writer() const { return writer_; }
+    // How many of the first `rows` rows of an extendable dataset the file holds whole: fewer where it was
+    // cut.
+    size_t rows_there(const std::string& name, size_t rows) const;
+
     bool has(const std::string& name) const;
-    // Throws Error where the file holds fewer bytes than that many values have.
+    // Throws Error where the file holds fewer bytes than that many values have; rows of a file that is not
+    // whole may be on their way.
     std::vector<size_t> shape(const std::string& name) const;
     // The whole dataset. `shape`, where given, must match (0 = any). Floating data is checked to be finite.
     template <class T>
     std::vector<T> read(const std::string& name, const std::vector<size_t>& shape = {}) const;
+    // The first `rows` rows of a dataset of rows of `shape`, one after the other; as `read` otherwise.
+    template <class T>
+    std::vector<T> read_rows(const std::string& name, size_t rows, const std::vector<size_t>& shape) const;
     // Row `row` of the first axis.
     template <class T>
     void read_row(const std::string& name, size_t row, T* out) const;
@@ -82,8 +116,11 @@ class H5Reader {
     const std::string& path() const { return path_; }
 
   private:
-    std::string path_;
+    void open(bool mine);
+    std::string path_, writer_;
     int64_t file_ = -1;
+    Written written_ = Written::whole;
+    std::optional<SharedLock> lock_;        // no process begins to write what is read
     mutable std::set<std::string> stored_;  // datasets whose values the file is known to hold
 };
 

@@ -270,6 +270,17 @@ std::string writer_of(const std::string& path) {
     return writer;
 }
 
+SharedLock::SharedLock(const std::string& path)
+    : descriptor_(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {
+    if (descriptor_ < 0) return;
+    held_ = flock(descriptor_, LOCK_SH | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+SharedLock::SharedLock(SharedLock&& from) noexcept
+    : descriptor_(std::exchange(from.descriptor_, -1)), held_(from.held_) {}
+SharedLock::~SharedLock() {
+    if (descriptor_ >= 0) close(descriptor_);
+}
+
 // NAME.partial, or NAME.partial.mp4 of NAME.mp4.
 static std::string partial_name(const std::string& target, const std::string& ending) {
     const bool has_it = !ending.empty() && target.ends_with(ending);

@@ -67,6 +67,22 @@ class LockedFile {
 // where there is none.
 std::string writer_of(const std::string& path);
 
+// A lock on the file at a path that others may share, and that keeps an OutputFile from being written there.
+class SharedLock {
+  public:
+    // Takes it if it can be had at once.
+    explicit SharedLock(const std::string& path);
+    SharedLock(SharedLock&& from) noexcept;
+    SharedLock& operator=(SharedLock&&) = delete;
+    ~SharedLock();
+    // False: a process writes the file. True too on a file system without locks.
+    bool is_held() const { return held_; }
+
+  private:
+    int descriptor_ = -1;
+    bool held_ = false;
+};
+
 // A file that is written beside its name, under a lock, and renamed when it is whole. What an earlier process
 // left at NAME.partial stays until the first byte is written.
 class OutputFile {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 namespace wetcurl {
 
@@ -23,6 +25,21 @@ std::vector<std::string> split_lines(const std::string& s) {
     return out;
 }
 constexpr size_t water_columns = 4;  // of RunFrame::water
+constexpr const char* last_dataset = "seconds";
+// Of frames, beside those that every run has.
+constexpr const char* datasets_of_frames[] = {"positions",     "displayed", "energy",
+                                              "stage_seconds", "contact",   "living_saturation",
+                                              "water",         "head",      last_dataset};
+
+// How many frames of a run that is not whole are there in all of its datasets.
+size_t whole_frames(const H5Reader& f) {
+    if (!f.has(last_dataset)) return 0;
+    const auto shape = f.shape(last_dataset);
+    size_t frames = shape.empty() ? 0 : shape[0];
+    for (const char* name : datasets_of_frames)
+        if (f.has(name)) frames = f.rows_there(name, frames);
+    return frames;
+}
 
 // Throws Error, naming dataset and place, for the first value outside [low, high]. `columns`: values a frame,
 // 0: the dataset has none.
@@ -60,6 +77,27 @@ std::string scene_name(const RunHeader& header) {
 struct RunWriter::Body {
     H5Writer file;
     size_t strands, particles, energies, stages;
+    size_t frames = 0;       // appended
+    bool is_shared = false;  // once its datasets are there
+
+    // Calls put(name, values of a row, their shape) for each dataset of frames, the one of `seconds` last: a
+    // frame is whole once it has its row there.
+    template <class Put>
+    void for_each_row(const RunFrame& frame, Put put) const {
+        const size_t s = strands, n = particles;
+        put("positions", floats(frame.positions), {s, n, 3});
+        if (frame.displayed.count) put("displayed", floats(frame.displayed), {s, n, 3});
+        if (energies) put("energy", frame.energy.data(), {energies});
+        if (stages) put("stage_seconds", frame.stage_seconds.data(), {stages});
+        if (!frame.contact.empty()) put("contact", frame.contact.data(), {s, n});
+        if (!frame.saturation.empty()) put("living_saturation", frame.saturation.data(), {s, n});
+        if (!frame.water.empty()) put("water", frame.water.data(), {water_columns});
+        const double head[7] = {frame.head.translation.x, frame.head.translation.y, frame.head.translation.z,
+                                frame.head.rotation.w,    frame.head.rotation.x,    frame.head.rotation.y,
+                                frame.head.rotation.z};
+        put("head", head, {7});
+        put(last_dataset, &frame.seconds, {1});
+    }
 };
 
 // A member of each strand's origin as a dataset, and back.
@@ -99,7 +137,7 @@ static std::vector<StrandOrigin> read_origin(const H5Reader& f, size_t strands) 
 }
 
 RunWriter::RunWriter(OutputFile place, const RunHeader& h)
-    : body_(new Body{{std::move(place), run_format, run_version},
+    : body_(new Body{{std::move(place), run_format, run_version, H5Writer::Layout::shared},
                      size_t(h.groom.rest.count),
                      size_t(h.groom.rest.particles),
                      h.energy_kinds.size(),
@@ -110,6 +148,7 @@ RunWriter::RunWriter(OutputFile place, const RunHeader& h)
     f.attribute("method", h.method);
     f.attribute("device", h.device);
     f.attribute("fps", h.fps);
+    if (h.start != 0) f.attribute("start", h.start);
     f.attribute("seed", std::to_string(h.seed));
     f.attribute("stride", double(h.stride));
     f.attribute("energy_kinds", lines(h.energy_kinds));
@@ -125,29 +164,29 @@ RunWriter::RunWriter(OutputFile place, const RunHeader& h)
     write_origin(f, h.groom);
     if (!h.saturation.empty()) f.write("saturation", h.saturation.data(), {body_->strands, body_->particles});
 }
+
+RunWriter::RunWriter(OutputFile place, const RunHeader& h, int frames)
+    : body_(new Body{H5Writer(std::move(place)), size_t(h.groom.rest.count), size_t(h.groom.rest.particles),
+                     h.energy_kinds.size(), h.stages.size(), size_t(frames), true}) {}
+
 RunWriter::~RunWriter() = default;
 
 void RunWriter::append(const RunFrame& frame) {
     H5Writer& f = body_->file;
-    const size_t s = body_->strands, n = body_->particles;
-    if (cells(frame.positions) != s * n)
+    if (cells(frame.positions) != body_->strands * body_->particles)
         throw Error(f.path() + ": a frame of another number of particles than the groom's");
-    f.append("positions", floats(frame.positions), {s, n, 3});
-    if (frame.displayed.count) f.append("displayed", floats(frame.displayed), {s, n, 3});
-    if (body_->energies) f.append("energy", frame.energy.data(), {body_->energies});
-    if (body_->stages) f.append("stage_seconds", frame.stage_seconds.data(), {body_->stages});
-    if (!frame.contact.empty()) f.append("contact", frame.contact.data(), {s, n});
-    if (!frame.saturation.empty()) f.append("living_saturation", frame.saturation.data(), {s, n});
-    if (!frame.water.empty()) f.append("water", frame.water.data(), {water_columns});
-    const double head[7] = {frame.head.translation.x, frame.head.translation.y, frame.head.translation.z,
-                            frame.head.rotation.w,    frame.head.rotation.x,    frame.head.rotation.y,
-                            frame.head.rotation.z};
-    f.append("head", head, {7});
-    f.append("seconds", &frame.seconds, {1});
+    if (!std::exchange(body_->is_shared, true)) {
+        body_->for_each_row(frame, [&]<class T>(const char* name, const T*, std::vector<size_t> shape) {
+            f.make_rows<T>(name, shape);
+        });
+        f.share();
+    }
+    body_->for_each_row(frame, [&](const char* name, const auto* row, std::vector<size_t> shape) {
+        if (std::string_view(name) == last_dataset) f.flush();
+        f.put_row(name, body_->frames, row, shape);
+    });
     f.flush();
-}
-void RunWriter::attribute(const std::string& name, const std::string& value) {
-    body_->file.attribute(name, value);
+    ++body_->frames;
 }
 void RunWriter::commit() { body_->file.commit(); }
 
@@ -158,9 +197,11 @@ struct RunReader::Body {
     std::vector<double> head, seconds;
 };
 
-RunReader::RunReader(const std::string& path)
-    : body_(new Body{{path, run_format, run_version}, {}, 0, {}, {}}) {
+RunReader::RunReader(const std::string& named, bool mine)
+    : body_(new Body{{named, run_format, run_version, 1, mine}, {}, 0, {}, {}}) {
     const H5Reader& f = body_->file;
+    const std::string path = f.path();
+    const bool is_partial = path.ends_with(".partial");
     RunHeader& h = body_->header;
     h.path = path;
     h.scene = f.text("scene");
@@ -168,6 +209,7 @@ RunReader::RunReader(const std::string& path)
     h.method = f.text("method");
     h.device = f.text("device");
     h.fps = f.number("fps");
+    if (f.has_attribute("start")) h.start = f.number("start");
     const std::string seed = f.text("seed");
     const auto [end, error] = std::from_chars(seed.data(), seed.data() + seed.size(), h.seed);
     if (error != std::errc() || end != seed.data() + seed.size())
@@ -212,25 +254,38 @@ RunReader::RunReader(const std::string& path)
         if (shape.size() != 4 || shape[1] != points[0] || shape[2] != points[1] || shape[3] != 3)
             throw Error(path +
                         ": dataset 'positions' must be (frames, strands, particles, 3) of the groom's size");
-        body_->frames = int(shape[0]);
-        const size_t n = shape[0];
-        body_->head = f.read<double>("head", {n, 7});
-        body_->seconds = f.read<double>("seconds", {n, 1});
+        const size_t n = is_partial ? whole_frames(f) : shape[0];
+        body_->frames = int(n);
+        // A whole file has no more rows.
+        const auto rows = [&]<class T>(const char* name, std::vector<size_t> row, T) {
+            auto found = f.shape(name);
+            if (!is_partial && !found.empty() && found[0] != n)
+                throw Error(path + ": dataset '" + name + "' must have a row for each of " +
+                            std::to_string(n) + " frames");
+            return f.read_rows<T>(name, n, row);
+        };
+        body_->head = rows("head", {7}, double());
+        body_->seconds = rows("seconds", {1}, double());
         check_within(body_->seconds, f, "seconds", 0, INFINITY, 1);
-        if (f.has("displayed") && f.shape("displayed") != shape)
-            throw Error(path + ": dataset 'displayed' must have the shape of 'positions'");
-        if (f.has("contact") && f.shape("contact") != std::vector<size_t>{n, points[0], points[1]})
-            throw Error(path + ": dataset 'contact' must be (frames, strands, particles)");
-        if (f.has("living_saturation") &&
-            f.shape("living_saturation") != std::vector<size_t>{n, points[0], points[1]})
-            throw Error(path + ": dataset 'living_saturation' must be (frames, strands, particles)");
-        if (f.has("water")) f.read<double>("water", {n, water_columns});
-        if (!h.energy_kinds.empty()) f.read<float>("energy", {n, h.energy_kinds.size()});
+        const auto same_cells = [&](const char* name, std::vector<size_t> row, const char* needed) {
+            if (!f.has(name)) return;
+            const auto found = f.shape(name);
+            if (found.size() != row.size() + 1 || !std::equal(row.begin(), row.end(), found.begin() + 1) ||
+                found[0] < n || (!is_partial && found[0] != n))
+                throw Error(path + ": dataset '" + name + "' must " + needed);
+        };
+        same_cells("displayed", {points[0], points[1], 3}, "have the shape of 'positions'");
+        same_cells("contact", {points[0], points[1]}, "be (frames, strands, particles)");
+        same_cells("living_saturation", {points[0], points[1]}, "be (frames, strands, particles)");
+        if (f.has("water")) rows("water", {water_columns}, double());
+        if (!h.energy_kinds.empty()) rows("energy", {h.energy_kinds.size()}, float());
         if (!h.stages.empty())
-            check_within(f.read<float>("stage_seconds", {n, h.stages.size()}), f, "stage_seconds", 0,
-                         INFINITY, h.stages.size());
+            check_within(rows("stage_seconds", {h.stages.size()}, float()), f, "stage_seconds", 0, INFINITY,
+                         h.stages.size());
     }
 }
+H5Reader::Written RunReader::written() const { return body_->file.written(); }
+const std::string& RunReader::writer() const { return body_->file.writer(); }
 RunReader::~RunReader() = default;
 const RunHeader& RunReader::header() const { return body_->header; }
 int RunReader::frames() const { return body_->frames; }

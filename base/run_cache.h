@@ -23,6 +23,7 @@ struct RunHeader {
     std::string method;  // "simulated dry", "simulated wet, Lin 2015 on our chain", "quad interpolation"…
     std::string device = "cpu";
     double fps = 24;
+    double start = 0;  // [s] time of frame 0: above 0 where the run begins at a frame of another one
     unsigned long long seed = 0;
     Groom groom;     // rest strands, head frame
     int stride = 1;  // of this run's grid in the scene's full grid (2: every second root each way)
@@ -33,6 +34,7 @@ struct RunHeader {
     std::string terms_present, terms_absent;  // comma-separated
     std::string build;                        // of the program that wrote it; read only
     std::string path;                         // file that it was read from; read only
+    double time(int frame) const { return start + frame / fps; }  // [s]
 };
 
 // What messages call the scene of a run: "RUN.h5: its scene".
@@ -60,16 +62,19 @@ struct RunFrame {
     }
 };
 
+// A run that grows: from its first frame on other processes can read it under its partial name, and a kill at
+// any moment leaves all frames that were appended.
 class RunWriter {
   public:
     RunWriter(const std::string& path, const RunHeader& header, bool overwrite)
         : RunWriter(OutputFile(path, overwrite), header) {}
     // Into a place that was secured before.
     RunWriter(OutputFile place, const RunHeader& header);
+    // Goes on after the first `frames` frames of the run with that header that an earlier process left there.
+    RunWriter(OutputFile place, const RunHeader& header, int frames);
     ~RunWriter();
     void append(const RunFrame& frame);
     void commit();
-    void attribute(const std::string& name, const std::string& value);
 
   private:
     struct Body;
@@ -78,10 +83,15 @@ class RunWriter {
 
 class RunReader {
   public:
-    explicit RunReader(const std::string& path);  // throws Error with what is wrong
+    // Throws Error with what is wrong. Of a run that is not whole, frames are those that were whole when this
+    // was made. `mine`: as of an H5Reader.
+    explicit RunReader(const std::string& path, bool mine = false);
     ~RunReader();
     const RunHeader& header() const;
     int frames() const;
+    // Whether it is whole, and the process that writes it, "" for none.
+    H5Reader::Written written() const;
+    const std::string& writer() const;
     RunFrame frame(int f) const;          // 0 ≤ f < frames()
     std::vector<double> seconds() const;  // (frame)
     const std::string& path() const;

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "app/files/run_file.h"
 #include "app/measures/comparison.h"
 
 namespace wetcurl {
@@ -134,7 +135,10 @@ void add_options(CLI::App& app, CompareOptions& o) {
         ->check(CLI::NonNegativeNumber);
 }
 
-int compare_command(const CompareOptions& options) {
+int compare_command(const CompareOptions& given) {
+    CompareOptions options = given;
+    options.reference = run_to_read(options.reference);
+    for (auto& path : options.others) path = run_to_read(path);
     std::vector<std::string> inputs = options.others;
     inputs.push_back(options.reference);
     check_files(options, "", inputs);

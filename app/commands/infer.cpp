@@ -108,7 +108,8 @@ int predict(const InferOptions& o, const Method& method, Scene scene, LowRun& lo
                  .frames = frames,
                  .device = o.device,
                  .threads = o.threads,
-                 .overwrite = o.overwrite},
+                 .overwrite = o.overwrite,
+                 .resume = o.resume},
                 results);
     return 0;
 }
@@ -125,7 +126,8 @@ int simulate_with(const AdhesionNetworkMethod& network, const InferOptions& o, S
                     .device = o.device,
                     .precision = "float",
                     .threads = o.threads,
-                    .overwrite = o.overwrite},
+                    .overwrite = o.overwrite,
+                    .resume = o.resume},
                    results);
     return 0;
 }
@@ -257,6 +259,8 @@ void add_options(CLI::App& app, InferOptions& o) {
         ->check(CLI::Range(1, 1000000));
     input_file(app.add_option("--wetness", o.wetness, "scene whose wetness and cohesion to predict for"));
     app.add_option("-o,--output", o.output, "run cache (HDF5)")->required();
+    app.add_flag("--resume", o.resume,
+                 "go on from OUTPUT.partial, which a run that was stopped or killed left");
 }
 
 int infer_command(const InferOptions& o) {

@@ -15,9 +15,12 @@
 #include "app/engine/run_solids.h"
 #include "app/files/key_rows.h"
 #include "app/files/results.h"
+#include "app/files/run_file.h"
+#include "app/files/watch_results.h"
 #include "app/measures/axial_extent.h"
 #include "app/measures/fall.h"
 #include "app/options/input_file.h"
+#include "base/log.h"
 #include "base/provenance.h"
 #include "learn/codec/core_detail.h"
 #include "learn/codec/network_module.h"
@@ -142,6 +145,7 @@ Json run_json(const InspectOptions& o) {
         const auto solid = solid_distance_of(h, true);
         double extent = 0;
         Bounce bounce;
+        FrameWatch watch(h.groom, h.fps);
         Hash hash;                                              // of displayed particles, frame by frame
         std::vector<double> stage_seconds(h.stages.size(), 0);  // summed over frames but frame 0
         for (int f = 0; f < run.frames(); ++f) {
@@ -149,16 +153,17 @@ Json run_json(const InspectOptions& o) {
             for (size_t k = 0; k < h.stages.size() && f > 0; ++k)
                 stage_seconds[k] += double(frame.stage_seconds[k]);
             hash.add(frame.seen().points);
+            watch.look(f, frame);
             const double extent_now = 1000 * axial_extent(frame.seen());
             extent += extent_now / run.frames();
-            const Fall fall = fall_of(frame.seen(), solid, frame.head, f / h.fps);
+            const Fall fall = fall_of(frame.seen(), solid, frame.head, h.time(f));
             if (solid) {
                 std::vector<float> distance;
                 for (const Vec3f& x : frame.seen().points)
-                    distance.push_back(solid(x, frame.head, f / h.fps));
+                    distance.push_back(solid(x, frame.head, h.time(f)));
                 bounce.add(std::move(distance));
             }
-            json["fall"].push_back({{"time", f / h.fps},
+            json["fall"].push_back({{"time", h.time(f)},
                                     {"width_mm", 1000 * fall.width},
                                     {"height_mm", 1000 * fall.height},
                                     {"drop_mm", 1000 * fall.drop},
@@ -167,12 +172,15 @@ Json run_json(const InspectOptions& o) {
                                     {"angle_degrees", fall.angle ? Json(*fall.angle) : Json(nullptr)}});
         }
         json["hash"] = hash.text();
+        json["extremes"] = json_of(watch);
+        if (const std::string warning = warning_of(watch); !warning.empty())
+            log_warning(o.file + ": " + warning);
         json["axial_extent_mm"] = extent;
         if (const auto value = bounce.value()) json["bounce_mm"] = 1000 * *value;
         // (frame) [J] of each kind, and their sum: what VI.I plots.
         for (int f = 0; f < run.frames() && !h.energy_kinds.empty(); ++f) {
             const auto energy = run.frame(f).energy;
-            Json row{{"time", f / h.fps}};
+            Json row{{"time", h.time(f)}};
             double sum = 0;
             for (size_t k = 0; k < h.energy_kinds.size(); ++k)
                 row[h.energy_kinds[k]] = energy[k], sum += energy[k];
@@ -275,7 +283,9 @@ void add_options(CLI::App& app, InspectOptions& o) {
     app.footer("`wetcurl render --image PAIRS.h5 -o out.png` draws the geometry images of pairs.");
 }
 
-int inspect_command(const InspectOptions& o) {
+int inspect_command(const InspectOptions& given) {
+    InspectOptions o = given;
+    if (o.what == "run") o.file = run_to_read(o.file);
     if (!o.output.empty())
         throw Misuse(
             "inspect: -o " + o.output +

@@ -11,6 +11,7 @@
 #include "app/drawing/plot_charts.h"
 #include "app/files/file_kind.h"
 #include "app/files/results.h"
+#include "app/files/run_file.h"
 #include "app/options/input_file.h"
 #include "base/log.h"
 #include "learn/codec/network_module.h"
@@ -95,7 +96,9 @@ void add_options(CLI::App& app, PlotOptions& o) {
     app.add_option("--height", o.height, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
 }
 
-int plot_command(const PlotOptions& o) {
+int plot_command(const PlotOptions& given) {
+    PlotOptions o = given;
+    for (auto& path : o.runs) path = run_to_read(path);
     check(o);
     write_png(o.output, draw_charts(charts_of(o), o.width, o.height), o.overwrite);
     log_info("wrote " + o.output);

@@ -15,6 +15,7 @@
 #include "app/drawing/picture.h"
 #include "app/engine/run_solids.h"
 #include "app/files/results.h"
+#include "app/files/run_file.h"
 #include "app/options/input_file.h"
 #include "app/options/repeatable.h"
 #include "base/interrupt.h"
@@ -70,7 +71,7 @@ class RunReel final : public Reel {
             for (const auto& run : runs_) {
                 const RunFrame frame = run->frame(f);
                 extent.add(frame.seen());
-                for (const PosedMesh& solid : solids_of(run->header(), frame, f / run->header().fps))
+                for (const PosedMesh& solid : solids_of(run->header(), frame, run->header().time(f)))
                     extent.add(solid);
             }
         }
@@ -87,7 +88,7 @@ class RunReel final : public Reel {
                          (options_.saturation || !header.method.starts_with("simulated dry"));
         Panel panel;
         panel.layers.push_back({&frame.seen(), wet ? &frame.wetness(header) : nullptr});
-        panel.solids = solids_of(header, frame, f / header.fps);
+        panel.solids = solids_of(header, frame, header.time(f));
         if (!options_.light.empty())
             panel.light_yaw = options_.light[0], panel.light_pitch = options_.light[1];
         const Camera camera = options_.follow ? carried(camera_, fitted_at_, frame.head) : camera_;
@@ -206,7 +207,9 @@ void add_options(CLI::App& app, RenderOptions& o) {
         "without a strand are hatched.");
 }
 
-int render_command(const RenderOptions& options) {
+int render_command(const RenderOptions& given) {
+    RenderOptions options = given;
+    for (auto& path : options.runs) path = run_to_read(path);
     const std::string extension = std::filesystem::path(options.output).extension().string();
     check(options, extension);
     const std::unique_ptr<Reel> reel = reel_of(options);

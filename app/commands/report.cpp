@@ -9,6 +9,8 @@
 #include <fstream>
 
 #include "app/drawing/chart.h"
+#include "app/files/run_file.h"
+#include "app/files/watch_results.h"
 #include "app/measures/comparison.h"
 #include "app/options/repeatable.h"
 #include "app/report/report_page.h"
@@ -77,7 +79,14 @@ std::string title_of(const RunHeader& header) {
     return scene.title;
 }
 
-ReportPage::Facts facts_of(const std::string& path) {
+FrameWatch watched(const std::string& path) {
+    const RunReader run(path);
+    FrameWatch watch(run.header().groom, run.header().fps);
+    for (int f = 0; f < run.frames(); ++f) watch.look(f, run.frame(f));
+    return watch;
+}
+
+ReportPage::Facts facts_of(const std::string& path, const FrameWatch& watch) {
     const RunReader run(path);
     const RunHeader& h = run.header();
     return {{"hash", hash_of_file(path)},
@@ -90,7 +99,8 @@ ReportPage::Facts facts_of(const std::string& path) {
             {"device", h.device},
             {"build", h.build},
             {"made from", fmt::format("{}", fmt::join(h.inputs, ", "))},
-            {"terms", h.terms_present}};
+            {"terms", h.terms_present},
+            {"largest stretch", stretch_text(watch)}};
 }
 
 // What is the same for most rows.
@@ -115,11 +125,11 @@ Json json_of(const TrainingLog& log) {
 }
 
 void describe_runs(const ReportOptions& o, const std::vector<Comparison>& others, const Rows& rows,
-                   ReportPage& page) {
+                   const std::vector<FrameWatch>& watches, ReportPage& page) {
     const RunReader reference(o.runs[0]);
     const RunHeader& h = reference.header();
     page.curves = curves_of(rows);
-    page.curve_start = o.first_frame / h.fps, page.curve_step = 1 / h.fps, page.curve_unit = "time [s]";
+    page.curve_start = h.time(o.first_frame), page.curve_step = 1 / h.fps, page.curve_unit = "time [s]";
     double most = 0;
     std::vector<std::string> names{fs::path(o.runs[0]).stem().string()};
     for (const auto& other : others) {
@@ -127,7 +137,8 @@ void describe_runs(const ReportOptions& o, const std::vector<Comparison>& others
         names.push_back(fs::path(other.file).stem().string());
     }
     page.player = player_of(o.runs, names, o.first_frame, round_above(most));
-    for (const auto& path : o.runs) page.sources.emplace_back(path, facts_of(path));
+    for (size_t k = 0; k < o.runs.size(); ++k)
+        page.sources.emplace_back(o.runs[k], facts_of(o.runs[k], watches[k]));
     const std::string title = title_of(h);
     page.title = title.empty() ? fs::path(o.runs[0]).stem().string() : title;
     page.compared = fmt::format("{} {} against {} ({}): frames {} to {}, {} strands of {} particles.",
@@ -151,7 +162,9 @@ void add_options(CLI::App& app, ReportOptions& o) {
     app.add_option("-o,--output", o.output, "o.html");
 }
 
-int report_command(const ReportOptions& o) {
+int report_command(const ReportOptions& given) {
+    ReportOptions o = given;
+    for (auto& path : o.runs) path = run_to_read(path);
     check(o);
     ResultFile html(o.output, o.overwrite), results(o);
     ReportPage page;
@@ -164,6 +177,12 @@ int report_command(const ReportOptions& o) {
         others = compare_runs(o.runs[0], {o.runs.begin() + 1, o.runs.end()}, o.first_frame);
         of_runs = rows_of(entries_of(o.runs[0], others));
     }
+    std::vector<FrameWatch> watches;
+    for (const auto& path : o.runs) {
+        watches.push_back(watched(path));
+        if (const std::string warning = warning_of(watches.back()); !warning.empty())
+            log_warning(path + ": " + warning);
+    }
     for (const auto& path : o.trainings) page.trainings.push_back(read_training_log(path));
     const Rows rows = of_table ? *of_table : of_runs ? *of_runs : Rows();
 
@@ -171,12 +190,14 @@ int report_command(const ReportOptions& o) {
     if (of_table) json["table"] = o.table;
     json.update(json_of(rows));
     if (of_table && of_runs) json["shown"] = json_of(*of_runs)["rows"];
+    for (size_t k = 0; k < o.runs.size(); ++k)
+        json["extremes"].push_back({{"file", o.runs[k]}, {"of", json_of(watches[k])}});
     json["stability"] = page.stability;
     for (const auto& log : page.trainings) json["trainings"].push_back(json_of(log));
 
     if (!o.output.empty()) {
         page.scenes = scenes_of(rows);
-        if (of_runs) describe_runs(o, others, *of_runs, page);
+        if (of_runs) describe_runs(o, others, *of_runs, watches, page);
         if (of_table) {
             const std::string many =
                 fmt::format("{} rows over {} {}, each scene against its own reference ({}).", rows.all.size(),

@@ -32,6 +32,14 @@ void add_options(CLI::App& app, SimulateOptions& o) {
     app.add_flag("--dry", o.dry, "leave out all that acts on wet hair; the wetness is recorded");
     app.add_flag("--before-cohesion", o.before_cohesion,
                  "leave out Eq 10, which moves what is displayed alone: a low-resolution run to infer from");
+    app.add_flag("--resume", o.resume,
+                 "go on from OUTPUT.partial and OUTPUT.state, which a run that was stopped or killed left");
+    app.add_option(
+        "--from", o.from,
+        "RUN.h5@N: begin at frame N of that run of the same strands, at its time; without @N at its "
+        "last frame");
+    app.add_flag("--keep-state", o.keep_state,
+                 "leave OUTPUT.state, with which --from begins at the last frame to the bit");
     app.add_flag("--reference", o.reference,
                  "run in double with 160 substeps beside it and report the distance");
 }
@@ -45,6 +53,7 @@ int simulate_command(const SimulateOptions& o) {
     options.seed = o.seed;
     options.groom = o.groom;
     Scene scene = scene_of_file(o.scene, options);
+    if (!o.from.empty()) scene.files.push_back(o.from.substr(0, o.from.rfind('@')));
     check_files(o, o.output, scene.files);
     ResultFile results(o);
     if (o.dry) make_dry(scene);
@@ -62,7 +71,10 @@ int simulate_command(const SimulateOptions& o) {
                     .precision = o.precision,
                     .threads = o.threads,
                     .overwrite = o.overwrite,
-                    .reference = o.reference},
+                    .reference = o.reference,
+                    .resume = o.resume,
+                    .from = o.from,
+                    .keep_state = o.keep_state},
                    results);
     return 0;
 }

@@ -18,6 +18,8 @@ struct SimulateOptions : CommonOptions {
     std::string precision = "float";
     bool dry = false;
     bool before_cohesion = false;  // without Eq 10, which moves what is displayed alone
+    std::string from;              // RUN.h5@N: begin at frame N of that run
+    bool keep_state = false;       // leave OUTPUT.state of the last frame
     bool reference = false;        // also run in double with 160 substeps and report the error
 };
 

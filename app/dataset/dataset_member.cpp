@@ -105,7 +105,7 @@ class MemberRun {
             wet_frames.advance(shown);
             if (strands) strands->take_up(low.positions, heads_at(f));
             if (!shown) return;
-            wet_->snapshot(wet);
+            wet_frames.begin(wet), wet_frames.finish(wet);
             if (keeps_runs()) low_writer->append(low), wet_writer->append(wet);
             if (!kept) return;
             frames_.push_back(f);

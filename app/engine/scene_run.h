@@ -10,8 +10,9 @@ class SceneRun {
   public:
     // `device` as of --device; precision: "float" or "double". A scene too stiff for single precision runs in
     // double, and a warning says so. Settles the scene. Throws Error where the device or the network is not
-    // there.
-    SceneRun(Scene scene, const std::string& device, const std::string& precision, int threads);
+    // there. `settles`: false where a state is resumed at once.
+    SceneRun(Scene scene, const std::string& device, const std::string& precision, int threads,
+             bool settles = true);
     SceneRun(const SceneRun&) = delete;
 
     const Scene& scene() const { return scene_; }

@@ -6,11 +6,16 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "app/engine/broken_run.h"
 #include "app/engine/reference.h"
+#include "app/engine/run_start.h"
 #include "app/engine/scene_run.h"
+#include "app/engine/state_file.h"
+#include "app/files/watch_results.h"
 #include "base/log.h"
 #include "solver/chain/scene_checks.h"
 
@@ -33,7 +38,7 @@ Json json_of_errors(const std::vector<double>& errors) {
             {"max", *std::max_element(errors.begin(), errors.end())}};
 }
 
-// output_seconds: for writing, all frames together.
+// output_seconds: for writing a frame.
 Json json_of(SceneRun& run, const FrameDelivery& frames, double output_seconds,
              const SimulationRequest& request) {
     const Scene& scene = run.scene();
@@ -46,7 +51,7 @@ Json json_of(SceneRun& run, const FrameDelivery& frames, double output_seconds,
             {"strands", strands.count},
             {"particles_per_strand", strands.particles},
             {"seconds_per_frame", time_statistics(frames.seconds())},
-            {"output_seconds_per_frame", output_seconds / std::max(1, frames.delivered())},
+            {"output_seconds_per_frame", output_seconds},
             {"device", request.device},
             {"threads", request.threads},
             {"precision", run.precision()},
@@ -75,23 +80,107 @@ void log_water(const WaterBalance& water) {
                     water.held, water.start, water.taken, water.dripped, water.dried, water.balance()));
 }
 
+// The frames of a simulation, whose states are kept beside them.
+class KeptFrames final : public FrameSource {
+  public:
+    KeptFrames(SimulatedFrames& frames, const Simulation& simulation, StateKeeper& keeper)
+        : frames_(frames), simulation_(simulation), keeper_(keeper) {}
+    bool advance() override { return frames_.advance(); }
+    void begin(RunFrame& frame) override {
+        frames_.begin(frame);
+        keeper_.offer(frames_.index(), simulation_);
+    }
+    void finish(RunFrame& frame) override { frames_.finish(frame); }
+
+  private:
+    SimulatedFrames& frames_;
+    const Simulation& simulation_;
+    StateKeeper& keeper_;
+};
+
+void look_at(const BrokenRun& broken, FrameWatch& watch) {
+    const RunReader run(broken.file, true);
+    for (int f = 0; f < broken.frames; ++f) watch.look(f, run.frame(f));
+}
+
+// The frame that the simulation shows once it has the state that was kept of a broken run; -1: none was kept, it
+// begins anew.
+int resumed(SceneRun& run, const BrokenRun& broken, const RunHeader& header, const std::string& output) {
+    require_same(broken, header);
+    const std::string file = state_file_of(output);
+    if (!std::filesystem::exists(file)) {
+        log_info(fmt::format("{}: going on at frame {}; without {} all frames are computed again", output,
+                             broken.frames, file));
+        return -1;
+    }
+    const StoredState stored = read_state(file, run.simulation().run_state(), true);
+    const StateFacts facts = facts_of(header, run.precision());
+    const auto require = [&](const char* what, const std::string& found, const std::string& wanted) {
+        if (found != wanted)
+            throw Error(
+                fmt::format("{}: --resume: the state is of {} {}, now it is {}", file, what, found, wanted));
+    };
+    require("precision", stored.facts.precision, facts.precision);
+    require("device", stored.facts.device, facts.device);
+    require("a run with hash", stored.facts.run, facts.run);
+    if (stored.frame >= broken.frames)
+        throw Error(fmt::format("{}: --resume: the state is of frame {}, {} has {} frames", file,
+                                stored.frame, partial_of(output), broken.frames));
+    run.simulation().resume(stored.state);
+    log_info(fmt::format("{}: going on at frame {}, from the state of frame {}", output, broken.frames,
+                         stored.frame));
+    return stored.frame;
+}
+
 }  // namespace
 
 void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& results) {
+    if (request.reference && (request.resume || !request.from.empty()))
+        throw Misuse(std::string("--reference: found with ") + (request.resume ? "--resume" : "--from") +
+                     ", allowed in a run that begins at rest");
+    if (request.resume && is_complete(request.output, request.overwrite)) return;
+    std::optional<OutputFile> place;
+    std::optional<BrokenRun> broken;
+    if (request.resume) {
+        place.emplace(request.output, request.overwrite);
+        broken = broken_run_at(*place);
+    }
+    std::optional<RunStart> start;
+    if (!request.from.empty()) {
+        start = run_start(request.from);
+        take_wetness(given, *start);
+    }
     std::optional<Reference> reference;
     if (request.reference) reference.emplace(given);
-    SceneRun run(std::move(given), request.device, request.precision, request.threads);
+    const bool has_state = broken && std::filesystem::exists(state_file_of(request.output));
+    SceneRun run(std::move(given), request.device, request.precision, request.threads, !has_state && !start);
     const Scene& scene = run.scene();
+    RunHeader header = run.header();
+    if (start) header.start = start->time(), header.inputs = {start->words()};
     InterruptGuard guard;
-    RunWriter writer(request.output, run.header(), request.overwrite);
+    if (start && !has_state) go_to(run, *start);
+    const int at = broken ? resumed(run, *broken, header, request.output) : -1;
+    StateKeeper keeper(request.output, facts_of(header, run.precision()), broken.has_value());
+    if (!place) place.emplace(request.output, request.overwrite);
+    SimulatedFrames simulated(run.simulation(), scene.frames, at);
+    if (broken) look_at(*broken, simulated.watch());
+    RunWriter writer =
+        broken ? RunWriter(std::move(*place), header, broken->frames) : RunWriter(std::move(*place), header);
     std::vector<double> errors;
     double reference_seconds = 0;
-    FrameDelivery frames({"simulate", scene.frames, request.device != "cpu" && !reference}, guard);
-    SimulatedFrames source(run.simulation(), scene.frames);
+    // Frames that are there already are computed again, and not written again.
+    while (broken && simulated.index() + 1 < broken->frames && !guard.asked()) simulated.advance(false);
+    FrameDelivery frames({.what = "simulate",
+                          .frames = scene.frames,
+                          .overlap = request.device != "cpu" && !reference,
+                          .earlier = broken ? broken->seconds : std::vector<double>()},
+                         guard);
+    KeptFrames source(simulated, run.simulation(), keeper);
     std::optional<Diverged> diverged;
     try {
         frames.run(source, [&](int, const RunFrame& frame) {
             writer.append(frame);
+            keeper.write();
             if (!reference) return;
             const double begin = omp_get_wtime();
             errors.push_back(distance_mm(frame.seen(), reference->next().seen()));
@@ -101,17 +190,29 @@ void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& r
         diverged = e;
     }
     if (frames.is_whole()) writer.commit();
+    if (frames.is_whole() && !request.keep_state)
+        keeper.remove();
+    else if (!diverged && simulated.index() >= 0)
+        keeper.leave(simulated.index(), run.simulation());
 
-    Json json = json_of(run, frames, frames.sink_seconds() - reference_seconds, request);
+    const int written = frames.delivered() - (broken ? broken->frames : 0);
+    Json json =
+        json_of(run, frames, (frames.sink_seconds() - reference_seconds) / std::max(1, written), request);
     json["diverged"] = diverged.has_value();
+    if (broken) json["resumed_at"] = broken->frames;
+    json["extremes"] = json_of(simulated.watch());
     const auto water = run.simulation().water();
     if (water) json["water"] = json_of(*water);
     if (!errors.empty()) json["error_mm"] = json_of_errors(errors);
     results.write_json(json);
     const std::string kept =
         fmt::format("{} frames are kept in {}", frames.delivered(), partial_of(request.output));
-    if (diverged) throw Error(fmt::format("{}; {}", diverged->what(), kept));
-    if (!frames.is_whole()) throw Interrupted("interrupted: " + kept);
+    if (diverged)
+        throw Error(fmt::format("{}{}; {}", diverged->what(),
+                                run.precision() == "float" ? ", or --precision double" : "", kept));
+    if (const std::string warning = warning_of(simulated.watch()); !warning.empty())
+        log_warning(request.output + ": " + warning);
+    if (!frames.is_whole()) throw Interrupted("interrupted: " + kept + "; --resume goes on");
     log_summary(scene, request.output, json);
     if (water) log_water(*water);
 }

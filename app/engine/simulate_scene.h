@@ -12,10 +12,14 @@ struct SimulationRequest {
     int threads;                    // of an adhesion network
     bool overwrite = false;         // an output that is there
     bool reference = false;         // also runs a Reference and reports the distance
+    bool resume = false;            // goes on with what a broken run left at the output
+    std::string from = "";          // "RUN.h5@N": begins at frame N of that run; "": at the scene's own
+    bool keep_state = false;        // the state of the last frame stays in OUTPUT.state
 };
 
 // Simulates all frames of the scene. Throws Error where the simulation diverges and Interrupted after a
-// signal; the frames so far are then in OUTPUT.partial.
+// signal; the frames so far are then in OUTPUT.partial, and a state to go on from in OUTPUT.state. Frames of
+// a resumed run are those of an unbroken one to the bit; Error where the broken run was another one.
 void simulate_scene(Scene scene, const SimulationRequest& request, ResultFile& results);
 
 }  // namespace wetcurl

@@ -3,33 +3,48 @@
 #pragma once
 
 #include "base/error.h"
+#include "base/frame_watch.h"
 #include "base/frames.h"
 #include "solver/run/simulation.h"
 
 namespace wetcurl {
 
-// A strand is not finite any more, or has left the scene.
+// A strand is not finite any more, has left the scene, or has an edge far beyond its rest length.
 class Diverged : public Error {
   public:
     Diverged(int frame, const Divergence& divergence);
+    // `allowed`: times its rest length; of all strands together the term of most energy.
+    Diverged(const FrameExtreme& stretch, double allowed, const std::string& largest_term);
 };
 
 class SimulatedFrames final : public FrameSource {
   public:
-    // At most `frames`, of which frame 0 is the state at time 0. The simulation must outlive this.
-    SimulatedFrames(Simulation& simulation, int frames) : simulation_(simulation), frames_(frames) {}
+    // At most `frames`, of which frame 0 is the state at time 0; `at`: the frame that the simulation shows
+    // already, -1: it shows frame 0, which comes first. The simulation must outlive this.
+    SimulatedFrames(Simulation& simulation, int frames, int at = -1)
+        : simulation_(simulation),
+          frames_(frames),
+          index_(at),
+          watch_(simulation.scene().groom, simulation.scene().fps) {}
     // Throws Diverged.
     bool advance() override { return advance(true); }
     // A frame that is not `shown` may be neither filled in nor checked.
     bool advance(bool shown);
-    void begin(RunFrame& frame) override { simulation_.begin_snapshot(frame); }
-    void finish(RunFrame& frame) override { simulation_.finish_snapshot(frame); }
+    void begin(RunFrame& frame) override {
+        begun_ = index_;
+        simulation_.begin_snapshot(frame);
+    }
+    // Throws Diverged where an edge is longer than the scene allows.
+    void finish(RunFrame& frame) override;
     // Of the frame at hand; -1 before the first.
     int index() const { return index_; }
+    // Of the frames that were filled in; others may be shown to it before them.
+    FrameWatch& watch() { return watch_; }
 
   private:
     Simulation& simulation_;
-    int frames_, index_ = -1;
+    int frames_, index_, begun_ = -1;
+    FrameWatch watch_;
 };
 
 }  // namespace wetcurl

@@ -6,9 +6,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/engine/broken_run.h"
 #include "app/engine/device.h"
 #include "app/engine/learned_hair.h"
 #include "app/engine/run_of_scene.h"
+#include "app/files/watch_results.h"
 #include "app/inference/predictor.h"
 #include "base/log.h"
 #include "learn/codec/encode_runs.h"
@@ -119,7 +121,7 @@ class FramePredictor {
 
     const RunFrame& predict(int index, const RunFrame& low, const HeadWindow& heads) {
         const double begin = omp_get_wtime();
-        predictor_.apply(low, heads, out_.positions);
+        predictor_.apply(index, low, heads, out_.positions);
         if (!is_finite(out_.positions.points))
             throw Error(fmt::format(
                 "{}: frame {}: {} gives positions that are not finite or beyond 1e6 m; is the run, "
@@ -128,7 +130,7 @@ class FramePredictor {
         const double reconstructed = omp_get_wtime();
         if (display_) {
             out_.displayed = out_.positions;
-            display_->apply(out_.displayed, low.head, index / low_.header().fps);
+            display_->apply(out_.displayed, low.head, low_.header().time(index));
         }
         const double end = omp_get_wtime();
         if (const Strands plain = predictor_.without_network(low); plain.count)
@@ -140,6 +142,13 @@ class FramePredictor {
         // Frame 0 is a state that nothing was computed for, and warms up.
         if (index > 0) seconds_.push_back(out_.seconds), own_seconds_.push_back(end - begin);
         return out_;
+    }
+    // Moves on to the last of `frames` frames that are there already, of which it sees only those that the
+    // prediction of the next one needs.
+    void go_on(FrameWindow& window, int frames, const InterruptGuard& guard) {
+        while (window.index() + 1 < frames && !guard.asked() && window.advance())
+            if (window.index() + predictor_.memory() >= frames)
+                predictor_.apply(window.index(), window.now(), window.heads(), out_.positions);
     }
     // Run times [s]: of the low-resolution run and the prediction together, and of the prediction alone.
     const std::vector<double>& seconds() const { return seconds_; }
@@ -162,6 +171,13 @@ class FramePredictor {
 void predict_run(const Method& method, Scene scene, const std::string& scene_file, LowRun& low,
                  const PredictionRequest& request, ResultFile& results) {
     const double begun = omp_get_wtime();
+    if (request.resume && is_complete(request.output, request.overwrite)) return;
+    std::optional<OutputFile> place;
+    std::optional<BrokenRun> broken;
+    if (request.resume) {
+        place.emplace(request.output, request.overwrite);
+        broken = broken_run_at(*place);
+    }
     std::optional<Settled> settled;
     if (method.is_settled()) {
         if (simulated_wet(low.header()))
@@ -178,22 +194,33 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
     const double preparation = omp_get_wtime() - begun;
 
     InterruptGuard guard;
-    RunWriter writer(request.output, header_of(*predictor, method, scene, low, request.device),
-                     request.overwrite);
+    const RunHeader header = header_of(*predictor, method, scene, low, request.device);
+    if (broken) log_info(fmt::format("{}: going on at frame {}", request.output, broken->frames));
+    if (broken) require_same(*broken, header);
+    if (!place) place.emplace(request.output, request.overwrite);
+    RunWriter writer =
+        broken ? RunWriter(std::move(*place), header, broken->frames) : RunWriter(std::move(*place), header);
     FramePredictor frame_predictor(*predictor, display ? &*display : nullptr, low);
     FrameWindow window(low.source(), low.header());
-    FrameDelivery frames({"infer", request.frames}, guard);
+    FrameWatch watch(scene.groom, header.fps);  // of the frames that are predicted now
+    FrameDelivery frames({.what = "infer",
+                          .frames = request.frames,
+                          .earlier = broken ? broken->seconds : std::vector<double>()},
+                         guard);
     const auto kept = [&] {
         return fmt::format("{} frames are kept in {}", frames.delivered(), partial_of(request.output));
     };
     try {
+        if (broken) frame_predictor.go_on(window, broken->frames, guard);
         frames.run(window, [&](int index, const RunFrame& frame) {
-            writer.append(frame_predictor.predict(index, frame, window.heads()));
+            const RunFrame& predicted = frame_predictor.predict(index, frame, window.heads());
+            writer.append(predicted);
+            watch.look(index, predicted);
         });
     } catch (const Diverged& e) {
         throw Error(fmt::format("{}: its low-resolution run: {}; {}", low.file(), e.what(), kept()));
     }
-    if (!frames.is_whole()) throw Interrupted("interrupted: " + kept());
+    if (!frames.is_whole()) throw Interrupted("interrupted: " + kept() + "; --resume goes on");
     writer.commit();
 
     Json json{{"frames", frames.delivered()},
@@ -204,12 +231,16 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
               {"inference_seconds_per_frame", time_statistics(frame_predictor.own_seconds())},
               {"device", request.device},
               {"method", predictor->name()},
-              {"cohesion_after", clumps}};
+              {"cohesion_after", clumps},
+              {"extremes", json_of(watch)}};
+    if (broken) json["resumed_at"] = broken->frames;
     const std::string mover = method.as<InterpolationMethod>() ? ""
                               : method.as<OracleMethod>()      ? "oracle"
                                                                : "network";
     if (!mover.empty()) json["moved_by_" + mover + "_mm"] = frame_predictor.moved();
     results.write_json(json);
+    if (const std::string warning = warning_of(watch); !warning.empty())
+        log_warning(request.output + ": " + warning);
     log_info(fmt::format("{}: {}, {} strands, {} a frame of which inference {}{}", request.output,
                          predictor->name(), scene.groom.rest.count,
                          milliseconds_text(json["seconds_per_frame"]["median"]),

@@ -12,6 +12,7 @@ struct PredictionRequest {
     std::string device;  // as of --device
     int threads;
     bool overwrite = false;  // an output that is there
+    bool resume = false;     // goes on with what a broken run left at the output
 };
 
 // `scene`: at the resolution to predict; it was read from `scene_file`. Throws Misuse where the method does

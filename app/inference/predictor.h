@@ -15,9 +15,12 @@ class Predictor {
     virtual ~Predictor() = default;
     // "quad interpolation, 3 roots"
     virtual std::string name() const = 0;
-    // For every frame, in order: the strands p (high strands, particles), world [m], before Eq 10 where that
+    // Frame `frame` of the run; frames come in order, from one on that it needs no earlier ones for but those
+    // of its memory: the strands p (high strands, particles), world [m], before Eq 10 where that
     // follows.
-    virtual void apply(const RunFrame& low, const HeadWindow& heads, Strands& p) = 0;
+    virtual void apply(int frame, const RunFrame& low, const HeadWindow& heads, Strands& p) = 0;
+    // How many frames before one it must have seen to predict that one.
+    virtual int memory() const { return 0; }
     // What `apply` would have returned without the network, of the frame applied last; empty where there is
     // none.
     virtual Strands without_network(const RunFrame&) { return {}; }

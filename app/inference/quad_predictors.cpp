@@ -67,13 +67,12 @@ class OracleColours final : public QuadPredictor {
         for (auto& frame : colours_)
             for (Vec3f& c : frame) c = colour_of(c, box);
     }
-    void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
-        transform_.apply(low.seen(), low.head, colours_.at(next_++), p);
+    void apply(int frame, const RunFrame& low, const HeadWindow&, Strands& p) override {
+        transform_.apply(low.seen(), low.head, colours_.at(size_t(frame)), p);
     }
 
   private:
     std::vector<std::vector<Vec3f>> colours_;  // (frame, high strand)
-    size_t next_ = 0;
 };
 
 // The weights of Eq 18 that bring strands nearest to the wet run's.
@@ -81,13 +80,12 @@ class OracleWeights final : public QuadPredictor {
   public:
     OracleWeights(RunPair pair, const Quad& q, const PredictionInput& input)
         : QuadPredictor("oracle weights", q, input), truth_(std::move(pair.wet)) {}
-    void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
-        transform_.apply_nearest(low.seen(), low.head, truth_->frame(next_++).seen(), p);
+    void apply(int frame, const RunFrame& low, const HeadWindow&, Strands& p) override {
+        transform_.apply_nearest(low.seen(), low.head, truth_->frame(frame).seen(), p);
     }
 
   private:
     std::unique_ptr<RunReader> truth_;
-    int next_ = 0;
 };
 
 // Colours of a network.
@@ -111,7 +109,7 @@ class NetworkColours final : public QuadPredictor {
         };
         box_ = {corner("b_min"), corner("b_max")};
     }
-    void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
+    void apply(int, const RunFrame& low, const HeadWindow&, Strands& p) override {
         std::vector<Vec3f> colours = shifted_roots(low.positions, {}, radius_);
         for (auto& c : colours) c = colour_of(c, box_);
         low_image_.draw(colours, input_.data());

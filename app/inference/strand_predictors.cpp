@@ -3,6 +3,7 @@
 
 #include "app/engine/learned_hair.h"
 #include "app/inference/predictor.h"
+#include "base/network_channels.h"
 #include "learn/codec/encode_runs.h"
 #include "solver/scene/rest_state.h"
 
@@ -20,7 +21,7 @@ class Interpolated final : public Predictor {
                         input.scene.groom, input.low.groom, shape, simulated_wet(input.low), input.settled),
           clumps_(input.clumps) {}
     std::string name() const override { return name_; }
-    void apply(const RunFrame& low, const HeadWindow&, Strands& p) override {
+    void apply(int, const RunFrame& low, const HeadWindow&, Strands& p) override {
         interpolator_.apply(clumps_ ? low.positions : low.seen(), low.head, p);
     }
 
@@ -45,11 +46,12 @@ class NetworkStrands final : public Predictor {
         learned_->bind(low_.points.data(), out_.points.data());
     }
     std::string name() const override { return name_; }
-    void apply(const RunFrame& low, const HeadWindow& heads, Strands& p) override {
+    void apply(int, const RunFrame& low, const HeadWindow& heads, Strands& p) override {
         std::copy(low.positions.points.begin(), low.positions.points.end(), low_.points.begin());
         learned_->run(heads);
         p = out_;
     }
+    int memory() const override { return history_lags.back(); }
     Strands without_network(const RunFrame& low) override { return learned_->base(low.head); }
 
   private:

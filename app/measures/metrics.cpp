@@ -475,7 +475,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
         if (frame_a.displayed.count && frame_b.displayed.count)
             add_distance(frame_a.positions, frame_b.positions, strands);
         if (f > first_frame) add_velocity(shape_a, shape_b, fps, velocity);
-        solid_error.add(a, b, frame_b.head, f / fps);
+        solid_error.add(a, b, frame_b.head, other.header().time(f));
         if (sampled) {
             const auto found = oriented_f1(a, b);
             for (size_t t = 0; t < 3; ++t) f1[t].add(found[t]);

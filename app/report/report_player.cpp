@@ -145,7 +145,7 @@ Json player_of(const std::vector<std::string>& paths, const std::vector<std::str
                 }
             if (r > 0) continue;
             const float hair = box_of(frame.seen().points).diagonal();
-            const auto posed = solids_of(header, frame, f / header.fps);
+            const auto posed = solids_of(header, frame, header.time(f));
             solids.resize(posed.size());
             for (size_t b = 0; b < posed.size(); ++b) {
                 std::vector<Vec3f> world;

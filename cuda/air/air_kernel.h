@@ -40,6 +40,9 @@ class AirDevice {
     // What particles at x (count) feel: air (count) [m/s].
     template <class T>
     void launch_sample(const Vec3<T>* x, Vec3<T>* air, size_t count, cudaStream_t stream) const;
+    // As AirField's, (z, y, x) at the faces of an axis; nothing may be on its way there.
+    std::vector<double> velocities(int axis) const { return u_[size_t(axis)].host(); }
+    void blow_as(int axis, const std::vector<double>& u) { u_[size_t(axis)].upload(u.data(), u.size()); }
     size_t bytes() const;
 
   private:

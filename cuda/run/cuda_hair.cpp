@@ -137,6 +137,18 @@ void CudaHair<T>::take_network(const DenseLayers* layers) {
 }
 
 template <class T>
+std::vector<double> CudaHair<T>::answers() const {
+    check_cuda(cudaStreamSynchronize(stream_.handle), "adhesion network");
+    const std::vector<T> of_device = given_adhesion_.host();
+    return {of_device.begin(), of_device.end()};
+}
+template <class T>
+void CudaHair<T>::give_answers(const std::vector<double>& answers) {
+    check_cuda(cudaStreamSynchronize(stream_.handle), "adhesion network");
+    upload(std::vector<T>(answers.begin(), answers.end()), given_adhesion_);
+}
+
+template <class T>
 void CudaHair<T>::find_nearest(const PosedScene<T>& p) {
     if (!given_phi_.size())
         given_phi_ = DeviceBuffer<T>(arrays_.x.size()),

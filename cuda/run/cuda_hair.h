@@ -30,7 +30,9 @@ template <class T>
 class AirAround {
   public:
     AirAround(const Scene& scene, CudaHair<T>& hair)
-        : scene_(scene), field_(*scene.air, 1 / scene.fps, length_of(hair), scene.term<AirDrag>()->c) {
+        : scene_(scene),
+          stream_(hair.stream()),
+          field_(*scene.air, 1 / scene.fps, length_of(hair), scene.term<AirDrag>()->c) {
         sample(hair);
     }
     void advance(CudaHair<T>& hair, double time) {
@@ -44,6 +46,14 @@ class AirAround {
         });
     }
     void finish() { seconds = end_.since(begin_); }
+    void save(Carried& to) const {
+        check_cuda(cudaStreamSynchronize(stream_), "air");
+        for (int axis = 0; axis < 3; ++axis) to[air_component_names[axis]] = field_.velocities(axis);
+    }
+    void resume(const Carried& from) {
+        check_cuda(cudaStreamSynchronize(stream_), "air");
+        for (int axis = 0; axis < 3; ++axis) field_.blow_as(axis, from.at(air_component_names[axis]));
+    }
     void list(BufferList& buffers) const { buffers.push_back({"air", field_.bytes()}); }
     double seconds = 0;  // in the frame at hand
 
@@ -57,6 +67,7 @@ class AirAround {
         return sum;
     }
     const Scene& scene_;
+    const cudaStream_t stream_;
     AirDevice field_;
     Event begin_, end_;
 };
@@ -103,6 +114,8 @@ class CudaHair {
     void take_network(const DenseLayers* layers);
     bool asks_network() const { return adhesion_.has_value(); }
     void ask_from(const PosedScene<T>& p) { put_motion(slots_, p); }
+    std::vector<double> answers() const;
+    void give_answers(const std::vector<double>& answers);
 
     void find_nearest(const PosedScene<T>& p);
     const NearestSurface<T>& nearest() const { return nearest_; }
@@ -121,6 +134,7 @@ class CudaHair {
     std::vector<double> energy() const;
     std::optional<Divergence> divergence() const;
     long limited_edges() const { return limited_; }
+    void count_limited_from(long so_far) { limited_ = so_far; }
     void count_work() { throw_uncounted(); }
     Work work() const { return throw_uncounted(), Work(); }
     bool counts_work() const { return false; }

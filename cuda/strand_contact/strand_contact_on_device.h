@@ -2,6 +2,7 @@
 // StrandContactCoupling is.
 #pragma once
 
+#include "base/carried.h"
 #include "cuda/device/cell_search_device.h"
 #include "cuda/strand_contact/strand_contact_kernel_body.h"
 #include "solver/chain/chain_state.h"
@@ -18,6 +19,9 @@ class StrandContactOnDevice {
     // null.
     void launch(const StrandMemory<T>& memory, unsigned long long* pairs, cudaStream_t stream);
     void weigh(const ChainState<T>&) {}  // masses are the strands' own
+    // Neighbours are found anew in each substep.
+    void save(Carried&) const {}
+    void resume(const Carried&) {}
     double neighbours_mean() const { return double(pairs) / double(drawn_.size()); }  // within the radius
     void list(BufferList& buffers) const;
     unsigned long long pairs = 0;  // of the last substep

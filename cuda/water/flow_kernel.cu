@@ -144,6 +144,16 @@ std::vector<V> FlowDevice::host(const DeviceBuffer<V>& from, cudaStream_t stream
 template std::vector<double> FlowDevice::host(const DeviceBuffer<double>&, cudaStream_t);
 template std::vector<float> FlowDevice::host(const DeviceBuffer<float>&, cudaStream_t);
 
+std::vector<double> FlowDevice::counted(cudaStream_t stream) const {
+    return carried_of(start_, host(ledger_, stream));
+}
+void FlowDevice::count_from(const std::vector<double>& counted, cudaStream_t stream) {
+    std::vector<FlowLedger> ledger(ledger_.size());
+    start_ = take_carried(counted, ledger);
+    check_cuda(cudaStreamSynchronize(stream), "water");
+    ledger_.upload(ledger.data(), ledger.size());
+}
+
 WaterBalance FlowDevice::water(const std::vector<double>& held, const std::vector<FlowLedger>& ledger) const {
     return water_balance(absorbed_, start_, total(held), ledger);
 }

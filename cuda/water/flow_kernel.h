@@ -27,6 +27,10 @@ class FlowDevice {
     // Another saturation; the balance begins anew.
     void restore(const std::vector<double>& saturation, cudaStream_t stream);
 
+    // As FlowPass's; they wait for the stream.
+    std::vector<double> counted(cudaStream_t stream) const;
+    void count_from(const std::vector<double>& counted, cudaStream_t stream);
+
     // In the device's memory, (strand, particle).
     const float* saturation() const { return shown_.data(); }
     const double* dry_mass() const { return mass_.data(); }

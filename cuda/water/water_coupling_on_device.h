@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/buffer_list.h"
+#include "base/carried.h"
 #include "cuda/device/cuda_owners.h"
 #include "cuda/water/flow_kernel.h"
 #include "cuda/water/soaking_device.h"
@@ -40,6 +41,10 @@ class WaterCouplingOnDevice {
         launch_soaking(hair);
         hair.take_water();
     }
+
+    // The saturation is restored before.
+    void save(Carried& to) const { to["water counted"] = flow_.counted(stream_); }
+    void resume(const Carried& from) { flow_.count_from(from.at("water counted"), stream_); }
 
     // These wait for the stream.
     std::vector<double> exact() const { return flow_.exact(stream_); }

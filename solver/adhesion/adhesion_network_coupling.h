@@ -43,6 +43,9 @@ class AdhesionNetworkCoupling {
     void evaluate(const Adhesion& term, const ChainState<S>& state, const NearestSurface<S>& near);
     // F.n / (sigma m a_max) (block, particle); null: Eq 11.
     const S* given() const { return model && !given_.empty() ? given_.data() : nullptr; }
+    // Of the substep before (strand, particle), F.n / (sigma m a_max); empty before the first.
+    std::vector<double> answers() const { return {answers_.begin(), answers_.end()}; }
+    void give_answers(const std::vector<double>& answers) { answers_.assign(answers.begin(), answers.end()); }
     void list(BufferList& buffers) const {
         add_buffer(buffers, "adhesion given", given_), add_buffer(buffers, "adhesion answers", answers_);
         add_buffer(buffers, "adhesion questions", found_), add_buffer(buffers, "adhesion asked", where_);
@@ -113,7 +116,8 @@ void AdhesionNetworkCoupling<S>::evaluate(const Adhesion& term, const ChainState
         const auto [s, i] = where_[k];
         const float f = model ? (found_[k].contact ? outputs_[k] : 0.f) : found_[k].target;
         answer(s, i) = f;
-        if (model) state.put(given_[state.at(s / lanes, i)], s % lanes, f);
+        if (!model) continue;
+        state.for_each_lane_of(s, [&](int lane) { state.put(given_[state.at(s / lanes, i)], lane, f); });
     }
     if (records) records->insert(records->end(), found_.begin(), found_.end());
 }

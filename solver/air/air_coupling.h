@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/buffer_list.h"
+#include "base/carried.h"
 #include "solver/air/air_field.h"
 #include "solver/chain/chain_state.h"
 
@@ -28,6 +29,14 @@ class AirCoupling {
         sample(hair.state);
     }
     void finish() {}  // once the frame is shown
+    // What the hair feels is sampled anew when a frame begins.
+    void save(Carried& to) const {
+        for (int axis = 0; axis < 3; ++axis)
+            to[air_component_names[axis]] = field_.velocities()[size_t(axis)];
+    }
+    void resume(const Carried& from) {
+        for (int axis = 0; axis < 3; ++axis) field_.blow_as(axis, from.at(air_component_names[axis]));
+    }
     void list(BufferList& buffers) const {
         buffers.push_back({"air", field_.bytes()}), add_buffer(buffers, "hair in the air", hair_);
     }

@@ -12,6 +12,9 @@
 
 namespace wetcurl {
 
+// Of velocities that a run carries from frame to frame, by axis.
+inline constexpr const char* air_component_names[] = {"air x", "air y", "air z"};
+
 // A piece of hair as the air meets it: place [m], velocity [m/s], drag [kg/s].
 struct DragPoint {
     Vec3f x, v;
@@ -31,6 +34,10 @@ class AirField {
     double energy() const;                                           // [J] in the box
     double divergence_before() const { return divergence_before_; }  // of the last step's projection
     size_t bytes() const;
+
+    // All that a step reads of the one before: components at the faces of each axis [m/s].
+    const std::array<std::vector<double>, 3>& velocities() const { return u_; }
+    void blow_as(int axis, const std::vector<double>& u) { u_[size_t(axis)] = u; }
 
     double cell() const { return cell_; }
     // The component along `axis` at its face (i, j, k), and that face's centre: a face lies at the lower side

@@ -106,6 +106,12 @@ struct ChainState : StrandArrays<S, HostArray> {
     void for_each_lane(F f) const {
         visit([](int) { return lanes; }, f);
     }
+    // Calls f(lane) for the lanes that hold strand s or copy it.
+    template <class F>
+    void for_each_lane_of(int s, F f) const {
+        for (int lane = s % lanes; lane < lanes; ++lane)
+            if (strand_of(s / lanes, lane) == s) f(lane);
+    }
     // A buffer (block, particle) as numbers U (strand, particle); empty where it is empty. And back.
     template <class U, class V, class To>
     void unpack(const std::vector<V>& from, std::vector<To>& to) const {

@@ -44,6 +44,7 @@ class ChainStepper {
     // The first strand that is not finite or ten strand lengths from its root.
     std::optional<Divergence> divergence() const;
     long limited_edges() const { return limited_; }
+    void count_limited_from(long so_far) { limited_ = so_far; }
 
     // From now on the work that is done within substeps is counted.
     void count_work();

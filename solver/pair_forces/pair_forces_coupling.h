@@ -47,11 +47,10 @@ class PairForcesCoupling {
         if (!is_finite(x_)) return;
         method_->evaluate(x_, time, force_);
         if (counted) work += method_->given(x_, time, time + dt);
-        state.for_each_particle(
-            [&](size_t id, size_t k, int lane) { state.put(given_[k], lane, force_[id]); });
+        state.for_each_lane([&](size_t id, size_t k, int lane) { state.put(given_[k], lane, force_[id]); });
         if (const auto* stiffness = method_->stiffness()) {
             stiffness_.resize(given_.size(), S(0));
-            state.for_each_particle(
+            state.for_each_lane(
                 [&](size_t id, size_t k, int lane) { state.put(stiffness_[k], lane, (*stiffness)[id]); });
         }
     }

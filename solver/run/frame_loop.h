@@ -47,8 +47,11 @@ class SimulationOf final : public Simulation {
     void record_adhesion(std::vector<AdhesionRecord>* records) override {
         if (records || network_) network().records = records, hair_.take_network(network_->layers());
     }
+    const Scene& scene() const override { return scene_; }
     SimulationState state() const override;
-    void restore(const SimulationState& state) override;
+    void restore(const SimulationState& state) override { take_over(state, state.time); }
+    RunState run_state() const override;
+    void resume(const RunState& state) override;
     void count_work() override;
     Work work() const override;
     std::vector<double> energy() const override;
@@ -68,6 +71,9 @@ class SimulationOf final : public Simulation {
     void run(const std::vector<PosedScene<T>>& path, bool ends_frame);
     void follow_water();
     void push_strands();
+    // surfaces_time [s]: of solids that deform.
+    void take_over(const SimulationState& state, double surfaces_time);
+    size_t particles() const { return scene_.groom.rest.points.size(); }
     // Calls f(name, seconds in the frame at hand) for each stage, in the order of their columns.
     template <class Self, class F>
     static void for_each_stage(Self& s, F f) {
@@ -83,7 +89,7 @@ class SimulationOf final : public Simulation {
 
     const Scene& scene_;
     const double dt_;
-    double time_ = 0;
+    double time_ = 0, surfaces_time_ = 0;  // [s]; rounding tells them apart
     H hair_;
     // What the scene names.
     std::optional<typename H::Water> water_;
@@ -133,6 +139,7 @@ void SimulationOf<H>::advance(bool shown) {
     if (air_) air_->advance(hair_, time_);
     const int substeps = scene_.integrator.substeps;
     if (surfaces_) surfaces_->advance(hair_, time_, substeps * dt_, substeps);
+    surfaces_time_ = time_ + substeps * dt_;
     for (int done = 0; done < substeps;) {
         ask_network(done);
         path_.resize(alone() ? size_t(substeps) : 1);
@@ -232,15 +239,45 @@ SimulationState SimulationOf<H>::state() const {
 }
 
 template <Hair H>
-void SimulationOf<H>::restore(const SimulationState& from) {
+void SimulationOf<H>::take_over(const SimulationState& from, double surfaces_time) {
     time_ = from.time, hair_.first = from.first || hair_.always_first();
+    surfaces_time_ = surfaces_time;
     hair_.head = scene_.head_at(time_);
-    if (surfaces_) surfaces_->hold(time_);
+    if (surfaces_) surfaces_->hold(surfaces_time_);
     hair_.fetch(), hair_.fetch_history();
     hair_.state.restore(from);
     hair_.give_state();
     if (water_ && !from.saturation.empty()) water_->restore(from.saturation, hair_), follow_water();
     hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+}
+
+// Pair forces are taken anew in each substep and carry nothing; nor do neighbours of Eq 10.
+template <Hair H>
+RunState SimulationOf<H>::run_state() const {
+    RunState out{state(), {}};
+    out.carried["limited edges"] = {double(hair_.limited_edges())};
+    out.carried["time of surfaces"] = {surfaces_time_};
+    if (water_) water_->save(out.carried);
+    if (air_) air_->save(out.carried);
+    if (strand_contact_) strand_contact_->save(out.carried);
+    if (network_) {
+        auto& answers = out.carried["answers of the network"];
+        answers = hair_.asks_network() ? hair_.answers() : network_->answers();
+        answers.resize(particles(), 0);  // none came yet
+    }
+    return out;
+}
+
+template <Hair H>
+void SimulationOf<H>::resume(const RunState& from) {
+    take_over(from, from.carried.at("time of surfaces")[0]);
+    hair_.count_limited_from(long(from.carried.at("limited edges")[0]));
+    if (water_) water_->resume(from.carried);
+    if (air_) air_->resume(from.carried);
+    if (strand_contact_) strand_contact_->resume(from.carried);
+    if (!network_) return;
+    const auto& answers = from.carried.at("answers of the network");
+    hair_.asks_network() ? hair_.give_answers(answers) : network_->give_answers(answers);
 }
 
 template <Hair H>

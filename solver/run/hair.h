@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/buffer_list.h"
+#include "base/carried.h"
 #include "base/dense_layers.h"
 #include "solver/chain/chain_stepper.h"
 #include "solver/run/simulation.h"
@@ -18,6 +19,13 @@ struct StageSeconds {
     double chain = 0, lists = 0, cohesion = 0;
 };
 
+// A stage that carries something from frame to frame.
+template <class C>
+concept Carrying = requires(C coupling, const C& now, Carried& to, const Carried& from) {
+    now.save(to);
+    coupling.resume(from);
+};
+
 // What couplings have in common: the time that they took in the frame at hand [s], and their buffers.
 template <class C>
 concept Coupling = requires(const C& now, BufferList& buffers) {
@@ -27,7 +35,7 @@ concept Coupling = requires(const C& now, BufferList& buffers) {
 
 // [wetness.flow]: moves water and what of the hair follows it, once a frame from `time` [s] on.
 template <class C, class H>
-concept WaterCoupled = Coupling<C> && std::constructible_from<C, const Scene&, H&> &&
+concept WaterCoupled = Coupling<C> && Carrying<C> && std::constructible_from<C, const Scene&, H&> &&
     requires(C water, const C& now, H& hair, double time, const std::vector<double>& saturation,
              RunFrame& frame) {
     water.advance(hair, time);
@@ -43,7 +51,7 @@ concept WaterCoupled = Coupling<C> && std::constructible_from<C, const Scene&, H
 
 // [air]: moves the air, and samples it where the strands are, once a frame.
 template <class C, class H>
-concept AirCoupled = Coupling<C> && std::constructible_from<C, const Scene&, H&> &&
+concept AirCoupled = Coupling<C> && Carrying<C> && std::constructible_from<C, const Scene&, H&> &&
     requires(C air, H& hair, double time) {
     air.advance(hair, time);
     air.finish();
@@ -75,7 +83,7 @@ concept PairForcesCoupled = Coupling<C> && std::constructible_from < C,
 
 // [strand_contact]: contact between strands, after each substep.
 template <class C, class H>
-concept StrandContactCoupled = Coupling<C> && std::constructible_from < C,
+concept StrandContactCoupled = Coupling<C> && Carrying<C> && std::constructible_from < C,
         const Scene&, const ChainState<typename H::S>
 & > &&requires(const C& now) {
     { now.neighbours_mean() } -> std::convertible_to<double>;
@@ -99,8 +107,9 @@ concept Hair = requires {
 &&requires(H hair, const H& now, const std::vector<PosedScene<typename H::Number>>& path,
            const PosedScene<typename H::Number>& at, const GivenToChain<typename H::S>& given,
            typename H::Forces* forces, typename H::StrandContacts* touching, const DenseLayers* layers,
-           const MovingGrid* surfaces, const std::vector<float>& saturation, RunFrame& frame, double number,
-           void (*act)(), BufferList& buffers) {
+           const MovingGrid* surfaces, const std::vector<float>& saturation,
+           const std::vector<double>& answers, RunFrame& frame, long count, double number, void (*act)(),
+           BufferList& buffers) {
     // In the host's memory: the strands as uploaded, or as of the last fetch.
     requires std::same_as<std::remove_cvref_t<decltype(hair.state)>, ChainState<typename H::S>>;
     { hair.head } -> std::convertible_to<Pose>;             // after the last substep
@@ -118,6 +127,9 @@ concept Hair = requires {
     hair.take_network(layers);
     { now.asks_network() } -> std::same_as<bool>;
     hair.ask_from(at);
+    // Its answers of the substep before (strand, particle), F.n / (sigma m a_max).
+    { now.answers() } -> std::same_as<std::vector<double>>;
+    hair.give_answers(answers);
 
     // A substep for each posed scene; `given`: what the host adds; whether a frame ends here.
     hair.run(path, given, true);
@@ -139,6 +151,7 @@ concept Hair = requires {
     { now.energy() } -> std::same_as<std::vector<double>>;  // [J] of each of kinds_of_energy
     { now.divergence() } -> std::same_as<std::optional<Divergence>>;
     { now.limited_edges() } -> std::convertible_to<long>;
+    hair.count_limited_from(count);
     { now.neighbours_mean() } -> std::convertible_to<double>;
     // Work from outside [J]; a device throws Error.
     hair.count_work();

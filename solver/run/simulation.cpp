@@ -41,6 +41,8 @@ class CpuHair : public ChainStepper<T> {
     void take_network(const DenseLayers*) {}
     bool asks_network() const { return false; }
     void ask_from(const PosedScene<T>&) {}
+    std::vector<double> answers() const { return {}; }
+    void give_answers(const std::vector<double>&) {}
 
     void run(const std::vector<PosedScene<T>>& path, const GivenToChain<S>& given, bool /*ends_frame*/) {
         const StageTimer timer(seconds.chain);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/carried.h"
 #include "base/run_cache.h"
 #include "solver/adhesion/adhesion_network_coupling.h"
 #include "solver/chain/work_meter.h"
@@ -22,9 +23,16 @@ struct SimulationState : StateArrays<double, HostArray> {
         saturation;  // empty without flow; a simulation that takes it over counts its water anew
 };
 
+// All that a run goes on from to the same bits: what a SimulationState lacks is what stages that act on all
+// strands carry from frame to frame, and counts. For a simulation of the same scene, precision and device.
+struct RunState : SimulationState {
+    Carried carried;
+};
+
 class Simulation {
   public:
     virtual ~Simulation() = default;
+    virtual const Scene& scene() const = 0;
     // One frame: the substeps, then the displayed positions. Where a frame is not `shown`, and nothing in the
     // scene reads them, these stay as they were, and a snapshot or `divergence` may be of the last one shown.
     virtual void advance(bool shown = true) = 0;
@@ -51,6 +59,9 @@ class Simulation {
     virtual SimulationState state() const = 0;
     // What `state` leaves empty, or holds for what this scene does not name, stays as it is.
     virtual void restore(const SimulationState&) = 0;
+    // Between two frames.
+    virtual RunState run_state() const = 0;
+    virtual void resume(const RunState&) = 0;
     // From now on the work done on the hair is counted; it costs some time. Throw Error on a GPU, which
     // counts none.
     virtual void count_work() = 0;

@@ -34,6 +34,8 @@ struct Integrator : Gravity {
     double relinearise_angle =
         0.002;          // [rad] rotation of an edge above which a substep is linearised again (key `turn`)
     double settle = 0;  // [s] simulated before frame 0 with everything held at its first pose
+    // Times its rest length: a longer edge ends the run. It does not act on the strands.
+    double allow_stretch = 10;
     bool is_implicit() const { return kind != "explicit"; }
     static constexpr Parameter<Integrator> parameters[] = {
         {KeyRow::one_of(
@@ -50,6 +52,10 @@ struct Integrator : Gravity {
         {KeyRow::number("settle", "s", 0, 0, 1000,
                         "Time simulated before frame 0, with head and solids held at their first pose."),
          &Integrator::settle},
+        {KeyRow::number("allow_stretch", "1", 10, 1, 1e9,
+                        "Largest length of an edge over its rest length; a longer one ends the run as "
+                        "diverged."),
+         &Integrator::allow_stretch},
     };
 };
 

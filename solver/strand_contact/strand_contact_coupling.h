@@ -1,6 +1,7 @@
 // Contact between strands, once a substep: what the pass needs of the strands, and what it gives them.
 #pragma once
 
+#include "base/carried.h"
 #include "solver/chain/chain_state.h"
 #include "solver/strand_contact/strand_contact_pass.h"
 
@@ -39,6 +40,9 @@ class StrandContactCoupling {
                 state.put(*v, lane, state.template lane_of<double>(*v, lane) + dv);
         });
     }
+    // The order of neighbours, and so of sums, is that of the lists built last.
+    void save(Carried& to) const { to["contact lists"] = pass_.built_at(); }
+    void resume(const Carried& from) { pass_.build_at(from.at("contact lists")); }
     double neighbours_mean() const { return pass_.neighbours_mean(); }
     void list(BufferList& buffers) const { buffers.push_back({StrandContact::name, pass_.bytes()}); }
     double seconds = 0;  // in the frame at hand

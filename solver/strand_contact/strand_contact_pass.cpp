@@ -50,6 +50,27 @@ bool StrandContactPass::refresh() {
     return count > 0 && farthest <= allowed * allowed;
 }
 
+std::vector<double> StrandContactPass::built_at() const {
+    std::vector<double> out(1 + 3 * x.points.size(), 0.0);
+    out[0] = double(lists_built_);
+    for (size_t at = 0; at < grid_.size(); ++at) {
+        const Vec3f p = searched_.at(at);
+        double* const to = &out[1 + 3 * size_t(grid_.order()[at])];
+        to[0] = double(p.x), to[1] = double(p.y), to[2] = double(p.z);
+    }
+    return out;
+}
+
+void StrandContactPass::build_at(const std::vector<double>& built) {
+    if (built[0] == 0) return;
+    for (size_t id = 0; id < x.points.size(); ++id) {
+        const double* const from = &built[1 + 3 * id];
+        x.points[id] = {float(from[0]), float(from[1]), float(from[2])};
+    }
+    build_lists();
+    lists_built_ = long(built[0]);
+}
+
 template <class Visit>
 void StrandContactPass::for_each_run(size_t c, Visit visit) const {
     const size_t first = c * NeighborList::cluster;

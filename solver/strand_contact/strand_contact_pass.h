@@ -24,6 +24,11 @@ class StrandContactPass {
     // The impulses of all pairs in touch, over a step of dt [s].
     void resolve(double dt);
 
+    // How often lists were built, and where particles were then (strand, particle, 3) [m], 0 before the
+    // first; and lists as they were built there.
+    std::vector<double> built_at() const;
+    void build_at(const std::vector<double>& built);
+
     long lists_built() const { return lists_built_; }
     double neighbours_mean() const { return list_.neighbours_mean(); }  // within radius and margin
     size_t bytes() const;

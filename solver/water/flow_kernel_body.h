@@ -22,6 +22,10 @@ struct WaterBalance {
 // Of what strands' ledgers say, `start` and `held` masses as in them; `absorbed`: m_absorbed.
 WaterBalance water_balance(double absorbed, double start, double held, const std::vector<FlowLedger>& ledger);
 
+// The ledgers and what was held at the start as numbers, and back.
+std::vector<double> carried_of(double start, const std::vector<FlowLedger>& ledger);
+double take_carried(const std::vector<double>& carried, std::vector<FlowLedger>& ledger);
+
 // What the flow needs of strands whose segments keep their length; `density` [kg/m] when dry.
 struct FlowHair {
     std::vector<double> mass, length;  // (strand, particle) dry [kg], [m] to the next

@@ -28,6 +28,17 @@ WaterBalance water_balance(double absorbed, double start, double held,
     return out;
 }
 
+std::vector<double> carried_of(double start, const std::vector<FlowLedger>& ledger) {
+    std::vector<double> out{start};
+    for (const auto& l : ledger) out.insert(out.end(), {l.taken, l.dripped, l.dried});
+    return out;
+}
+double take_carried(const std::vector<double>& carried, std::vector<FlowLedger>& ledger) {
+    for (size_t s = 0; s < ledger.size(); ++s)
+        ledger[s] = {carried[1 + 3 * s], carried[2 + 3 * s], carried[3 + 3 * s]};
+    return carried[0];
+}
+
 FlowPass::FlowPass(const Flow& flow, const Strands& rest, double density, double absorbed,
                    const std::vector<float>& saturation)
     : flow_(flow),

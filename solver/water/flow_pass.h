@@ -33,6 +33,9 @@ class FlowPass {
     const std::vector<double>& dry_mass() const { return hair_.mass; }  // (strand, particle) [kg]
     // Another saturation; the balance begins anew.
     void restore(const std::vector<double>& saturation);
+    // What the balance has counted.
+    std::vector<double> counted() const { return carried_of(start_, ledger_); }
+    void count_from(const std::vector<double>& counted) { start_ = take_carried(counted, ledger_); }
     WaterBalance water() const;
     size_t bytes() const;
 

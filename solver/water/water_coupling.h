@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "base/carried.h"
 #include "solver/chain/chain_state.h"
 #include "solver/cohesion/display.h"
 #include "solver/water/flow_pass.h"
@@ -43,6 +44,10 @@ class WaterCoupling {
     }
     void finish() {}  // once the frame is shown
     void restore(const std::vector<double>& saturation, H& hair) { flow_.restore(saturation), soak(hair); }
+
+    // The saturation is restored before.
+    void save(Carried& to) const { to["water counted"] = flow_.counted(); }
+    void resume(const Carried& from) { flow_.count_from(from.at("water counted")); }
 
     const std::vector<double>& exact() const { return flow_.exact(); }  // (strand, particle)
     const std::vector<float>& saturation() const {

@@ -91,6 +91,27 @@ TEST(SimulatedFrames, begin_with_the_state_at_time_0_and_say_which_frame_diverge
         {"diverged at frame ", "strand ", "largest term", "substeps"});
 }
 
+TEST(SimulatedFrames, end_where_an_edge_is_longer_than_the_scene_allows_and_say_where) {
+    SceneOptions options;
+    options.set = {"stretch.stiffness=0.2", "integrator.limiter=0"};
+    const auto run = [&](double allowed) {
+        options.set.push_back("integrator.allow_stretch=" + std::to_string(allowed));
+        const Scene scene = read(options);
+        const auto simulation = make_simulation(scene, "float");
+        SimulatedFrames frames(*simulation, scene.frames);
+        RunFrame frame;
+        while (frames.next(frame)) {
+        }
+        return frames.watch().stretch()->value;
+    };
+    const double most = run(10);
+    EXPECT_GT(most, 1.001);
+    EXPECT_EQ(run(1.01 * most), most);
+    expect_error<Diverged>([&] { run(1 + (most - 1) / 2); },
+                           {"diverged at frame ", "strand ", "particle ", "times its rest length",
+                            "allow_stretch", "largest term '"});
+}
+
 // One option of `infer` each, by its name.
 struct Given {
     const char* option;

@@ -25,7 +25,7 @@ expect 2 'nofile.toml: cannot be read' "'$wetcurl' stability nofile.toml --case 
 expect 2 'its head still moves after 60 s' "'$wetcurl' stability '$scene' --case S1 --quick"
 # A disk that fills up while frames are written, which the library first notices where it closes a data set.
 small="--set groom.grid=[4,4] --set integrator.settle=0 --frames 60"
-expect 1 'cannot be written (disk full?)' "trap '' XFSZ; ulimit -f 150; '$wetcurl' simulate '$scene' $small -o full.h5 || { rm full.h5.partial; exit 1; }"
+expect 1 'cannot be written (disk full?)' "trap '' XFSZ; ulimit -f 150; '$wetcurl' simulate '$scene' $small -o full.h5 || { rm -f full.h5.partial full.h5.state; exit 1; }"
 expect 2 'found an empty folder name' "'$wetcurl' dataset '$(dirname "$scene")/dataset/curls.toml' -o ''"
 expect 2 'a number is needed' "'$wetcurl' infer run.h5 --interpolate quad --cohesion --relaxation nan -o out.h5"
 expect 2 "--device: found 'cudafoo'" "'$wetcurl' infer run.h5 --interpolate quad --cohesion --device cudafoo -o out.h5"

@@ -6,15 +6,17 @@
 #include "base/geometry/mesh.h"
 #include "base/provenance.h"
 #include "base/run_cache.h"
-#include "scratch.h"
+#include "small_run.h"
 
 namespace wetcurl {
 namespace {
 
 using testing::bytes_of;
 using testing::expect_error;
-using testing::Random;
+using testing::same_points;
 using testing::Scratch;
+using testing::small_frame;
+using testing::small_header;
 
 constexpr const char* format = "wetcurl test";
 
@@ -188,57 +190,11 @@ TEST(Hdf5, what_is_not_finite_is_an_error_with_its_place) {
 
 // ---- run caches ----
 
-RunHeader small_header() {
-    RunHeader h;
-    h.scene = "title = \"two by two\"\nfps = 30\n";
-    h.scene_folder = "/scenes";
-    h.method = "simulated wet";
-    h.fps = 30;
-    h.seed = 18446744073709551615ull;
-    h.stride = 2;
-    h.groom.rest = Strands(3, 4);
-    Random random(1);
-    for (auto& p : h.groom.rest.points) p = cast<float>(random.vector());
-    h.groom.normal.assign(3, {0, 1, 0});
-    h.groom.grid = {2, 2, {0, 1, -1, 2}};
-    h.saturation.assign(12, 0.25f);
-    h.energy_kinds = {"kinetic", "stretch"};
-    h.stages = {"solve", "contact", "cohesion"};
-    h.inputs = {"head.obj 0123"};
-    h.terms_present = "stretch, bend";
-    h.terms_absent = "air";
-    return h;
-}
-
-RunFrame small_frame(int f) {
-    Random random(unsigned(10 + f));
-    RunFrame frame;
-    frame.head = {random.rotation(), random.vector()};
-    frame.positions = Strands(3, 4);
-    frame.displayed = Strands(3, 4);
-    for (auto* s : {&frame.positions, &frame.displayed})
-        for (auto& p : s->points) p = cast<float>(random.vector());
-    frame.energy = {float(f), 2};
-    frame.stage_seconds = {0.1f, 0.2f, float(f)};
-    frame.contact.assign(12, uint8_t(f % 2));
-    frame.saturation.assign(12, 0.125f * float(f));
-    frame.water = {1e-6, 2e-6, 3e-6 * f, 4e-7};
-    frame.seconds = 0.5 * f;
-    return frame;
-}
-
 std::string small_run(const Scratch& scratch, const RunHeader& header, int frames = 3) {
     RunWriter w(scratch.path("run.h5"), header, true);
     for (int f = 0; f < frames; ++f) w.append(small_frame(f));
     w.commit();
     return scratch.path("run.h5");
-}
-
-bool same_points(const Strands& a, const Strands& b) {
-    if (a.count != b.count || a.particles != b.particles) return false;
-    for (size_t i = 0; i < a.points.size(); ++i)
-        if (norm(a.points[i] - b.points[i]) != 0) return false;
-    return true;
 }
 
 // Changes how many rows the only dataset of this shape claims, wherever the file says it: its size and its

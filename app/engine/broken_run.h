@@ -1,0 +1,25 @@
+// What a run that was stopped or killed left at its output, and whether another one may go on with it.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "base/run_cache.h"
+
+namespace wetcurl {
+
+struct BrokenRun {
+    std::string file;  // NAME.partial
+    RunHeader header;
+    int frames;
+    std::vector<double> seconds;  // (frame)
+};
+
+// Whether the output is whole, and says so; there is nothing to go on with then, unless it is to be replaced.
+bool is_complete(const std::string& output, bool overwrite);
+// None where no frame is there. `place` holds the lock.
+std::optional<BrokenRun> broken_run_at(const OutputFile& place);
+// Throws Error, with what differs, unless a run with that header is the same one.
+void require_same(const BrokenRun& broken, const RunHeader& header);
+
+}  // namespace wetcurl
