@@ -573,8 +573,9 @@ std::vector<double> Table::numbers(const KeyRow& row) const {
     WETCURL_TAKE(row.key);
     if (!n) return {row.vector.begin(), row.vector.begin() + long(row.size)};
     const auto* a = n->as_array();
-    if (!a || a->size() != row.size)
-        fail(row.key, fmt::format("found {}, {} numbers in brackets are needed", shown(*n), row.size));
+    if (!a || (row.size > 0 && a->size() != row.size))
+        fail(row.key, fmt::format("found {}, {}numbers in brackets are needed", shown(*n),
+                                  row.size > 0 ? fmt::format("{} ", row.size) : ""));
     std::vector<double> out;
     for (const auto& e : *a) {
         if (!e.is_number())

@@ -18,8 +18,8 @@ template <class Owner>
 struct Parameter : KeyRow {
     std::variant<double Owner::*, int Owner::*, unsigned long long Owner::*, bool Owner::*,
                  std::string Owner::*, Vec3d Owner::*, std::array<int, 2> Owner::*,
-                 std::array<int, 3> Owner::*, std::optional<double> Owner::*, std::optional<Vec3d> Owner::*,
-                 std::vector<std::string> Owner::*>
+                 std::array<int, 3> Owner::*, std::vector<int> Owner::*, std::vector<std::string> Owner::*,
+                 std::optional<double> Owner::*, std::optional<int> Owner::*, std::optional<Vec3d> Owner::*>
         member;
 };
 
@@ -40,6 +40,10 @@ template <size_t n>
 void read_row(const KeyRow& row, const Table& table, std::array<int, n>& value) {
     const auto v = table.numbers(row);
     for (size_t k = 0; k < n; ++k) value[k] = int(v.at(k));
+}
+inline void read_row(const KeyRow& row, const Table& table, std::vector<int>& value) {
+    const auto v = table.numbers(row);
+    value.assign(v.begin(), v.end());
 }
 inline void read_row(const KeyRow& row, const Table& table, std::vector<std::string>& value) {
     value = table.words(row);

@@ -13,7 +13,7 @@ namespace wetcurl {
 
 inline constexpr double unbounded = std::numeric_limits<double>::infinity();
 
-// integers: a vector of them; words: an array of any of the words.
+// integers: a vector of them, or a list of any length; words: an array of any of the words.
 enum class Kind { number, integer, boolean, word, text, path, vector, integers, words };
 // "number", ..., as listings name it.
 const char* name_of(Kind kind);
@@ -31,7 +31,7 @@ struct KeyRow {
     const char* key;
     Kind kind;
     const char* unit = "";           // of numbers; "1": a ratio or a count
-    size_t size = 1;                 // how many numbers a vector has
+    size_t size = 1;                 // how many numbers a vector has; 0: any number of them
     double fallback = 0;             // of a number; of a boolean 0 or 1
     std::array<double, 3> vector{};  // of a vector: its default
     const char* word = "";           // of a word, a text or a path: its default
@@ -79,6 +79,13 @@ struct KeyRow {
                                      When when = {}) {
         KeyRow row = numbers(key, "1", fallback, minimum, maximum, meaning, source, when);
         row.kind = Kind::integers;
+        return row;
+    }
+    // Any number of whole numbers, none by default.
+    static constexpr KeyRow list(const char* key, double minimum, double maximum, const char* meaning,
+                                 const char* source = "", When when = {}) {
+        KeyRow row = number(key, "1", 0, minimum, maximum, meaning, source, when);
+        row.kind = Kind::integers, row.size = 0;
         return row;
     }
     static constexpr KeyRow boolean(const char* key, bool fallback, const char* meaning,

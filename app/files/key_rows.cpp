@@ -72,6 +72,7 @@ std::string values_of(const KeyRow& row) {
 
 std::string kind_of(const KeyRow& row) {
     if (row.kind == Kind::vector) return fmt::format("{} numbers", row.size);
+    if (row.is_vector() && row.size == 0) return "integers";
     if (row.kind == Kind::integers) return fmt::format("{} integers", row.size);
     return name_of(row.kind);
 }
@@ -95,7 +96,8 @@ Json schema_of(const KeyRow& row) {
     if (row.is_number()) {
         out.update(number);
     } else if (row.is_vector()) {
-        out.update({{"type", "array"}, {"items", number}, {"minItems", row.size}, {"maxItems", row.size}});
+        out.update({{"type", "array"}, {"items", number}});
+        if (row.size > 0) out.update({{"minItems", row.size}, {"maxItems", row.size}});
     } else if (row.kind == Kind::boolean) {
         out["type"] = "boolean";
     } else if (row.kind == Kind::words) {

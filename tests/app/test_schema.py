@@ -76,8 +76,8 @@ def wrong_values(key):
     numbers = [str(key["minimum"] - 1), str(key["maximum"] * 2 + 1)]
     if kind in ("number", "integer"):
         return ['"much"', "true", "[1]"] + numbers + (["1.5"] if kind == "integer" else [])
-    size = key["size"]
-    return ["3", "[1]", '["a", "b", "c"]'] + [f"[{', '.join([n] * size)}]" for n in numbers]
+    size = key["size"]  # 0: any number of them
+    return ["3", '["a", "b", "c"]'] + (["[1]"] if size else []) + [f"[{', '.join([n] * max(size, 1))}]" for n in numbers]
 
 
 refused = 0
