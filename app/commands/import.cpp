@@ -52,7 +52,7 @@ Json report(const ImportOptions& options, const ImportedStrands& in, const Exten
               {"repeated_points", in.repeated_points},
               {"units", in.units},
               {"units_guessed", in.guessed},
-              {"up", options.up},
+              {"up", in.up},
               {"bounds", {{"low", vector_json(extent.low)}, {"high", vector_json(extent.high)}}},
               {"median_length", extent.median_length},
               {"grid",
@@ -77,7 +77,7 @@ void print(const ImportOptions& options, const ImportedStrands& in, const Extent
                 in.dropped(), in.found, in.no_points, in.one_point, in.no_length);
     std::printf("left out  %zu points that repeat the one before\n", in.repeated_points);
     std::printf("units     %s%s, %s up\n", in.units.c_str(), in.guessed ? " (not given: assumed)" : "",
-                options.up.c_str());
+                in.up.c_str());
     std::printf("bounds    x %.3f to %.3f, y %.3f to %.3f, z %.3f to %.3f m\n", a.x, b.x, a.y, b.y, a.z, b.z);
     std::printf("length    %.3f m in the median\n", extent.median_length);
     if (depth) std::printf("scalp     %s\n", described(*depth).c_str());
@@ -94,7 +94,7 @@ void add_options(CLI::App& app, ImportOptions& o) {
         ->check(CLI::IsMember({"m", "cm", "mm", "auto"}))
         ->capture_default_str();
     app.add_option("--up", o.up, "axis that points up; auto: as the file says, else y")
-        ->check(CLI::IsMember({"auto", "y", "z"}))
+        ->check(CLI::IsMember({"x", "-x", "y", "-y", "z", "-z", "auto"}))
         ->capture_default_str();
     app.add_option("--resample", o.resample, "particles a strand; 0: as it is")->check(CLI::Range(0, 100000));
     app.add_option("--scalp", o.scalp,
@@ -120,7 +120,7 @@ int import_command(const ImportOptions& options) {
     std::optional<ScalpMesh> scalp;
     std::optional<RootDepth> depth;
     if (!options.scalp.empty()) {
-        scalp.emplace(import_mesh(options.scalp, meant));
+        scalp.emplace(import_mesh(options.scalp, {options.units, in.up}));
         depth = root_depth(in.strands, *scalp);
     }
     const RootLayout layout = lay_on_grid(roots_of(in.strands), scalp ? &*scalp : nullptr);

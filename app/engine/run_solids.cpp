@@ -42,7 +42,9 @@ std::function<float(const Vec3f&, const Pose&, double)> solid_distance_of(const 
         const MovingGrid* surface = surfaces ? surfaces->at_end() : nullptr;
         float nearest = 1e9f;
         for (const auto& solid : scene->solids) {
-            const Vec3f local = cast<float>(solid.at(time, head).inverse(cast<double>(x)));
+            const Pose pose =
+                solid.deformation ? scene->surface_frame(solid, time, head) : solid.at(time, head);
+            const Vec3f local = cast<float>(pose.inverse(cast<double>(x)));
             const float phi =
                 solid.deformation ? distance(*surface++, local).phi : distance(solid.shape, local).phi;
             if (counts(solid)) nearest = std::min(nearest, phi);

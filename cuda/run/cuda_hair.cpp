@@ -32,7 +32,7 @@ bool needs_reference(const Scene& scene) {
 template <class T>
 CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
     : state(scene),
-      head(scene.head_at(0)),
+      head(scene.head_at(scene.begin())),
       scene_(scene),
       dt_(1 / (scene.fps * scene.integrator.substeps)),
       by_reference_(stepping == Stepping::by_reference || needs_reference(scene)),

@@ -46,7 +46,7 @@ struct ChainState : StrandArrays<S, HostArray> {
     int strand_of(int block, int lane) const { return std::min(block * lanes + lane, strands - 1); }
     int strands_in(int block) const { return std::min(lanes, strands - block * lanes); }
 
-    // At rest on the first pose of the head, or of each root that rides.
+    // At rest on the pose of the head, or of each root that rides, where the run begins.
     explicit ChainState(const Scene& scene)
         : strands(scene.groom.rest.count),
           n(scene.groom.rest.particles),
@@ -56,8 +56,8 @@ struct ChainState : StrandArrays<S, HostArray> {
         });
         const std::vector<float> depth = rest_depths_of(scene);
         RidingRoots::Room roots;
-        if (scene.riding) scene.root_poses_at(0, roots);
-        const Pose head = scene.motion.at(0);
+        if (scene.riding) scene.root_poses_at(scene.begin(), roots);
+        const Pose head = scene.head_at(scene.begin());
 #pragma omp parallel for schedule(dynamic)
         for (int block = 0; block < blocks; ++block)
             for (int lane = 0; lane < lanes; ++lane) {
@@ -134,6 +134,19 @@ struct ChainState : StrandArrays<S, HostArray> {
                 if (!array.empty() && !values.empty()) pack(values, array);
             },
             *this, from);
+    }
+    // At rest where each strand is, carried rigidly by move(strand), a Pose.
+    template <class Move>
+    void carry(Move move) {
+        for_each_lane([&](size_t id, size_t k, int lane) {
+            const Pose by = move(id / size_t(n));
+            put(x[k], lane, by(lane_of<double>(x[k], lane)));
+            if (!frame.empty()) put(frame[k], lane, by.rotation * lane_of<double>(frame[k], lane));
+        });
+        x_before = x;
+        for (auto* at_rest : {&this->v, &this->v_before})
+            at_rest->assign(at_rest->size(), {S(0), S(0), S(0)});
+        this->pushed.assign(this->pushed.size(), S(0));
     }
     // (strand, particle), 1 in contact; empty without adhesion.
     std::vector<uint8_t> contacts() const {

@@ -22,7 +22,7 @@ static bool far_pays(const Scene& scene) {
 template <class T>
 ChainStepper<T>::ChainStepper(const Scene& scene)
     : state(scene),
-      head(scene.head_at(0)),
+      head(scene.head_at(scene.begin())),
       scene_(scene),
       n_(state.n),
       dt_(1 / (scene.fps * scene.integrator.substeps)),

@@ -33,7 +33,7 @@ void Display::apply(Strands& p, const Pose& head, double time, const MovingGrid*
     for (size_t k = 0; k < shapes_.size(); ++k) {
         const Solid& solid = scene_.solids[k];
         if (solid.deformation) shapes_[k].grid = *surfaces++;
-        const Pose pose = solid.at(time, head);
+        const Pose pose = solid.deformation ? scene_.surface_frame(solid, time, head) : solid.at(time, head);
         solids_[k] = {&shapes_[k], cast<float>(pose.rotation), cast<float>(pose.translation), {}, {},
                       0.f,         solid.moves_with_roots()};
     }

@@ -83,9 +83,10 @@ static std::vector<Vec3f> normals_at(const std::vector<Vec3d>& roots, const Scal
     return normals;
 }
 
-static void move(StrandPoints& strands, double scale, const Vec3d& offset) {
+static void move(StrandPoints& strands, const GroomTable& groom) {
+    const Quatd turn = rotation_of(groom.rotation);
     for (auto& strand : strands)
-        for (auto& x : strand) x = scale * x + offset;
+        for (auto& x : strand) x = groom.scale * rotate(turn, x) + groom.offset;
 }
 
 // The grid asked for, or {0, 0} for the finest there is. One with fewer pixels than the file has strands is a
@@ -113,21 +114,20 @@ static void rest_procedural_keys(const Table& table, const std::string& file) {
         log_info(table.where() + ": strands come from " + file + "; without effect:" + resting);
 }
 
-static Groom file_groom(const Table& table, const GroomTable& groom,
-                        const std::shared_ptr<const ScalpMesh>& of_solid, std::vector<Finding>* findings) {
+static Groom file_groom(const Table& table, const GroomTable& groom, const ScalpOfSolid& of_solid,
+                        std::vector<Finding>* findings) {
     const auto& [file, particles] = std::tie(groom.file, groom.particles);
     rest_procedural_keys(table, file);
-    const auto scalp = read_scalp(groom, of_solid);
-
     ImportedStrands in = import_strands(file, groom.hair_units());
     StrandPoints& strands = in.strands;
     if (groom.tip_first)
         for (auto& strand : strands) std::reverse(strand.begin(), strand.end());
-    move(strands, groom.scale, groom.offset);
+    move(strands, groom);
     if (groom.repair)
         log_info(file + ": " + std::to_string(repair(in)) + " strands end before a stray point");
     if (findings) *findings = findings_of_strands(in, file);
     const std::vector<Vec3d> roots = roots_of(strands);
+    const auto scalp = read_scalp(groom, of_solid ? of_solid(roots) : nullptr, in.up);
     if (scalp) log_info(file + ": " + described(root_depth(strands, *scalp)));
     warn_of_few_particles(table, turns_of(strands), particles);
     const RootLayout layout = lay_on_grid(roots, scalp.get(), grid_wanted(table, groom, roots.size()));
@@ -152,12 +152,12 @@ static Groom file_groom(const Table& table, const GroomTable& groom,
     return coarsened(full, 1);  // strands in the order of their pixels
 }
 
-Groom load_groom(const Table& table, unsigned long long seed, std::shared_ptr<const ScalpMesh> of_solid,
+Groom load_groom(const Table& table, unsigned long long seed, const ScalpOfSolid& of_solid,
                  std::vector<Finding>* findings) {
     GroomTable read;
     read_parameters(read, GroomTable::parameters, table);
     if (!read.file.empty()) return file_groom(table, read, of_solid, findings);
-    const ProceduralGroom groom = read_procedural(table, seed, of_solid);
+    const ProceduralGroom groom = read_procedural(table, seed, of_solid ? of_solid({}) : nullptr);
     warn_of_few_particles(table, turns_of(groom), groom.particles);
     return make_procedural(groom);
 }

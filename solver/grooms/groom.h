@@ -1,6 +1,7 @@
 // The groom that a scene names: the built-in one, or strands of a file laid on a grid.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "base/config.h"
@@ -11,15 +12,17 @@
 
 namespace wetcurl {
 
+// The scalp that is a solid of the scene, null where none is; roots (strand) [m] of a file's hair, else
+// empty.
+using ScalpOfSolid = std::function<std::shared_ptr<const ScalpMesh>(const std::vector<Vec3d>& roots)>;
+
 // Reads `[groom]`. Without `file`: the built-in groom (procedural.h). With it: the file's strands, with
 // `units`, `up`, then x <- `scale` x + `offset` [m], each resampled to `particles` points even in arc length,
 // roots laid on a grid (`grid`, else the finest that they fill), normals from the `scalp` where one is named,
 // else off the middle of the roots. Keys of the built-in groom are then checked and said to rest, since
-// `--groom` lays a file over any scene. `of_solid`: the scalp, where `scalp` names a solid. `findings`, where
-// given, receives what looks wrong about the file's strands. Throws Misuse for keys and values, Error for bad
-// files.
-Groom load_groom(const Table& table, unsigned long long seed,
-                 std::shared_ptr<const ScalpMesh> of_solid = nullptr,
+// `--groom` lays a file over any scene. `of_solid`: where `scalp` may name a solid. `findings`, where given,
+// receives what looks wrong about the file's strands. Throws Misuse for keys and values, Error for bad files.
+Groom load_groom(const Table& table, unsigned long long seed, const ScalpOfSolid& of_solid = {},
                  std::vector<Finding>* findings = nullptr);
 
 // The grid of every 1st, 2nd, 4th... root each way: the finest that has at most `at_most` strands, 1 or more.

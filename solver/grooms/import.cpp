@@ -9,6 +9,8 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/geometry/file_frame.h"
+#include "base/geometry/mesh_winding.h"
 #include "base/log.h"
 #include "base/number_text.h"
 #include "base/output_file.h"
@@ -58,27 +60,25 @@ Unit guessed_unit(double diagonal) {
                              [&](const Unit& a, const Unit& b) { return off(a) < off(b); });
 }
 
-// Turns z-up coordinates so that y is up and what faced -y faces +z.
-Vec3d z_to_y_up(const Vec3d& x) { return {x.x, x.z, -x.y}; }
-
 // File coordinates to metres, Y up.
 struct ToMetres {
     Unit unit;
     bool guessed;
-    bool z_up;
-    Vec3d operator()(const Vec3d& x) const { return unit.metres * (z_up ? z_to_y_up(x) : x); }
+    std::string up;
+    Vec3d operator()(const Vec3d& x) const { return unit.metres * upright(up, x); }
 };
 
-bool is_z_up(const std::string& path, const std::string& meant, const FileAxes& says) {
-    if (meant != "y" && meant != "z" && meant != "auto")
-        throw Misuse(path + ": found the up axis '" + meant + "', allowed y, z, auto");
-    const char up = meant == "auto" ? says.up.value_or('y') : meant[0];
-    if (up != 'y' && up != 'z')
-        throw Error(path + ": found that it says " + std::string(1, up) + " is up, allowed are y and z");
-    if (says.up && *says.up != up)
-        log_warning(path + ": says that " + std::string(1, *says.up) + " is up, and is read as if " +
-                    std::string(1, up) + " were, as told");
-    return up == 'z';
+std::string up_axis(const std::string& path, const std::string& meant, const FileAxes& says) {
+    if (std::find(std::begin(axis_words), std::end(axis_words), meant) == std::end(axis_words))
+        throw Misuse(path + ": found the up axis '" + meant + "', allowed x, -x, y, -y, z, -z, auto");
+    const std::string said = says.up ? std::string(1, *says.up) : "";
+    if (meant != "auto") {
+        if (!said.empty() && said != meant)
+            log_warning(path + ": says that " + said + " is up, and is read as if " + meant +
+                        " were, as told");
+        return meant;
+    }
+    return said.empty() ? "y" : said;
 }
 
 // As the file says, or as is usual for its format.
@@ -93,23 +93,23 @@ std::optional<Unit> unit_of_file(const std::string& path, const std::string& pre
 
 ToMetres conversion(const std::string& path, const FileUnits& meant, const std::string& prescribed,
                     const FileAxes& says, const Bounds& box) {
-    const bool z_up = is_z_up(path, meant.up, says);
+    const std::string up = up_axis(path, meant.up, says);
     const auto of_file = unit_of_file(path, prescribed, says);
     if (meant.units != "auto") {
         const Unit told = unit_named(path, meant.units);
         if (says.metres_per_unit && of_file->metres != told.metres)
             log_warning(path + ": says that its unit is " + of_file->name + ", and is read in " + told.name +
                         ", as told");
-        return {told, false, z_up};
+        return {told, false, up};
     }
-    if (says.metres_per_unit) return {*of_file, false, z_up};
+    if (says.metres_per_unit) return {*of_file, false, up};
     const double diagonal = norm(box.high - box.low);
     const Unit unit = of_file ? *of_file : guessed_unit(diagonal);
     char size[64];
     std::snprintf(size, sizeof size, "%.4g units across, %.3g m", diagonal, diagonal * unit.metres);
     log_warning(path + ": units not given, " + (prescribed.empty() ? "guessed " : "took the format's ") +
                 unit.name + " (" + size + "); say m, cm or mm to be sure");
-    return {unit, true, z_up};
+    return {unit, true, up};
 }
 
 void widen(Bounds& box, const Vec3d& x) {
@@ -198,6 +198,7 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
     out.found = raw.size();
     out.units = to_metres.unit.name;
     out.guessed = to_metres.guessed;
+    out.up = to_metres.up;
     for (size_t s = 0; s < raw.size(); ++s) {
         std::vector<Vec3d> strand(raw[s].size());
         std::transform(raw[s].begin(), raw[s].end(), strand.begin(), to_metres);
@@ -241,6 +242,9 @@ Mesh import_mesh(const std::string& path, const FileUnits& meant) {
     Mesh mesh = read_mesh(path, 1);
     const ToMetres to_metres = conversion(path, meant, "", {}, bounding_box(mesh));
     for (auto& x : mesh.vertices) x = cast<float>(to_metres(cast<double>(x)));
+    Winding winding;
+    mesh = consistently_wound(mesh, &winding);
+    if (winding.changed()) log_info(path + ": " + winding.text());
     return mesh;
 }
 

@@ -12,7 +12,8 @@ namespace wetcurl {
 // How a file's numbers are meant.
 struct FileUnits {
     std::string units = "auto";  // m | cm | mm | auto: as the file says, else guessed by its size
-    std::string up = "y";        // y | z | auto: as the file says, else y
+    // x | -x | y | -y | z | -z | auto: as the file says, else y
+    std::string up = "y";
 };
 
 struct ImportedStrands {
@@ -31,6 +32,7 @@ struct ImportedStrands {
         0;                 // points left out of strands that were kept, since they stand on the one before
     std::string units;     // m | cm | mm, or "0.0254 m", as used
     bool guessed = false;  // by the file's size, and said in the log
+    std::string up;        // the file's axis that points up, as used
 
     size_t dropped() const { return no_points + one_point + no_length; }
 };

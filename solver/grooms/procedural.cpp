@@ -146,9 +146,10 @@ Vec3d Grower::grow(double u, double v, Vec3f* points) const {
 }  // namespace
 
 std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom,
-                                            const std::shared_ptr<const ScalpMesh>& of_solid) {
+                                            const std::shared_ptr<const ScalpMesh>& of_solid,
+                                            const std::string& up_of_hair) {
     if (groom.scalp.empty()) return of_solid;
-    return std::make_shared<const ScalpMesh>(import_mesh(groom.scalp, groom.units_of_scalp()));
+    return std::make_shared<const ScalpMesh>(import_mesh(groom.scalp, groom.units_of_scalp(up_of_hair)));
 }
 
 ProceduralGroom read_procedural(const Table& table, unsigned long long seed,

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "base/geometry/file_frame.h"
 #include "base/parameters.h"
 #include "base/strands.h"
 #include "solver/grooms/import.h"
@@ -46,17 +47,19 @@ struct GroomTable {
     std::optional<Vec3d> scalp_centre;  // [m]
     std::string file;                   // strands; "": the built-in groom
     std::string units = "auto", up = "auto";
+    Vec3d rotation{0, 0, 0};  // [degrees]
     double scale = 1;
     Vec3d offset{0, 0, 0};  // [m]
     bool tip_first = false, repair = false;
 
     FileUnits hair_units() const { return {units, up}; }
-    // Those of the hair, where the scalp has none of its own.
-    FileUnits units_of_scalp() const {
-        return {scalp_units.empty() ? units : scalp_units, scalp_up.empty() ? up : scalp_up};
+    // Those of the hair, where the scalp has none of its own. `up_of_hair`: as its file was read.
+    FileUnits units_of_scalp(const std::string& up_of_hair) const {
+        return {scalp_units.empty() ? units : scalp_units, !scalp_up.empty() ? scalp_up
+                                                           : up != "auto"    ? up
+                                                                             : up_of_hair};
     }
-    static constexpr const char *units_words[] = {"m", "cm", "mm", "auto"}, *up_words[] = {"auto", "y", "z"},
-                                *orders[] = {"root_first", "tip_first"};
+    static constexpr const char* orders[] = {"root_first", "tip_first"};
     static constexpr Parameter<GroomTable> parameters[] = {
         {KeyRow::integers("grid", {32, 32}, 1, 4096,
                           "Roots each way; of a file's strands, without it, the finest grid that they fill."),
@@ -67,11 +70,11 @@ struct GroomTable {
                       "the scene "
                       "with shape = \"mesh\", on which they also ride."),
          &GroomTable::scalp},
-        {KeyRow::one_of("scalp_units", units_words, "", "Unit of the numbers in the scalp's file.", "",
+        {KeyRow::one_of("scalp_units", unit_words, "", "Unit of the numbers in the scalp's file.", "",
                         {"scalp"})
              .without_default("as units"),
          &GroomTable::scalp_units},
-        {KeyRow::one_of("scalp_up", up_words, "", "Axis that points up in the scalp's file.", "", {"scalp"})
+        {KeyRow::one_of("scalp_up", axis_words, "", "Axis that points up in the scalp's file.", "", {"scalp"})
              .without_default("as up"),
          &GroomTable::scalp_up},
         {KeyRow::numbers("scalp_centre", "m", {0, 0, 0}, -100, 100, "Centre of the ball or of the head.")
@@ -81,18 +84,21 @@ struct GroomTable {
              "file", "the built-in groom",
              "Strands of another program: .hair, .data, .bin, .ply, .tfx, .obj, .npz, .abc or .usda."),
          &GroomTable::file},
-        {KeyRow::one_of("units", units_words, "auto",
+        {KeyRow::one_of("units", unit_words, "auto",
                         "Unit of the numbers in the file; auto chooses by the size of the hair.", "",
                         {"file|scalp"}),
          &GroomTable::units},
-        {KeyRow::one_of("up", up_words, "auto",
+        {KeyRow::one_of("up", axis_words, "auto",
                         "Axis that points up in the file; auto: as the file says, else y.", "",
                         {"file|scalp"}),
          &GroomTable::up},
+        {KeyRow::numbers("rotation", "degrees", {0, 0, 0}, -3600, 3600,
+                         "Rotation of the strands of the file about x, then y, then z.", "", {"file"}),
+         &GroomTable::rotation},
         {KeyRow::number("scale", "1", 1, 1e-6, 1e6, "Factor of the strands of the file.", "", {"file"}),
          &GroomTable::scale},
-        {KeyRow::numbers("offset", "m", {0, 0, 0}, -1e4, 1e4, "Translation of those strands, after scale.",
-                         "", {"file"}),
+        {KeyRow::numbers("offset", "m", {0, 0, 0}, -1e4, 1e4,
+                         "Translation of those strands, after rotation and scale.", "", {"file"}),
          &GroomTable::offset},
         {KeyRow::one_of("order", orders, "root_first", "Where strands of the file begin.", "", {"file"}),
          &GroomTable::tip_first},
@@ -149,7 +155,8 @@ ProceduralGroom read_procedural(const Table& table, unsigned long long seed,
 
 // The mesh in the file that `[groom] scalp` names, else that of the solid; null where it names none.
 std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom,
-                                            const std::shared_ptr<const ScalpMesh>& of_solid);
+                                            const std::shared_ptr<const ScalpMesh>& of_solid,
+                                            const std::string& up_of_hair = "y");
 
 // Of a strand of no noise, as its curl winds once it is open.
 CurlTurns turns_of(const ProceduralGroom& groom);

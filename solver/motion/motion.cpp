@@ -30,7 +30,14 @@ Motion::Motion(const Table& t) {
         keys_.push_back({key.time, {r.x * pi / 180, r.y * pi / 180, r.z * pi / 180, x.x, x.y, x.z}});
     }
     if (!read.file.empty()) read_file(t, read.file);
-    finish(t);
+    check_times(t);
+    rest_at({});
+}
+
+ShotCuts cuts_of(const Table& motion, double fps) {
+    CutsTable read;
+    read_parameters(read, CutsTable::parameters, motion);
+    return {read.cuts, fps};
 }
 
 void Motion::read_file(const Table& t, const std::string& path) {
@@ -54,18 +61,24 @@ void Motion::read_file(const Table& t, const std::string& path) {
     if (keys_.empty()) t.fail("file", "'" + path + "' holds no keyframe");
 }
 
-void Motion::finish(const Table& t) {
+void Motion::check_times(const Table& t) const {
     for (size_t k = 1; k < keys_.size(); ++k)
         if (!(keys_[k].time > keys_[k - 1].time))
             t.fail("keyframe", "times must grow; keyframe " + std::to_string(k) + " does not");
+}
+
+void Motion::rest_at(const ShotCuts& cuts) {
     slopes_.assign(keys_.size(), Key{0, {}});
-    for (size_t k = 1; k + 1 < keys_.size(); ++k)
+    for (size_t k = 1; k + 1 < keys_.size(); ++k) {
+        if (cuts.between(keys_[k - 1].time, keys_[k].time) || cuts.between(keys_[k].time, keys_[k + 1].time))
+            continue;
         for (int c = 0; c < 6; ++c) {
             const double h0 = keys_[k].time - keys_[k - 1].time, h1 = keys_[k + 1].time - keys_[k].time;
             const double d0 = (keys_[k].value[c] - keys_[k - 1].value[c]) / h0,
                          d1 = (keys_[k + 1].value[c] - keys_[k].value[c]) / h1;
             slopes_[k].value[c] = monotone_slope(h0, d0, h1, d1);
         }
+    }
 }
 
 Pose Motion::at(double time) const {

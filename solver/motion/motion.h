@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/parameters.h"
+#include "solver/motion/cuts.h"
 
 namespace wetcurl {
 
@@ -33,6 +34,30 @@ struct MotionTable {
     };
 };
 
+// Of [motion] and [solid.motion], which stand in a shot.
+struct CutsTable {
+    std::vector<int> cuts;
+    static constexpr Parameter<CutsTable> parameters[] = {
+        {KeyRow::list(
+             "cuts", 1, 1'000'000,
+             "Frames of the scene which are the first after a cut: what moves stands elsewhere at once, and "
+             "nothing has a velocity then. At a cut of the head the hair begins anew at its roots."),
+         &CutsTable::cuts},
+    };
+};
+ShotCuts cuts_of(const Table& motion, double fps);
+
+// Of [motion] alone.
+struct Preroll {
+    double seconds = 0;
+    static constexpr Parameter<Preroll> parameters[] = {
+        {KeyRow::number("preroll", "s", 0, 0, 1000,
+                        "Time simulated before frame 0, in which head and skin go from the pose in which the "
+                        "hair was made to their first one."),
+         &Preroll::seconds},
+    };
+};
+
 // [[motion.keyframe]].
 struct KeyframeTable {
     double time;
@@ -54,13 +79,15 @@ class Motion {
     explicit Motion(const Table& table);
     Pose at(double time) const;
     bool moves() const { return !keys_.empty() || period_ > 0; }
+    // It comes to rest at keyframes on either side of these cuts.
+    void rest_at(const ShotCuts& cuts);
 
   private:
     struct Key {
         double time, value[6];  // rotation vector [rad], translation [m]
     };
     void read_file(const Table& table, const std::string& path);
-    void finish(const Table& table);
+    void check_times(const Table& table) const;
     std::vector<Key> keys_;
     std::vector<Key> slopes_;
     Vec3d pivot_{0, 0, 0};

@@ -130,6 +130,18 @@ Pose RidingRoots::middle_at(double time, const Pose& frame, Room& room) const {
     return {rotation, share * now - rotate(rotation, share * rest)};
 }
 
+void RidingRoots::lead(double share, const Pose& there, const Pose& frame, Room& room) const {
+    for (size_t k = 0; k < room.pose.size(); ++k) {
+        const Vec3d root = roots_.bound[k].root;
+        Quatd turn = conjugate(there.rotation) * room.pose[k].rotation;
+        if (turn.w < 0) turn = {-turn.w, -turn.x, -turn.y, -turn.z};
+        const Vec3d place = root + share * (there.inverse(room.pose[k](root)) - root);
+        turn = frame.rotation *
+               normalized(Quatd{1 - share + share * turn.w, share * turn.x, share * turn.y, share * turn.z});
+        room.pose[k] = {turn, frame(place) - rotate(turn, root)};
+    }
+}
+
 RidingRoots RidingRoots::kept(const std::vector<int>& roots) const {
     RidingRoots out = *this;
     out.roots_ = roots_.kept(roots);

@@ -29,6 +29,10 @@ class RidingRoots {
     // The rigid motion nearest to that of roots all over the groom; `kept` leaves it as it is.
     Pose middle_at(double time, const Pose& frame, Room& room) const;
 
+    // Poses at `share` 0 to 1 of the way from rest to `room`: those in the frame of `there`, a middle, go
+    // straight, and are then moved by `frame`.
+    void lead(double share, const Pose& there, const Pose& frame, Room& room) const;
+
     // Of these roots alone.
     RidingRoots kept(const std::vector<int>& roots) const;
     size_t count() const { return roots_.bound.size(); }

@@ -66,6 +66,9 @@ class SimulationOf final : public Simulation {
     // Stages on the host need all strands at the same substep.
     bool alone() const { return (H::couples || (!forces_ && !strand_contact_)) && !host_asks(); }
     bool host_asks() const { return network_ && network_->asked() && !hair_.asks_network(); }
+    void take_substeps(bool ends_frame);
+    void settle(double seconds);
+    void begin_anew(double time);
     void pull_strands(GivenToChain<S>& given);
     void ask_network(int done);
     void run(const std::vector<PosedScene<T>>& path, bool ends_frame);
@@ -121,10 +124,15 @@ SimulationOf<H>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
     energy_kinds = kinds_of_energy(scene.chain);
     if (forces_) energy_kinds.push_back(forces_->name());
 
-    if (const long steps = std::lround(scene.integrator.settle / dt_); steps > 0) {
-        const std::vector<PosedScene<T>> held(alone() ? size_t(steps) : 1, posed_scene(0, 0, false));
-        for (long k = 0; k < steps; k += long(held.size())) run(held, false);
+    const int substeps = scene.integrator.substeps;
+    for (int left = int(std::lround(-scene.begin() * scene.fps)); left > 0; --left) {
+        time_ = -left / scene.fps;
+        if (surfaces_) surfaces_->advance(hair_, time_, substeps * dt_, substeps);
+        take_substeps(false);
     }
+    time_ = 0;
+    if (scene.preroll > 0 && surfaces_) surfaces_->hold(0);
+    settle(scene.integrator.settle);
     hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
     hair_.seconds.chain = 0;  // frame 0 has no substeps
 }
@@ -135,11 +143,29 @@ void SimulationOf<H>::advance(bool shown) {
     for_each_stage(*this, [](const char*, double& seconds) { seconds = 0; });
     frame_seconds_ = 0;
     const StageTimer timer(frame_seconds_);
+    const ShotCuts& cuts = scene_.cuts;
+    const int frame = int(std::lround(time_ * scene_.fps)) + 1;
+    if (cuts.at(frame)) {
+        begin_anew(frame / scene_.fps);
+        if (shown) hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+        return;
+    }
     if (water_) water_->advance(hair_, time_), follow_water();
     if (air_) air_->advance(hair_, time_);
     const int substeps = scene_.integrator.substeps;
     if (surfaces_) surfaces_->advance(hair_, time_, substeps * dt_, substeps);
     surfaces_time_ = time_ + substeps * dt_;
+    take_substeps(shown);
+    if (shown) hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+    if (air_) air_->finish();
+    if (water_) water_->finish();
+    if (surfaces_) surfaces_->finish();
+}
+
+// Of a frame from the time as it is.
+template <Hair H>
+void SimulationOf<H>::take_substeps(bool ends_frame) {
+    const int substeps = scene_.integrator.substeps;
     for (int done = 0; done < substeps;) {
         ask_network(done);
         path_.resize(alone() ? size_t(substeps) : 1);
@@ -148,13 +174,39 @@ void SimulationOf<H>::advance(bool shown) {
             time += dt_;
             p = posed_scene(time, ++done, true, std::move(p));
         }
-        run(path_, shown && done == substeps);
+        run(path_, ends_frame && done == substeps);
         time_ = time;
     }
-    if (shown) hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
-    if (air_) air_->finish();
-    if (water_) water_->finish();
-    if (surfaces_) surfaces_->finish();
+}
+
+// With everything held at its pose.
+template <Hair H>
+void SimulationOf<H>::settle(double seconds) {
+    const long steps = std::lround(seconds / dt_);
+    if (steps <= 0) return;
+    const std::vector<PosedScene<T>> held(alone() ? size_t(steps) : 1, posed_scene(time_, 0, false));
+    for (long k = 0; k < steps; k += long(held.size())) run(held, false);
+}
+
+// At a cut each strand goes with its root to where that is at `time`, and rests there; time in between does
+// not pass.
+template <Hair H>
+void SimulationOf<H>::begin_anew(double time) {
+    hair_.fetch(), hair_.fetch_history();
+    RidingRoots::Room before, after;
+    if (scene_.riding) scene_.root_poses_at(time_, before), scene_.root_poses_at(time, after);
+    const Pose head_before = scene_.head_at(time_), head = scene_.head_at(time);
+    hair_.state.carry([&](size_t strand) {
+        const Pose &from = scene_.riding ? before.pose[strand] : head_before,
+                   &to = scene_.riding ? after.pose[strand] : head;
+        const Quatd turn = to.rotation * conjugate(from.rotation);
+        return Pose{turn, to.translation - rotate(turn, from.translation)};
+    });
+    time_ = surfaces_time_ = time;
+    hair_.head = head, hair_.first = true;
+    hair_.give_state();
+    if (surfaces_) surfaces_->hold(time);
+    settle(scene_.integrator.settle_after_cut);
 }
 
 // From the state as it is; what a network answers holds for the substep that follows.

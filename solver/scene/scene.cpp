@@ -135,33 +135,37 @@ const LevelSet* level_set_of(const Solid& solid) {
     return shape ? shape->get() : nullptr;
 }
 
-// The solid that `[groom] scalp` names; null where it names a file or nothing. It is a mesh. A rigid one is
-// the head, so that all strands move with it.
-Solid* solid_of_scalp(Scene& scene, const Table& groom) {
-    std::vector<std::string> names;
-    for (const auto& solid : scene.solids) names.push_back(solid.name);
-    const auto& row = *std::ranges::find(GroomTable::parameters, std::string_view("scalp"), &KeyRow::key);
+// Of the solid that `[groom] scalp` names; "" where it names a file or nothing.
+std::string name_of_scalp(const Table& groom, const std::vector<std::string>& names) {
+    const auto& row = *std::ranges::find(GroomTable::parameters, std::string_view("scalp"),
+                                         [](const KeyRow& r) { return std::string_view(r.key); });
     const std::string name = groom.name_in_place_of(row, names);
-    if (name.empty()) return nullptr;
+    if (name.empty()) return "";
     if (std::count(names.begin(), names.end(), name) > 1)
         groom.fail("scalp", "'" + name +
-                                "' is the name of several solids; the one that hair grows on needs "
-                                "a name of its own");
+                                "' is the name of several solids; the one that hair grows on needs a name of "
+                                "its own");
     for (const char* of_file : {"scalp_units", "scalp_up"})
         if (groom.has(of_file))
             groom.fail(of_file, "belongs to a scalp that is a file; this one is [[solid]] '" + name + "'");
+    return name;
+}
+
+// That solid, a mesh. A rigid one is the head, so that all strands move with it.
+Solid& solid_of_scalp(Scene& scene, const Table& groom, const std::string& name) {
     Solid& solid = *std::ranges::find(scene.solids, name, &Solid::name);
     if (!solid.deformation && !level_set_of(solid))
         groom.fail("scalp", "[[solid]] '" + name + "' is no mesh; roots lie on one with shape = \"mesh\"");
-    if (solid.attached) return &solid;
+    if (solid.attached) return solid;
     if (scene.motion.moves())
-        groom.fail("scalp",
-                   "[[solid]] '" + name +
-                       "' is not attached to the head, which [motion] moves; hair "
-                       "that grows on the solid moves with it: write attached = \"head\", or the motion "
-                       "in [solid.motion]");
+        groom.fail("scalp", "[[solid]] '" + name +
+                                "' is not attached to the head, which [motion] moves; hair that grows on the "
+                                "solid moves with it: write attached = \"head\", or the motion in "
+                                "[solid.motion]");
+    // A cut of what hair grows on is one of the shot.
+    scene.cuts = scene.cuts.joined(solid.cuts);
     if (!solid.deformation) scene.motion = solid.motion, solid.attached = true;
-    return &solid;
+    return solid;
 }
 
 std::shared_ptr<const ScalpMesh> scalp_of(const Solid& solid) {
@@ -169,14 +173,13 @@ std::shared_ptr<const ScalpMesh> scalp_of(const Solid& solid) {
                                                                : level_set_of(solid)->mesh());
 }
 
-// Roots ride on a solid that deforms. One that is attached moves by the head's own motion; what else is
-// attached to the head follows the roots.
-void ride(Scene& scene, Solid& solid, const Groom& full, const std::vector<int>& kept) {
-    if (solid.attached) solid.motion = scene.motion;
-    solid.attached = false, solid.carries_roots = true;
-    std::vector<Vec3d> roots;
-    for (int s = 0; s < full.rest.count; ++s) roots.push_back(cast<double>(full.rest.at(s, 0)));
-    scene.riding = Riding{solid.motion, RidingRoots(solid.deformation, roots).kept(kept)};
+void read_head(Scene& scene, const Table& t) {
+    scene.motion = Motion(t);
+    scene.cuts = cuts_of(t, scene.fps);
+    scene.motion.rest_at(scene.cuts);
+    Preroll preroll;
+    read_parameters(preroll, Preroll::parameters, t);
+    scene.preroll = preroll.seconds;
 }
 
 Scene read_scene(Config config, const SceneOptions& options) {
@@ -196,10 +199,24 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_integrator(scene, root.table("integrator"));
     const Table g = root.table("groom");
     read_parameters(scene, Scene::groom_parameters, g);
-    scene.motion = Motion(root.table("motion"));
-    scene.solids = read_solids(root);
-    Solid* const scalp = solid_of_scalp(scene, g);
-    const Groom full = load_groom(g, scene.seed, scalp ? scalp_of(*scalp) : nullptr, &scene.groom_findings);
+    read_head(scene, root.table("motion"));
+    AroundSolids around{scene.fps, scene.cuts, name_of_scalp(g, names_of_solids(root)), {}};
+    Solid* scalp = nullptr;
+    const auto read_all = [&](const std::vector<Vec3d>& roots) {
+        around.roots = roots;
+        scene.solids = read_solids(root, around);
+    };
+    // Solids come after the hair, whose roots tell the unit of a head, and before it where it grows on one.
+    const Groom full = load_groom(
+        g, scene.seed,
+        [&](const std::vector<Vec3d>& roots) {
+            if (around.scalp.empty()) return std::shared_ptr<const ScalpMesh>();
+            read_all(roots);
+            scalp = &solid_of_scalp(scene, g, around.scalp);
+            return scalp_of(*scalp);
+        },
+        &scene.groom_findings);
+    if (!scalp) read_all(roots_of(full.rest));
     read_chain(scene, root);
     // Of the full groom, so that a thinned run is smoothed as its twin.
     if (auto& core = scene.term<Core>()) core->beta = filter_beta(mean_segment(full), core->alpha_c);
@@ -224,6 +241,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
         thinned(full, *options.strands, &scene.stride);
     scene.groom = coarsened(full, scene.stride, &kept);
     if (scalp && scalp->deformation) ride(scene, *scalp, full, kept);
+    survey(scene, full);
     if (const int taken = scene.groom.rest.count; options.strands && taken != *options.strands)
         log_info("--strands " + std::to_string(*options.strands) + ": " + nesting_text(full) + "; " +
                  std::to_string(taken) + " are taken");

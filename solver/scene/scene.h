@@ -36,6 +36,7 @@ struct Integrator : Gravity {
     double settle = 0;  // [s] simulated before frame 0 with everything held at its first pose
     // Times its rest length: a longer edge ends the run. It does not act on the strands.
     double allow_stretch = 10;
+    double settle_after_cut = 0;  // [s] the same at each cut
     bool is_implicit() const { return kind != "explicit"; }
     static constexpr Parameter<Integrator> parameters[] = {
         {KeyRow::one_of(
@@ -56,6 +57,10 @@ struct Integrator : Gravity {
                         "Largest length of an edge over its rest length; a longer one ends the run as "
                         "diverged."),
          &Integrator::allow_stretch},
+        {KeyRow::number(
+             "settle_after_cut", "s", 0, 0, 1000,
+             "Time simulated at each cut of [motion], with head and solids held at their pose then."),
+         &Integrator::settle_after_cut},
     };
 };
 
@@ -64,7 +69,9 @@ struct Solid {
     Shape shape;                                     // of a rigid one
     std::shared_ptr<const Deformation> deformation;  // in its place; null: rigid
     double spacing = 0;                              // [m] of a mesh's level set; 0: the usual one
+    Bounds region{{0, 0, 0}, {0, 0, 0}};  // [m] of a mesh that deforms: where it is at any time of the run
     Motion motion;
+    ShotCuts cuts;               // its own, beside those of the shot
     bool attached = false;       // to the head
     bool carries_roots = false;  // deforms, and roots ride on it
     double friction = 0.3;       // Coulomb
@@ -98,6 +105,7 @@ struct Learned {
 struct Riding {
     Motion motion;  // of that solid
     RidingRoots roots;
+    Bounds reach;  // [m] that the hair can reach at any time of the run, in the frame of the head
 };
 
 struct Scene {
@@ -122,6 +130,8 @@ struct Scene {
     Motion motion;  // of the head
     std::vector<Solid> solids;
     std::optional<Riding> riding;  // of the groom's roots; none: all move with the head
+    ShotCuts cuts;                 // of the shot, at which all that is in it may stand elsewhere
+    double preroll = 0;            // [s] before frame 0, from rest to the first pose
 
     std::vector<std::string> allow;       // findings (solver/scene/findings.h) that do not stop the scene
     std::vector<Finding> groom_findings;  // of the strands' file
@@ -185,19 +195,37 @@ struct Scene {
             if (s.moves_with_roots()) return true;
         return false;
     }
-    // The pose of the head [m]; where roots ride on a solid, the rigid motion nearest to theirs.
-    Pose head_at(double time, RidingRoots::Room& room) const {
-        return riding ? riding->roots.middle_at(time, riding->motion.at(time), room) : motion.at(time);
-    }
+    // The pose of the head [m]; where roots ride on a solid, the rigid motion nearest to theirs. In the
+    // preroll, before time 0, on its way from rest.
+    Pose head_at(double time, RidingRoots::Room& room) const;
     Pose head_at(double time) const {
         RidingRoots::Room room;
         return head_at(time, room);
     }
     // Poses of roots that ride, (strand), each in the place of the head's.
-    void root_poses_at(double time, RidingRoots::Room& room) const {
-        riding->roots.poses_at(time, riding->motion.at(time), room);
+    void root_poses_at(double time, RidingRoots::Room& room) const;
+    // The frame in which the level set of a solid that deforms stands, with the head at `head`: where roots
+    // ride that of the head, so that little moves in it. And the vertices of the mesh there.
+    Pose surface_frame(const Solid& solid, double time, const Pose& head) const {
+        return riding ? head : solid.at(time, head);
     }
+    void surface_vertices(const Solid& solid, double time, std::vector<Vec3f>& out) const;
+    // [s] where its run begins: 0, or before it for the preroll, which takes whole frames.
+    double begin() const { return -std::ceil(preroll * fps) / fps; }
+    // Share of the preroll that is over, 1 from time 0 on; rises smoothly.
+    double share_of_preroll(double time) const;
 };
+
+// (strand) [m]
+std::vector<Vec3d> roots_of(const Strands& hair);
+// What hair [m] can reach of the frame in which its roots rest: no strand is stretched by a quarter.
+Bounds reach_of_roots(const Strands& hair);
+
+// Makes the roots of the scene's groom, those in `kept` of `full`, ride on a solid that deforms. One that is
+// attached moves by the head's own motion; what else is attached to the head follows the roots.
+void ride(Scene& scene, Solid& solid, const Groom& full, const std::vector<int>& kept);
+// Finds Solid::region of what deforms, and Riding::reach; warns of what looks like a cut that is not written.
+void survey(Scene& scene, const Groom& full);
 
 struct SceneOptions {
     std::vector<std::string> set;        // key.path=value

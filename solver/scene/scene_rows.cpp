@@ -36,9 +36,12 @@ class Listing {
         std::apply([&](const auto&... slot) { (add_host<std::decay_t<decltype(*slot)>>(), ...); },
                    ChainTerms{});
     }
-    void add_motion(const std::string& name, const std::string& what, bool always, When when = {}) {
+    void add_motion(const std::string& name, const std::string& what, bool always, bool in_shot,
+                    When when = {}) {
         open({.name = name, .meaning = "Motion of " + what + ".", .always = always, .when = when});
         add(MotionTable::parameters);
+        if (in_shot) add(CutsTable::parameters);
+        if (name == "motion") add(Preroll::parameters);
         open({.name = name + ".keyframe",
               .meaning = "A pose of " + what + " at a time; between them the motion is smooth.",
               .repeats = true});
@@ -75,7 +78,7 @@ std::vector<TableRow> listed() {
     list.add(Gravity::parameters);
     list.add_guests();
 
-    list.add_motion("motion", "the head", true);
+    list.add_motion("motion", "the head", true, true);
     list.add_chain_terms();
     for (auto& table : list.tables)
         if (table.name == Adhesion::table)
@@ -85,7 +88,7 @@ std::vector<TableRow> listed() {
     list.add_term<Wetness>();
     list.add_term<Flow>();
     list.add_term<WaterSource>(true, {"flow"});
-    list.add_motion("wetness.source.motion", "a body of water", true);
+    list.add_motion("wetness.source.motion", "a body of water", true, false);
     list.add_term<Curl>();
     list.add_term<Cohesion>();
     list.add_term<StrandContact>();
@@ -94,7 +97,7 @@ std::vector<TableRow> listed() {
                .meaning = "A solid that hair touches; the head itself is one, with attached = \"head\".",
                .repeats = true});
     list.add(SolidTable::parameters);
-    list.add_motion("solid.motion", "a solid", true, {"attached", "none", true});
+    list.add_motion("solid.motion", "a solid", true, true, {"attached", "none", true});
     list.open({.name = "solid.mesh",
                .meaning = "A keyframe of a mesh that deforms; two or more.",
                .repeats = true,

@@ -11,22 +11,22 @@
 
 namespace wetcurl {
 
-// What a solid's level set is of: as MovingLevelSet's arguments.
+// What a solid's level set is of: as MovingLevelSet's arguments, in its own frame (Scene::surface_frame).
 struct DeformingSurface {
     Mesh mesh;
     Bounds box;
     double spacing, band;
 };
-// Of a solid that deforms, at time 0.
+// Of a solid that deforms, where its run begins.
 DeformingSurface surface_of(const Scene& scene, const Solid& solid);
 
 // MovingSurface: a MovingLevelSet, or what a device has in its place.
 template <class MovingSurface>
 class DeformingSolidsOf {
   public:
-    // At rest as at time 0. The scene must outlive it.
+    // At rest as where the run begins. The scene must outlive it.
     template <class... OfSurface>
-    explicit DeformingSolidsOf(const Scene& scene, const OfSurface&... of_surface) {
+    explicit DeformingSolidsOf(const Scene& scene, const OfSurface&... of_surface) : scene_(scene) {
         for (const auto& solid : scene.solids) {
             if (!solid.deformation) continue;
             solids_.push_back(&solid);
@@ -40,12 +40,23 @@ class DeformingSolidsOf {
         for (size_t k = 0; k < solids_.size(); ++k) level_sets_[k].hold(vertices_at(k, time));
         lay_views(1);
     }
-    // Rebuilds them for a span [s] of so many substeps, from `begin` [s] on; `hair` is not read.
+    // As hair is bound to those that carry roots; the others as at time 0.
+    void hold_at_rest() {
+        for (size_t k = 0; k < solids_.size(); ++k)
+            level_sets_[k].hold(solids_[k]->carries_roots ? solids_[k]->deformation->rest().vertices
+                                                          : vertices_at(k, 0));
+        lay_views(1);
+    }
+    // Rebuilds them for a span [s] of so many substeps, from `begin` [s] on; `hair` is not read. A solid that
+    // is cut to elsewhere within it is there from the begin on, and rests.
     template <class H>
     void advance(const H&, double begin, double span, int substeps) {
         const StageTimer timer(seconds);
-        for (size_t k = 0; k < solids_.size(); ++k)
-            level_sets_[k].advance(vertices_at(k, begin + span), span);
+        for (size_t k = 0; k < solids_.size(); ++k) {
+            const std::vector<Vec3f>& vertices = vertices_at(k, begin + span);
+            if (solids_[k]->cuts.within(begin + span)) level_sets_[k].hold(vertices);
+            level_sets_[k].advance(vertices, span);
+        }
         lay_views(substeps);
     }
     void finish() {}  // once the frame is shown
@@ -66,7 +77,7 @@ class DeformingSolidsOf {
   private:
     // Valid until the next call.
     const std::vector<Vec3f>& vertices_at(size_t k, double time) {
-        solids_[k]->deformation->vertices_at(time, vertices_);
+        scene_.surface_vertices(*solids_[k], time, vertices_);
         return vertices_;
     }
     void lay_views(int substeps) {
@@ -75,6 +86,7 @@ class DeformingSolidsOf {
             for (const auto& level_set : level_sets_)
                 views_.push_back(level_set.grid(double(done) / substeps));
     }
+    const Scene& scene_;
     std::vector<const Solid*> solids_;      // those that deform
     std::deque<MovingSurface> level_sets_;  // they stay where they are made
     std::vector<MovingGrid> views_;         // (substep and one, solid)

@@ -156,7 +156,12 @@ PosedScene<T> posed_scene_at(const Scene& scene, double time, double dt, bool mo
         for (size_t s = 0; s < now.size(); ++s) p.roots[s] = root_motion<T>(before[s], now[s], dt);
     }
     for (const auto& solid : scene.solids) {
-        const Pose now = solid.at(time, head), before = moving ? solid.at(time - dt, head_before) : now;
+        const double then = solid.cuts.beyond(time);
+        const bool steady = moving && !solid.cuts.within(time);  // no jump on the way
+        const auto pose_at = [&](double t, const Pose& of_head) {
+            return solid.deformation ? scene.surface_frame(solid, t, of_head) : solid.at(t, of_head);
+        };
+        const Pose now = pose_at(then, head), before = steady ? pose_at(time - dt, head_before) : now;
         auto posed = [&]<class Body>(const Body* body) {
             return PosedSolid<T, Body>{.shape = body,
                                        .rotation = cast<T>(now.rotation),

@@ -19,7 +19,8 @@ std::vector<float> rest_depths_of(const Scene& scene) {
         if (solid.moves_with_roots() && !solid.deformation) deepen(solid.shape);
     if (depth.empty() || !scene.has_deforming_solid()) return depth;
     // By the level sets that contact will see.
-    const DeformingSolids surfaces(scene);
+    DeformingSolids surfaces(scene);
+    if (scene.riding) surfaces.hold_at_rest();
     const MovingGrid* surface = surfaces.at_end();
     for (const auto& solid : scene.solids) {
         if (!solid.deformation) continue;

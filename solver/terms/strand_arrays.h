@@ -47,7 +47,7 @@ struct StrandArrayInfo {
 // And beside them:
 #define WETCURL_STRAND_ARRAYS(ROW)                                                                     \
     WETCURL_STATE_ARRAYS(ROW)                                                                          \
-    /* [m] particles 0 and 1 in the head's frame */                                                    \
+    /* [m] particles 0 and 1 in the frame of the root, the head's at rest */                           \
     ROW(root, Vec3<S>, roots, fixed, read, "roots", true)                                              \
     /* [kg] with water */                                                                              \
     ROW(mass, S, particles, water, read, "mass", true)                                                 \
@@ -60,7 +60,7 @@ struct StrandArrayInfo {
     /* sigma_i */                                                                                      \
     ROW(saturation, S, particles, water, read, "saturation",                                           \
         scene.wetness && (scene.term<Adhesion>() || scene.term<Stiffness>()))                          \
-    /* [m] how deep a particle may lie in solids on the head */                                        \
+    /* [m] how deep a particle may lie in solids that move with the roots */                           \
     ROW(rest_depth, S, particles, fixed, read, "rest depth", scene.has_solid_with_roots())             \
     /* [m] edges of the helix of Eq 9 as printed, its root-to-tip along x */                           \
     ROW(push, Vec3<S>, particles, water, coupling, "printed curl", scene.term<CurlPush>().has_value()) \

@@ -10,6 +10,7 @@
 #include "solver/pair_forces/pair_forces_coupling.h"
 #include "tests/cuda/dense_adhesion.h"
 #include "tests/cuda/needs_device.h"
+#include "tests/solver/characters.h"
 #include "tests/solver/scenes.h"
 
 namespace wetcurl {
@@ -213,6 +214,16 @@ std::vector<Case> coupled(const Scratch& scratch) {
                                         "groom.particles=12"};
     auto explicit_ones = soft;
     explicit_ones.push_back("integrator.kind='explicit'");
+    const Warp twists = [](const Vec3d& x, double time) {
+        return rotate(rotation_about({0, 1, 0}, 30 * time * x.y), x) + Vec3d{0.4 * time, 0.3 * time * x.x, 0};
+    };
+    const std::string twisting = dry_scene +
+                                 "[[solid]]\nname = \"skin\"\nshape = \"mesh\"\nspacing = 0.01\n" +
+                                 mesh_keyframes(scratch, triangulated(Sphere{0.095}, 32), twists, 24, 6);
+    const auto rides = [](std::vector<std::string> set) {
+        set.push_back("groom.scalp='skin'");
+        return set;
+    };
     return {
         {"air",
          dry_scene + "[air]\nsize = 0.6\ngrid = [16, 16, 16]\nwind = [0, 0, 2]\ntwo_way = true\n",
@@ -244,6 +255,11 @@ std::vector<Case> coupled(const Scratch& scratch) {
          wet_dry + "[baseline]\ncohesion = 'lin'\nradius = 0.05\nboundary = 'particles'\n" +
              "[[solid]]\nradius = 0.1\n",
          {grid}},
+        {"riding", twisting, rides({grid})},
+        {"riding, at a cut", twisting, rides({grid, "motion.cuts=[2]", "integrator.settle_after_cut=0.1"})},
+        {"riding, after a preroll", twisting, rides({grid, "motion.preroll=0.2"})},
+        {"riding, in explicit steps", soft_explicit + twisting.substr(dry_scene.size()),
+         rides(explicit_ones)},
         {"explicit", soft_explicit + "[[solid]]\nradius = 0.097\nattached = \"head\"\n", explicit_ones},
         {"backward Euler", wet_scene, {grid, "integrator.kind='backward_euler'"}},
     };

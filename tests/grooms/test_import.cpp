@@ -52,7 +52,7 @@ TEST(Import, units_are_as_said) {
     EXPECT_NEAR(median_length(import_strands(file, {"mm", "y"}).strands), 0.001 * metres, 1e-15);
     EXPECT_FALSE(import_strands(file, {"cm", "y"}).guessed);
     expect_error<Misuse>([&] { import_strands(file, {"inch", "y"}); }, {"'inch'", "m, cm, mm, auto"});
-    expect_error<Misuse>([&] { import_strands(file, {"m", "x"}); }, {"'x'", "y, z"});
+    expect_error<Misuse>([&] { import_strands(file, {"m", "w"}); }, {"'w'", "y, -y, z"});
 }
 
 TEST(Import, units_guessed_from_the_size_are_right_and_said) {

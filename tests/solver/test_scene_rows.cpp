@@ -97,6 +97,7 @@ class Fixtures {
         for (const bool other : {false, true}) {
             const Mesh ball = triangulated(Sphere{other ? 0.09 : 0.1}, 16);
             scratch_.file(name(".obj", other), obj_of(ball));
+            scratch_.file(other ? "grows.0002.obj" : "grows.0001.obj", obj_of(ball));
             scratch_.file(name(".txt", other), other ? "0.05 0 0 0 0 0 0\n0.2 0 50 0 0 0 0\n"
                                                      : "0.05 0 0 0 0 0 0\n0.2 0 30 0 0 0 0\n");
             StrandPoints strands;
@@ -109,6 +110,24 @@ class Fixtures {
             }
             scratch_.file(name(".data", other), data_file(strands));
         }
+        scratch_.file("grows.0003.obj", obj_of(triangulated(Sphere{0.12}, 16)));
+        const auto balls = create_scene_file(scratch_.path("balls.usda"), true, {});
+        std::vector<Mesh> each{triangulated(Sphere{0.1}, 16), triangulated(Sphere{0.09}, 16)};
+        for (const char* path : {"/balls/one", "/balls/other"}) {
+            MeshObject object;
+            object.path = path, object.points = each[0].vertices.size();
+            for (const auto& t : each[0].triangles) {
+                object.counts.push_back(3);
+                object.corners.insert(object.corners.end(), t.begin(), t.end());
+            }
+            balls->add_mesh(object);
+        }
+        for (int frame = 0; frame < 2; ++frame)
+            for (size_t k = 0; k < each.size(); ++k) {
+                balls->append_mesh(k, each[k].vertices);
+                for (auto& v : each[k].vertices) v = 1.05f * v;
+            }
+        balls->finish();
     }
     // Of the rows of kind path: "groom.file" has strands, "motion.file" keyframes.
     string path(const string& key, bool other = false) const {
@@ -117,6 +136,9 @@ class Fixtures {
         if (key == "groom.scalp" || key.starts_with("solid.")) return scratch_.path(name(".obj", other));
         return scratch_.path(name(".h5", other));  // read by none of these scenes
     }
+    // A mesh that grows, and two of them in a file.
+    string grows() const { return scratch_.path("grows.####.obj"); }
+    string balls() const { return scratch_.path("balls.usda"); }
     // A run of `scene` that is as wet as `level` everywhere.
     void write_run(const Scene& scene, float level, bool other) const {
         RunHeader header;
@@ -143,7 +165,7 @@ const Fixtures& fixtures() {
 string allowed_value(const TableRow& table, const KeyRow& row) {
     if (row.kind == Kind::path) return quoted(fixtures().path(full_key(table, row)));
     if (row.kind == Kind::word) return quoted(row.has_default() ? row.word : row.words.front());
-    if (row.kind == Kind::text) return quoted("a name");
+    if (row.kind == Kind::text) return quoted(row.key == string("object") ? "/balls/one" : "a name");
     if (row.kind == Kind::words) return "[" + quoted(row.words.front()) + "]";
     if (row.kind == Kind::boolean) return row.fallback != 0 ? "true" : "false";
     if (row.is_vector()) return row.default_text().empty() ? "[0, 0, 0]" : row.default_text();
@@ -180,8 +202,13 @@ WrittenScene scene_around(const TableRow& table, const KeyRow& row) {
     const string word =
         *row.when.words ? alternatives(row.when.words).front() : fixtures().path(table.name + "." + key);
     out.set(table, key, quoted(word));
-    if (table.name == "solid" && word == "mesh" && row.key != string("file"))
-        out.set(table, "file", quoted(fixtures().path("solid.file")));
+    if (table.name == "solid" && word == "mesh" && row.key != string("file")) {
+        const std::set<string> of_frames = {"file_fps", "first_file_frame", "rest"};
+        out.set(table, "file",
+                quoted(row.key == string("object")   ? fixtures().balls()
+                       : of_frames.contains(row.key) ? fixtures().grows()
+                                                     : fixtures().path("solid.file")));
+    }
     return out;
 }
 
@@ -222,10 +249,8 @@ std::vector<std::pair<string, string>> refused_values(const KeyRow& row) {
     };
     const string needs = row.is_vector() ? "numbers are needed" : "number is needed";
     if (row.is_vector()) {
-        out = {{"3", "numbers in brackets"},
-               {"[1]", "numbers in brackets"},
-               {all("\"much\""), needs},
-               {all("true"), needs}};
+        out = {{"3", "numbers in brackets"}, {all("\"much\""), needs}, {all("true"), needs}};
+        if (row.size > 1) out.emplace_back("[1]", "numbers in brackets");
     } else {
         out = {{"\"much\"", needs}, {"true", needs}, {"[1]", needs}};
     }
@@ -351,6 +376,13 @@ std::map<string, Change> changes() {
                                        {"bend.stiffness", "5e-4"},
                                        {"core.stiffness", "5e-4"},
                                        {"integrator.substeps", "40"}};
+    const std::vector<Setting> of_file = {mesh, no_radius, file_of("solid.file")},
+                               grows = {mesh, no_radius, {"solid.file", quoted(fixtures().grows())}};
+    std::vector<Setting> rides = grows;
+    rides.insert(rides.end(), {{"solid.name", "\"skin\""},
+                               {"solid.attached", "\"head\""},
+                               {"groom.scalp", "\"skin\""},
+                               {"solid.spacing", "0.02"}});
     auto iben = soft;
     iben.insert(iben.end(), {{"baseline.chain", "\"iben\""}, {"baseline.velocity_limit", "0.05"}});
     const Setting lin{"baseline.cohesion", "\"lin\""}, kim{"baseline.cohesion", "\"kim\""},
@@ -366,11 +398,17 @@ std::map<string, Change> changes() {
         {"groom.scale", {{file_of("groom.file"), {"groom.units", "\"m\""}, {"groom.grid", ""}}}},
         {"groom.offset", {{file_of("groom.file"), {"groom.units", "\"m\""}, {"groom.grid", ""}}}},
         {"groom.order", {{file_of("groom.file"), {"groom.units", "\"m\""}, {"groom.grid", ""}}}},
+        {"groom.rotation",
+         {{file_of("groom.file"), {"groom.units", "\"m\""}, {"groom.grid", ""}}, "[0, 20, 0]"}},
         {"groom.file", {{{"groom.grid", ""}}}},
         {"integrator.looks", {{{"integrator.turn", "0"}}, "1"}},
         {"integrator.turn", {{}, "0"}},
         {"integrator.settle", {{}, "0.1"}},
+        {"integrator.settle_after_cut", {{{"motion.cuts", "[2]"}}, "0.1"}},
         {"integrator.limiter", {{}, "1e-5"}},
+        {"motion.cuts", {{}, "[2]"}},
+        {"motion.preroll", {{}, "0.2"}},
+        {"solid.motion.cuts", {{}, "[2]"}},
         {"motion.keyframe.time",
          {{{"motion.keyframe.time", "0.1"}, {"motion.keyframe.rotation", "[0, 30, 0]"}}, "0.05"}},
         {"solid.motion.keyframe.time", {{}, "0.05"}},
@@ -396,7 +434,17 @@ std::map<string, Change> changes() {
         {"solid.half_length", {{{"solid.shape", "\"capsule\""}}}},
         {"solid.half", {{{"solid.shape", "\"box\""}, no_radius}}},
         {"solid.file", {{mesh, no_radius, file_of("solid.file")}}},
-        {"solid.units", {{mesh, no_radius, file_of("solid.file")}, "\"cm\""}},
+        {"solid.units", {of_file, "\"cm\""}},
+        {"solid.up", {of_file, "\"z\""}},
+        {"solid.rotation", {of_file, "[0, 0, 20]"}},
+        {"solid.scale", {of_file}},
+        {"solid.offset", {of_file}},
+        {"solid.object",
+         {{mesh, no_radius, {"solid.file", quoted(fixtures().balls())}, {"solid.object", "\"/balls/one\""}},
+          "\"/balls/other\""}},
+        {"solid.file_fps", {grows, "48"}},
+        {"solid.first_file_frame", {grows, "2"}},
+        {"solid.rest", {rides, quoted(fixtures().path("solid.rest", true))}},
         {"solid.spacing", {{mesh, no_radius, file_of("solid.file")}, "0.02"}},
         {"solid.mesh.time", {{}, "0.05"}},
         {"wetness.source.shape", {{}, "\"sphere\""}},

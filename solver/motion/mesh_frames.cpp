@@ -1,0 +1,152 @@
+// Frames from scene files and from numbered files.
+#include "solver/motion/mesh_frames.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+
+namespace wetcurl {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string ending_of(const std::string& path) {
+    std::string ending = fs::path(path).extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return ending;
+}
+
+bool is_scene_file(const std::string& path) {
+    const std::string ending = ending_of(path);
+    return ending == ".abc" || ending == ".usda" || ending == ".usd" || ending == ".usdc";
+}
+
+// body.0012.obj for the 12th of body.####.obj.
+class NumberedFiles final : public MeshFrames {
+  public:
+    NumberedFiles(const std::string& pattern, double fps) {
+        const fs::path whole(pattern);
+        const std::string name = whole.filename().string();
+        const size_t begin = name.find('#'), end = std::min(name.find_first_not_of('#', begin), name.size());
+        const std::string before = name.substr(0, begin), after = name.substr(end);
+        const size_t digits = end - begin;
+        std::map<long, std::string> found;
+        const fs::path folder = whole.parent_path().empty() ? "." : whole.parent_path();
+        if (fs::is_directory(folder))
+            for (const auto& entry : fs::directory_iterator(folder)) {
+                const std::string file = entry.path().filename().string();
+                if (file.size() < name.size() || !file.starts_with(before) || !file.ends_with(after))
+                    continue;
+                const std::string number =
+                    file.substr(before.size(), file.size() - before.size() - after.size());
+                // More digits than #: a shot that goes on beyond 9999.
+                const bool whole_number = number.size() >= digits && number.size() < 10 &&
+                                          (number.size() == digits || number[0] != '0') &&
+                                          std::all_of(number.begin(), number.end(),
+                                                      [](unsigned char c) { return std::isdigit(c); });
+                if (whole_number) found[std::stol(number)] = entry.path().string();
+            }
+        if (found.empty())
+            throw Misuse("no file '" + pattern +
+                         "': # stands for the digits of a number, as body.####.obj for "
+                         "body.0001.obj");
+        for (const auto& [number, file] : found) {
+            times_.push_back(double(number) / fps);
+            files_.push_back(file);
+        }
+        triangles_ = read_mesh(files_[0], 1).triangles;
+    }
+    std::vector<Vec3f> vertices(size_t frame) const override {
+        Mesh mesh = read_mesh(files_[frame], 1);
+        if (mesh.triangles != triangles_)
+            throw Error(files_[frame] + ": " + std::to_string(mesh.triangles.size()) +
+                        " triangles that are not those of " + files_[0] + ", which has " +
+                        std::to_string(triangles_.size()) + "; all frames share the triangles of the first");
+        if (count_ && mesh.vertices.size() != count_)
+            throw Error(files_[frame] + ": " + std::to_string(mesh.vertices.size()) +
+                        " vertices, allowed are " + std::to_string(count_) + " as in the frames before");
+        count_ = mesh.vertices.size();
+        return std::move(mesh.vertices);
+    }
+    std::string name_of(size_t frame) const override { return files_[frame]; }
+
+  private:
+    std::vector<std::string> files_;
+    mutable size_t count_ = 0;
+};
+
+class SceneFileFrames final : public MeshFrames {
+  public:
+    SceneFileFrames(const std::string& path, const std::string& object)
+        : path_(path), file_(open_scene_file(path)) {
+        axes_ = file_->axes();
+        const auto& meshes = file_->meshes();
+        std::string listed;
+        for (const auto& mesh : meshes) listed += "\n  " + mesh.path;
+        if (meshes.empty()) throw Error(path + ": has no mesh");
+        for (size_t k = 0; k < meshes.size(); ++k)
+            if (object.empty() || meshes[k].path == object || meshes[k].path.starts_with(object + "/"))
+                objects_.push_back(k);
+        if (objects_.empty()) throw Misuse(path + ": found no mesh '" + object + "'; it has" + listed);
+        times_ = meshes[objects_[0]].times;
+        for (const size_t k : objects_)
+            if (meshes[k].times.size() > times_.size()) times_ = meshes[k].times;
+        int first = 0;
+        for (const size_t k : objects_) {
+            const MeshObject& mesh = meshes[k];
+            // What is sampled once stays as it is.
+            if (mesh.times.size() > 1 && mesh.times != times_)
+                throw Error(path +
+                            ": the meshes are sampled at different times, so that they cannot be one; "
+                            "object = \"...\" names one of" +
+                            listed);
+            size_t corner = 0;
+            for (const int count : mesh.counts) {
+                for (int c = 1; c + 1 < count; ++c) {
+                    const auto at = [&](int which) { return first + mesh.corners[corner + size_t(which)]; };
+                    const std::array<int, 3> t{at(0), at(c), at(c + 1)};
+                    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles_.push_back(t);
+                }
+                corner += size_t(count);
+            }
+            first += int(mesh.points);
+        }
+    }
+    std::vector<Vec3f> vertices(size_t frame) const override {
+        std::vector<Vec3f> out;
+        for (const size_t k : objects_) {
+            const size_t sample = file_->meshes()[k].times.size() > 1 ? frame : 0;
+            const std::vector<Vec3f> points = file_->points_of_mesh(k, sample);
+            out.insert(out.end(), points.begin(), points.end());
+        }
+        return out;
+    }
+    std::string name_of(size_t frame) const override {
+        return path_ + " at " + std::to_string(times_[frame]) + " s";
+    }
+
+  private:
+    const std::string path_;
+    std::unique_ptr<SceneReader> file_;
+    std::vector<size_t> objects_;
+};
+
+}  // namespace
+
+bool names_frames(const std::string& path) {
+    return is_scene_file(path) || fs::path(path).filename().string().find('#') != std::string::npos;
+}
+
+std::unique_ptr<MeshFrames> open_mesh_frames(const std::string& path, const std::string& object, double fps) {
+    if (!is_scene_file(path)) {
+        if (!object.empty())
+            throw Misuse("'" + path + "' has no object '" + object + "': numbered files hold one mesh each");
+        return std::make_unique<NumberedFiles>(path, fps);
+    }
+    if (!fs::exists(path)) throw Misuse("no file '" + path + "'");
+    return std::make_unique<SceneFileFrames>(path, object);
+}
+
+}  // namespace wetcurl

@@ -1,0 +1,177 @@
+// Heads, roots and skin of a scene at a time, and the space that they need.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "base/log.h"
+#include "solver/scene/scene.h"
+
+namespace wetcurl {
+
+namespace {
+
+void widen(Bounds& box, const Vec3d& low, const Vec3d& high) {
+    box = {lower(box.low, low), upper(box.high, high)};
+}
+Bounds nothing() {
+    constexpr double all = std::numeric_limits<double>::infinity();
+    return {{all, all, all}, {-all, -all, -all}};
+}
+// Where a body is, frame by frame, and where its way looks like a cut that is not written.
+struct Track {
+    std::string what, key;  // "the roots of the hair", "[motion]"
+    ShotCuts cuts;
+    std::vector<Vec3d> places;  // (frame) [m]
+
+    void warn(double fps) const {
+        // A sprinter makes 12 m/s, a head in a crash 40; and no body starts and stops within a frame.
+        constexpr double fastest = 40, least = 0.2, times_the_neighbours = 8;  // [m/s], [m]
+        std::vector<double> ways{0};
+        for (size_t f = 1; f < places.size(); ++f) ways.push_back(norm(places[f] - places[f - 1]));
+        std::string frames;
+        size_t first = 0;
+        for (size_t f = 1; f < ways.size(); ++f) {
+            const double around = std::max(f > 1 ? ways[f - 1] : 0, f + 1 < ways.size() ? ways[f + 1] : 0);
+            const bool jumps =
+                ways[f] * fps > fastest || (ways[f] > least && ways[f] > times_the_neighbours * around);
+            if (!jumps || cuts.at(int(f))) continue;
+            if (!first) first = f;
+            frames += (frames.empty() ? "" : ", ") + std::to_string(f);
+        }
+        if (!first) return;
+        char far[96];
+        std::snprintf(far, sizeof far, "by %.3g m from frame %zu to frame %zu (%.3g m/s)", ways[first],
+                      first - 1, first, ways[first] * fps);
+        log_warning(what + " move " + far + ", which no body does; if that is a cut, cuts = [" + frames +
+                    "] in " + key + " lets hair begin anew there");
+    }
+};
+
+// A share of the way from rest to a pose: the turn about one axis.
+Pose part_of(const Pose& whole, double share) {
+    Quatd q = whole.rotation;
+    if (q.w < 0) q = {-q.w, -q.x, -q.y, -q.z};
+    const Vec3d v{q.x, q.y, q.z};
+    const double sine = norm(v);
+    Pose out;
+    if (sine > 0) out.rotation = rotation_about((1 / sine) * v, 2 * share * std::atan2(sine, q.w));
+    out.translation = share * whole.translation;
+    return out;
+}
+
+}  // namespace
+
+std::vector<Vec3d> roots_of(const Strands& hair) {
+    std::vector<Vec3d> roots;
+    for (int s = 0; s < hair.count; ++s) roots.push_back(cast<double>(hair.at(s, 0)));
+    return roots;
+}
+
+static double reach_of_strand(const Strands& hair, int s) {
+    return 1.25 * arc_length(hair.strand(s), hair.particles);
+}
+
+Bounds reach_of_roots(const Strands& hair) {
+    Bounds near = nothing();
+    for (int s = 0; s < hair.count; ++s) {
+        const Vec3d root = cast<double>(hair.at(s, 0));
+        const double r = reach_of_strand(hair, s);
+        widen(near, root - Vec3d{r, r, r}, root + Vec3d{r, r, r});
+    }
+    return near;
+}
+
+void ride(Scene& scene, Solid& solid, const Groom& full, const std::vector<int>& kept) {
+    if (solid.attached) solid.motion = scene.motion;
+    solid.attached = false, solid.carries_roots = true;
+    scene.riding =
+        Riding{solid.motion, RidingRoots(solid.deformation, roots_of(full.rest)).kept(kept), nothing()};
+}
+
+void survey(Scene& scene, const Groom& full) {
+    const double end = scene.frames / scene.fps;
+    std::vector<Track> tracks;
+    if (scene.riding || scene.motion.moves())
+        tracks.push_back({"the roots of the hair", "[motion]", scene.cuts, {}});
+    const size_t of_solids = tracks.size();
+    for (Solid& solid : scene.solids) {
+        if (solid.deformation && !scene.riding)
+            solid.region =
+                solid.deformation->reads_frames() ? solid.deformation->box(0, end) : solid.deformation->box();
+        else
+            solid.region = nothing();
+        if (!solid.attached && !solid.carries_roots && solid.motion.moves())
+            tracks.push_back({"points of [[solid]] '" + solid.name + "'",
+                              "[solid.motion]",
+                              scene.cuts.joined(solid.cuts),
+                              {}});
+    }
+    if (tracks.empty()) return;
+    const std::vector<Vec3d> roots = roots_of(full.rest);
+    Vec3d middle{0, 0, 0};
+    for (const Vec3d& root : roots) middle += (1 / double(roots.size())) * root;
+    RidingRoots::Room room;
+    std::vector<Vec3f> vertices;
+    for (int f = 0; f <= scene.frames; ++f) {
+        const double time = f / scene.fps;
+        const Pose head = scene.head_at(time, room);
+        if (of_solids) tracks[0].places.push_back(head(middle));
+        size_t track = of_solids;
+        for (const Solid& solid : scene.solids)
+            if (!solid.attached && !solid.carries_roots && solid.motion.moves())
+                tracks[track++].places.push_back(solid.motion.at(time).translation);
+        if (!scene.riding) continue;
+        scene.root_poses_at(time, room);
+        const Strands& hair = scene.groom.rest;
+        for (int s = 0; s < hair.count; ++s) {
+            const Vec3d root = head.inverse(room.pose[size_t(s)](cast<double>(hair.at(s, 0))));
+            const double r = reach_of_strand(hair, s);
+            widen(scene.riding->reach, root - Vec3d{r, r, r}, root + Vec3d{r, r, r});
+        }
+        for (Solid& solid : scene.solids) {
+            if (!solid.deformation) continue;
+            scene.surface_vertices(solid, time, vertices);
+            for (const Vec3f& v : vertices) widen(solid.region, cast<double>(v), cast<double>(v));
+        }
+    }
+    for (Solid& solid : scene.solids)
+        if (solid.carries_roots && scene.preroll > 0)
+            for (const Vec3f& v : solid.deformation->rest().vertices)
+                widen(solid.region, cast<double>(v), cast<double>(v));
+    for (const Track& track : tracks) track.warn(scene.fps);
+}
+
+double Scene::share_of_preroll(double time) const {
+    if (!(preroll > 0) || time >= 0) return 1;
+    const double s = std::max(0.0, 1 - time / begin());
+    return s * s * (3 - 2 * s);
+}
+
+Pose Scene::head_at(double time, RidingRoots::Room& room) const {
+    const double share = share_of_preroll(time), then = share < 1 ? 0 : time;
+    const Pose head = riding ? riding->roots.middle_at(then, riding->motion.at(then), room) : motion.at(then);
+    return share < 1 ? part_of(head, share) : head;
+}
+
+void Scene::root_poses_at(double time, RidingRoots::Room& room) const {
+    const double share = share_of_preroll(time), then = share < 1 ? 0 : time;
+    if (share == 1) return riding->roots.poses_at(time, riding->motion.at(time), room);
+    const Pose first = head_at(then, room);
+    riding->roots.poses_at(then, riding->motion.at(then), room);
+    riding->roots.lead(share, first, part_of(first, share), room);
+}
+
+void Scene::surface_vertices(const Solid& solid, double time, std::vector<Vec3f>& out) const {
+    const double share = share_of_preroll(time), then = share < 1 ? 0 : time;
+    solid.deformation->vertices_at(then, out);
+    if (!riding) return;
+    const Pose head = head_at(then), frame = solid.at(then, head);
+    for (Vec3f& v : out) v = cast<float>(head.inverse(frame(cast<double>(v))));
+    if (share == 1 || !solid.carries_roots) return;
+    const Mesh rest = solid.deformation->rest();
+    for (size_t v = 0; v < out.size(); ++v)
+        out[v] = rest.vertices[v] + float(share) * (out[v] - rest.vertices[v]);
+}
+
+}  // namespace wetcurl

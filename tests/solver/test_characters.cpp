@@ -1,0 +1,427 @@
+// Characters of a shot: files of animated meshes, cuts, the way from rest to the first frame, units and axes,
+// meshes that are not as they should be.
+#include <cstdio>
+#include <filesystem>
+
+#include "base/geometry/mesh_winding.h"
+#include "base/log.h"
+#include "tests/solver/characters.h"
+
+namespace wetcurl {
+namespace {
+
+using namespace testing;
+
+const std::string springs = "[stretch]\n[bend]\n[core]\n[stiffness]\nglobal = 3\n";
+const std::string soft = "[stretch]\n[bend]\nstiffness = 2e-4\n[stiffness]\nglobal = 3\n";
+const std::string weightless = "[integrator]\nsubsteps = 6\ngravity = [0, 0, 0]\n";
+
+std::vector<StandingStrand> on_top() {
+    std::vector<StandingStrand> out;
+    for (int k = 0; k < 16; ++k) {
+        const double y = 0.95 - 0.04 * k, r = std::sqrt(1 - y * y), turn = 2.4 * k;
+        const Vec3d n{r * std::cos(turn), y, r * std::sin(turn)};
+        out.push_back({0.1004 * n, n});
+    }
+    return out;
+}
+Vec3d nods(const Vec3d& x, double time) {
+    const Vec3d wide = (1 + 0.1 * std::sin(3 * time)) * x;
+    return rotate(rotation_about({1, 0, 0}, 0.8 * std::sin(4 * time)), wide) + Vec3d{0.3 * time, 0, 0};
+}
+
+std::string said_by(const std::function<void()>& act) {
+    ::testing::internal::CaptureStderr();
+    act();
+    return ::testing::internal::GetCapturedStderr();
+}
+
+// --- files
+
+// The same mesh in files of several kinds, 24 frames a second, from number 1 on.
+void write_frames(const Scratch& scratch, const Mesh& rest, const Warp& warp, int count, double unit = 1) {
+    for (const char* ending : {"usda", "abc"}) {
+        SceneFileSettings settings;
+        settings.metres_per_unit = unit;
+        const auto file = create_scene_file(scratch.path(std::string("body.") + ending), true, settings);
+        MeshObject object;
+        object.path = "/body/skin";
+        for (const auto& t : rest.triangles) {
+            object.counts.push_back(3);
+            object.corners.insert(object.corners.end(), t.begin(), t.end());
+        }
+        object.points = rest.vertices.size();
+        const size_t skin = file->add_mesh(object);
+        object.path = "/body/shirt";
+        const size_t shirt = file->add_mesh(object);
+        for (int k = 0; k < count; ++k) {
+            Mesh now = warped(rest, warp, k / 24.0);
+            for (auto& v : now.vertices) v = float(1 / unit) * v;
+            file->append_mesh(skin, now.vertices);
+            for (auto& v : now.vertices) v.y += float(1 / unit);
+            file->append_mesh(shirt, now.vertices);
+        }
+        file->finish();
+    }
+    for (int k = 0; k < count; ++k) {
+        char name[32];
+        std::snprintf(name, sizeof name, "body.%04d.obj", k + 1);
+        scratch.file(name, obj_of(warped(rest, warp, k / 24.0)));
+    }
+}
+
+TEST(Characters, files_of_any_kind_move_as_keyframes_of_their_meshes_do) {
+    const Scratch scratch;
+    const Mesh ball = triangulated(Sphere{0.1}, 24);
+    write_frames(scratch, ball, nods, 9);
+    const std::string groom = standing(scratch, on_top(), 0.1, 10, "body") + weightless + springs,
+                      solid = "[[solid]]\nname = \"body\"\nshape = \"mesh\"\nspacing = 0.02\n";
+    const Scene keys = scene_of("frames = 8\n" + groom + solid + mesh_keyframes(scratch, ball, nods, 24, 9));
+    RidingRoots::Room wanted, found;
+    for (const std::string file :
+         {"body.####.obj\"", "body.usda\"\nobject = \"/body/skin\"", "body.abc\"\nobject = \"/body/skin\""}) {
+        const Scene scene =
+            scene_of("frames = 8\n" + groom + solid + "file = \"" + scratch.path() + "/" + file + "\n");
+        ASSERT_TRUE(scene.riding) << file;
+        for (double time : {0.0, 0.1, 0.2, 0.33, 0.5}) {
+            keys.root_poses_at(time, wanted), scene.root_poses_at(time, found);
+            for (size_t s = 0; s < wanted.pose.size(); ++s)
+                EXPECT_LT(norm(wanted.pose[s]({0.1, 0.1, 0}) - found.pose[s]({0.1, 0.1, 0})), 1e-6)
+                    << file << time;
+        }
+    }
+    // From another frame on, at another rate.
+    const Scene late = scene_of("frames = 4\n" + groom + solid + "file = \"" + scratch.path() +
+                                "/body.####.obj\"\nfile_fps = 12\nfirst_file_frame = 3\n");
+    for (int k = 0; k < 5; ++k) {
+        const Mesh there = late.solids[0].deformation->at(k / 12.0),
+                   here = keys.solids[0].deformation->at((2 + k) / 24.0);
+        for (size_t v = 0; v < here.vertices.size(); ++v)
+            EXPECT_LT(norm(there.vertices[v] - here.vertices[v]), 1e-6f) << k;
+    }
+}
+
+// Counts what is read.
+struct CountedFrames : MeshFrames {
+    Mesh mesh = triangulated(Sphere{0.1}, 12);
+    mutable int read = 0;
+    explicit CountedFrames(int count) {
+        for (int k = 0; k < count; ++k) times_.push_back(k / 24.0);
+        triangles_ = mesh.triangles;
+    }
+    std::vector<Vec3f> vertices(size_t frame) const override {
+        ++read;
+        return warped(mesh, nods, times_[frame]).vertices;
+    }
+    std::string name_of(size_t) const override { return ""; }
+};
+
+TEST(Characters, few_frames_of_a_file_are_in_memory_and_each_is_read_once) {
+    auto frames = std::make_unique<CountedFrames>(60);
+    const CountedFrames& counted = *frames;
+    const Deformation deformation(std::move(frames), {}, 0);
+    std::vector<Vec3f> out;
+    size_t most = 0;
+    for (int k = 0; k < 590; ++k) {
+        deformation.vertices_at(k / 240.0, out);
+        if (k > 0) deformation.vertices_at((k - 1) / 240.0, out);
+        most = std::max(most, deformation.frames_in_memory());
+    }
+    EXPECT_LE(most, 5u);
+    EXPECT_EQ(counted.read, 60);
+}
+
+TEST(Characters, says_what_is_wrong_with_their_files) {
+    const Scratch scratch;
+    const Mesh ball = triangulated(Sphere{0.1}, 12);
+    write_frames(scratch, ball, nods, 3);
+    const auto refuses = [&]<class E = Error>(const std::string& more,
+                                              std::initializer_list<std::string> parts) {
+        expect_error<E>(
+            [&] { scene_of("[groom]\ngrid = [2, 2]\n[stretch]\n[[solid]]\nshape = \"mesh\"\n" + more); },
+            parts);
+    };
+    const auto file = [&](const std::string& name) { return "file = \"" + scratch.path(name) + "\"\n"; };
+    refuses(file("body.usda") + "object = \"/body/hat\"\n",
+            {"scene.toml:6", "/body/hat", "/body/skin", "/body/shirt"});
+    refuses(file("head.####.obj"), {"scene.toml:6", "head.####.obj", "#"});
+    refuses(file("none.abc"), {"scene.toml:6", "none.abc"});
+    refuses(file("body.0001.obj") + "object = \"/body/skin\"\n", {"scene.toml:7", "object", "animated"});
+    scratch.file("body.0002.obj", obj_of(triangulated(Sphere{0.1}, 16)));
+    refuses(file("body.####.obj") + "spacing = 0.02\n", {"body.0002.obj", "triangles", "body.0001.obj"});
+}
+
+// --- cuts
+
+const std::string teleport =
+    "fps = 24\nframes = 12\n[groom]\ngrid = [6, 6]\nparticles = 40\nlength = 0.2\n[integrator]\nsubsteps = "
+    "8\n" +
+    springs +
+    "[[motion.keyframe]]\n[[motion.keyframe]]\ntime = 0.0416666\n[[motion.keyframe]]\ntime = 0.0833333\n"
+    "translation = [15, 0, 3]\nrotation = [0, 90, 0]\n[[motion.keyframe]]\ntime = 1\ntranslation = [15, 0, "
+    "3]\n"
+    "rotation = [0, 90, 0]\n[[solid]]\nname = \"head\"\nradius = 0.095\nattached = \"head\"\n[motion]\n";
+
+TEST(Characters, hair_begins_anew_at_a_cut) {
+    const auto widest_and_longest = [](const Scene& scene) {
+        const auto simulation = make_simulation(scene, "float");
+        double spread = 0, strain = 0, speed = 0;
+        for (int f = 1; f <= 12; ++f) {
+            simulation->advance();
+            RunFrame frame;
+            simulation->snapshot(frame);
+            const auto v = simulation->state().v;
+            for (const Vec3d& each : v) speed = std::max(speed, norm(each));
+            for (int s = 0; s < frame.positions.count; ++s) {
+                const auto at = [&](int i) { return cast<double>(frame.positions.at(s, i)); };
+                for (int i = 0; i + 1 < frame.positions.particles; ++i) {
+                    const double rest = norm(cast<double>(scene.groom.rest.at(s, i + 1)) -
+                                             cast<double>(scene.groom.rest.at(s, i)));
+                    strain = std::max(strain, norm(at(i + 1) - at(i)) / rest);
+                }
+                spread = std::max(spread, norm(at(frame.positions.particles - 1) - frame.head.translation));
+            }
+        }
+        return std::array{spread, strain, speed};
+    };
+    const auto [cut_spread, cut_strain, cut_speed] = widest_and_longest(scene_of(teleport + "cuts = [2]\n"));
+    const auto [still_spread, still_strain, still_speed] =
+        widest_and_longest(scene_of(teleport + "", {"motion.cuts=[2]", "integrator.settle_after_cut=0.5"}));
+    std::printf(
+        "a cut of 15 m and a quarter turn: edges at most %.3f of rest, tips up to %.2f m/s and %.2f m from "
+        "the head\n",
+        cut_strain, cut_speed, cut_spread);
+    EXPECT_LT(cut_strain, 1.05);
+    EXPECT_LT(still_strain, 1.05);
+    // As far as the strands are long, and no faster than a fall over their length.
+    EXPECT_LT(cut_spread, 0.095 + 0.23);
+    EXPECT_LT(cut_speed, std::sqrt(2 * 9.81 * 0.25));
+    EXPECT_LE(still_speed, cut_speed);
+}
+
+TEST(Characters, at_a_cut_each_strand_is_carried_with_its_root) {
+    const Scratch scratch;
+    const Warp jumps = [](const Vec3d& x, double time) {
+        return time < 0.1 ? x : rotate(rotation_about({0, 0, 1}, 1.2), 1.2 * x) + Vec3d{3, 0, 0};
+    };
+    const Mesh ball = triangulated(Sphere{0.1}, 24);
+    const Scene scene =
+        scene_of("frames = 8\n" + standing(scratch, on_top(), 0.1, 10, "body") + weightless + springs +
+                 "[motion]\ncuts = [3]\n[[solid]]\nname = \"body\"\nshape = \"mesh\"\nspacing = 0.01\n" +
+                 mesh_keyframes(scratch, ball, jumps, 24, 8));
+    const auto simulation = make_simulation(scene, "double");
+    for (int f = 0; f < 8; ++f) simulation->advance();
+    RidingRoots::Room room;
+    scene.root_poses_at(8 / 24.0, room);
+    const auto state = simulation->state();
+    const size_t n = size_t(scene.groom.rest.particles);
+    for (size_t k = 0; k < state.x.size(); ++k) {
+        const Vec3d wanted = room.pose[k / n](cast<double>(scene.groom.rest.points[k]));
+        EXPECT_LT(norm(state.x[k] - wanted), 2e-4);  // at rest before the cut and after it
+        EXPECT_LT(norm(state.v[k]), 0.02);
+    }
+    EXPECT_GT(norm(room.pose[0].translation), 2);
+}
+
+TEST(Characters, what_looks_like_a_cut_is_said) {
+    const std::string said = said_by([] { scene_of(teleport); });
+    for (const char* part : {"15.3 m", "frame 1 to frame 2", "cuts = [2]", "[motion]"})
+        EXPECT_NE(said.find(part), std::string::npos) << said;
+    EXPECT_EQ(said_by([] { scene_of(teleport + "cuts = [2]\n"); }).find("cuts ="), std::string::npos);
+    // A fast swing is none.
+    EXPECT_EQ(said_by([] {
+                  scene_of(dry_scene + "[motion]\nangle = 90\nperiod = 0.4\nshift = [0.4, 0, 0]\n");
+              }).find("cuts ="),
+              std::string::npos);
+}
+
+TEST(Characters, a_solid_that_is_cut_to_elsewhere_strikes_nothing_on_its_way) {
+    const std::string ball =
+        "[[solid]]\nradius = 0.08\n[[solid.motion.keyframe]]\ntime = 0.0834\ntranslation = [-1, 0, -0.1]\n"
+        "[[solid.motion.keyframe]]\ntime = 0.1249\ntranslation = [1, 0, -0.1]\n[solid.motion]\n";
+    const Strands still = after(scene_of(dry_scene), 8).positions,
+                  cut = after(scene_of(dry_scene + ball + "cuts = [3]\n"), 8).positions,
+                  struck = after(scene_of(dry_scene + ball), 8).positions;
+    ASSERT_GT(farthest(struck, still), 0.01);
+    EXPECT_LT(farthest(cut, still), 1e-4);
+}
+
+// --- preroll
+
+TEST(Characters, the_preroll_leads_from_the_shape_of_the_hair_to_the_first_frame) {
+    const Scratch scratch;
+    const Mesh ball = triangulated(Sphere{0.1}, 24);
+    const Warp elsewhere = [](const Vec3d& x, double) {
+        return rotate(rotation_about({0, 1, 0}, 1.9), Vec3d{1.1 * x.x, x.y, x.z}) + Vec3d{0.5, 1.4, 0};
+    };
+    const std::string rest = scratch.file("rest.obj", obj_of(ball));
+    const Scene scene =
+        scene_of("frames = 4\n" + standing(scratch, on_top(), 0.1, 10, "body") + weightless + springs +
+                 "[motion]\npreroll = 0.5\n[[solid]]\nname = \"body\"\nshape = \"mesh\"\nspacing = 0.01\n"
+                 "rest = \"" +
+                 rest + "\"\n" + mesh_keyframes(scratch, ball, elsewhere, 24, 5));
+    RidingRoots::Room room, later;
+    scene.root_poses_at(scene.begin(), room);
+    for (const Pose& pose : room.pose) EXPECT_LT(norm(pose({0.3, 0.2, 0.1}) - Vec3d{0.3, 0.2, 0.1}), 1e-9);
+    // No jump on the way, and none of its speed at the ends.
+    double fastest = 0;
+    for (int k = 1; k <= 240; ++k) {
+        scene.root_poses_at(-0.5 + (k - 1) / 480.0, room), scene.root_poses_at(-0.5 + k / 480.0, later);
+        const double speed = 480 * norm(later.pose[5]({0, 0.1, 0}) - room.pose[5]({0, 0.1, 0}));
+        fastest = std::max(fastest, speed);
+        if (k == 1 || k == 240) {
+            EXPECT_LT(speed, 0.2);
+        }
+    }
+    EXPECT_LT(fastest, 10);
+    const auto simulation = make_simulation(scene, "double");
+    scene.root_poses_at(0, room);
+    const auto x = simulation->state().x;
+    const size_t n = size_t(scene.groom.rest.particles);
+    for (size_t s = 0; s < room.pose.size(); ++s) {
+        EXPECT_LT(norm(x[s * n] - room.pose[s](cast<double>(scene.groom.rest.at(int(s), 0)))), 1e-9);
+        EXPECT_LT(
+            norm(x[s * n + n - 1] - room.pose[s](cast<double>(scene.groom.rest.at(int(s), int(n) - 1)))),
+            0.12);
+    }
+    RunFrame frame;
+    simulation->snapshot(frame);
+    EXPECT_GT(norm(frame.head.translation), 1);
+}
+
+// --- level sets of characters
+
+TEST(Characters, a_body_that_walks_keeps_hair_out_of_it) {
+    const Scratch scratch;
+    const Tube tube{0.5, 0.1, 96, 120};
+    const Warp walks = [](const Vec3d& x, double time) {
+        const Vec3d bent{x.x + 0.1 * std::sin(3 * time) * (x.y + 0.6) * (x.y + 0.6), x.y, x.z};
+        return rotate(rotation_about({0, 1, 0}, 0.7 * time), bent) +
+               Vec3d{1.5 * time, 0.02 * std::sin(12 * time), 0};
+    };
+    std::vector<StandingStrand> strands;
+    for (int k = 0; k < 40; ++k) {
+        const double turn = 2.399 * k, y = 0.52 + 0.07 * k / 39, r = std::sqrt(0.01 - (y - 0.5) * (y - 0.5));
+        const Vec3d skin{r * std::cos(turn), y, r * std::sin(turn)},
+            n = normalized(skin - Vec3d{0, 0.5, 0}, {0, 1, 0});
+        strands.push_back({skin + 0.0005 * n, n});
+    }
+    write_frames(scratch, tube.mesh(), walks, 49);
+    const Scene scene = scene_of("frames = 48\n" + standing(scratch, strands, 0.25, 24, "body") +
+                                 "[integrator]\nsettle = 0.5\n" + soft +
+                                 "[[solid]]\nname = \"body\"\nshape = \"mesh\"\nfile = \"" + scratch.path() +
+                                 "/body.####.obj\"\n");
+    const auto simulation = make_simulation(scene, "float");
+    double deepest = 0, nearest = 1;
+    for (int f = 1; f <= 48; ++f) {
+        simulation->advance();
+        RunFrame frame;
+        simulation->snapshot(frame);
+        const MeshDistance body(warped(tube.mesh(), walks, f / 24.0));
+        for (int s = 0; s < frame.positions.count; ++s)
+            for (int i = 2; i < frame.positions.particles; ++i) {
+                const Vec3d x = cast<double>(frame.positions.at(s, i));
+                const double distance = body.closest(x).distance;
+                if (body.inside(x)) deepest = std::max(deepest, distance);
+                if (i > 12) nearest = std::min(nearest, distance);
+            }
+    }
+    std::printf("a body that walks 3 m: hair at most %.3g mm in it\n", 1000 * deepest);
+    EXPECT_LT(nearest, 2e-3);  // hair lies on it
+    EXPECT_LT(deepest, 2e-3);
+}
+
+// --- units and axes
+
+TEST(Characters, one_way_of_placing_files_for_hair_and_meshes) {
+    const Scratch scratch;
+    const Mesh ball = triangulated(Sphere{0.1}, 24);
+    const Quatd turn = rotation_of({10, 20, 30});
+    const Vec3d offset{0.2, 1.5, -0.1};
+    // In centimetres, z up, half as large, turned back and moved back.
+    const auto into_file = [&](const Vec3d& x) {
+        const Vec3d y = 100.0 * (1 / 0.5) * rotate(conjugate(turn), x - offset);
+        return Vec3d{y.x, -y.z, y.y};
+    };
+    Mesh foreign = ball;
+    for (auto& v : foreign.vertices) v = cast<float>(into_file(cast<double>(v)));
+    StrandPoints points;
+    for (const auto& s : on_top())
+        points.push_back({into_file(s.root), into_file(s.root + 0.1 * s.direction)});
+    write_strands(scratch.path("hair.data"), points, true);
+    const std::string placed =
+        "units = \"cm\"\nup = \"z\"\nrotation = [10, 20, 30]\nscale = 0.5\noffset = [0.2, 1.5, -0.1]\n";
+    const Scene scene =
+        scene_of("[groom]\nfile = \"" + scratch.path("hair.data") + "\"\nparticles = 6\n" + placed +
+                 "[stretch]\n[[solid]]\nshape = \"mesh\"\nspacing = 0.02\nfile = \"" +
+                 scratch.file("ball.obj", obj_of(foreign)) + "\"\n" + placed);
+    const auto& level_set = *std::get<std::shared_ptr<const LevelSet>>(scene.solids[0].shape);
+    for (size_t v = 0; v < ball.vertices.size(); ++v)
+        EXPECT_LT(norm(level_set.mesh().vertices[v] - ball.vertices[v]), 1e-6f);
+    for (int s = 0; s < scene.groom.rest.count; ++s)
+        EXPECT_LT(norm(cast<double>(scene.groom.rest.at(s, 0)) -
+                       on_top()[size_t(scene.groom.origin[size_t(s)].number)].root),
+                  1e-6);
+}
+
+TEST(Characters, the_unit_of_a_head_is_guessed_from_the_roots_and_said) {
+    const Scratch scratch;
+    Mesh head = triangulated(Sphere{0.1}, 24);
+    for (auto& v : head.vertices) v = 100.f * v;
+    const std::string
+        file = scratch.file("head.obj", obj_of(head)),
+        groom = standing(scratch, on_top(), 0.1, 6, "head") + "[stretch]\n",
+        solid =
+            "[[solid]]\nname = \"head\"\nshape = \"mesh\"\nspacing = 0.02\nattached = \"head\"\nfile = \"" +
+            file + "\"\n";
+    const std::string said = said_by([&] {
+        const Scene scene = scene_of(groom + solid);
+        const Bounds box =
+            bounding_box(std::get<std::shared_ptr<const LevelSet>>(scene.solids[0].shape)->mesh());
+        EXPECT_NEAR(box.high.y, 0.1, 1e-6);
+    });
+    for (const char* part : {"guessed cm", "units = \"cm\"", "head.obj"})
+        EXPECT_NE(said.find(part), std::string::npos) << said;
+    EXPECT_EQ(said_by([&] { scene_of(groom + solid + "units = \"cm\"\n"); }).find("guessed"),
+              std::string::npos);
+}
+
+// --- meshes as people have them
+
+TEST(Characters, a_head_with_doubled_and_turned_faces_has_an_inside) {
+    const Mesh ball = triangulated(Sphere{0.1}, 24);
+    Mesh doubled = ball;
+    for (const auto& t : ball.triangles) doubled.triangles.push_back({t[0], t[2], t[1]});
+    Mesh mixed = ball;
+    for (size_t t = 0; t < mixed.triangles.size(); t += 3)
+        std::swap(mixed.triangles[t][0], mixed.triangles[t][1]);
+    // An eye within, turned inward, of vertices of its own.
+    Mesh with_eye = ball;
+    for (const auto& v : triangulated(Sphere{0.03}, 12).vertices) with_eye.vertices.push_back(v);
+    for (const auto& t : triangulated(Sphere{0.03}, 12).triangles) {
+        const int first = int(ball.vertices.size());
+        with_eye.triangles.push_back({first + t[0], first + t[2], first + t[1]});
+    }
+    for (const Mesh& mesh : {doubled, mixed, with_eye}) {
+        Winding winding;
+        const MeshDistance mended(consistently_wound(mesh, &winding));
+        EXPECT_TRUE(winding.changed());
+        for (const Vec3d& x : {Vec3d{0, 0, 0}, Vec3d{0.06, 0.03, 0}, Vec3d{0, -0.09, 0.01}})
+            EXPECT_TRUE(mended.inside(x));
+        EXPECT_FALSE(mended.inside({0.11, 0, 0}));
+    }
+    Winding winding;
+    EXPECT_EQ(consistently_wound(ball, &winding).triangles, ball.triangles);
+    EXPECT_FALSE(winding.changed());
+    EXPECT_LT(share_without_sides(ball, 1e-3), 1e-9);
+    // A neck that is open, and a sheet.
+    Mesh open{ball.vertices, {}};
+    for (const auto& t : ball.triangles)
+        if (ball.vertices[size_t(t[0])].y > -0.06f) open.triangles.push_back(t);
+    EXPECT_LT(share_without_sides(open, 1e-3), 0.05);
+    const Mesh sheet{{{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}, {0.1f, 0.02f, 0.1f}}, {{0, 1, 2}, {1, 3, 2}}};
+    EXPECT_GT(share_without_sides(sheet, 1e-3), 0.9);
+}
+
+}  // namespace
+}  // namespace wetcurl
