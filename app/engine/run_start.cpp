@@ -70,7 +70,7 @@ SimulationState state_at(const RunStart& start, const Simulation& simulation) {
             s.v[k] = start.header.fps * (s.x[k] - cast<double>(start.before.positions.points[k]));
         s.v_before[k] = s.v[k];
     }
-    carry_frames(scene.motion.at(0), start.now.head, scene.groom.rest.particles, s.x, s.frame);
+    carry_frames(scene.head_at(0), start.now.head, scene.groom.rest.particles, s.x, s.frame);
     for (size_t k = 0; k < s.touching.size() && k < start.now.contact.size(); ++k)
         s.touching[k] = start.now.contact[k];
     s.saturation.clear();  // the scene's own, which is the frame's
@@ -86,7 +86,7 @@ bool same_place(const Pose& a, const Pose& b) {
 
 void go_to(SceneRun& run, const RunStart& start) {
     Simulation& simulation = run.simulation();
-    if (!same_place(run.scene().motion.at(start.time()), start.now.head))
+    if (!same_place(run.scene().head_at(start.time()), start.now.head))
         log_warning(fmt::format("--from: the scene's head is elsewhere at {:.3f} s than in {}: roots jump",
                                 start.time(), start.words()));
     const std::string file = state_file_of(start.file.ends_with(".partial")
