@@ -49,6 +49,12 @@ void require_device(const std::string& device) {
 #endif
 }
 
+void enter_device([[maybe_unused]] const std::string& device) {
+#ifdef WETCURL_HAVE_CUDA
+    if (number_of(device) >= 0) enter_cuda_device(number_of(device));
+#endif
+}
+
 std::unique_ptr<Simulation> make_simulation_on(const std::string& device, const Scene& scene,
                                                const std::string& precision) {
     require_device(device);

@@ -15,6 +15,9 @@ namespace wetcurl {
 // Throws Error where the device that `--device` names ("cpu", "cuda", "cuda:n") is not there.
 void require_device(const std::string& device);
 
+// Makes it that of the calling thread, which is asked for where simulations are made in other threads.
+void enter_device(const std::string& device);
+
 // The scene's simulation on it; precision "float" or "double".
 std::unique_ptr<Simulation> make_simulation_on(const std::string& device, const Scene& scene,
                                                const std::string& precision);

@@ -8,7 +8,7 @@ Scene low_resolution_of(const Scene& scene) {
     low.stride = 2 * scene.stride;
     std::vector<int> kept;
     low.groom = coarsened(scene.groom, 2, &kept);
-    if (scene.riding) low.riding->roots = scene.riding->roots.kept(kept);
+    if (scene.riding) low.riding->roots = scene.riding->roots->kept(kept);
     if (low.groom.rest.count == 0) throw Error(scene.title + ": no strand is left in the groom");
     if (scene.saturation.empty()) return low;
     const long particles = scene.groom.rest.particles;

@@ -16,6 +16,8 @@ class SceneRun {
     SceneRun(const SceneRun&) = delete;
 
     const Scene& scene() const { return scene_; }
+    // For a caller who drives what moves in it, between frames.
+    Scene& scene_to_drive() { return scene_; }
     Simulation& simulation() { return *simulation_; }
     const std::string& precision() const { return precision_; }
     // Of a run file with its frames.

@@ -258,18 +258,13 @@ __global__ void sample(const __grid_constant__ StaggeredGrid g, const Vec3<T>* x
 }  // namespace
 
 AirDevice::AirDevice(const Air& air, double dt, double hair_length, double drag)
-    : air_(air), dt_(dt), host_balls_(air.sources.size()), balls_(air.sources.size()) {
-    const double cell = cell_of(air), a = air.viscosity * dt / (cell * cell);
+    : air_(air), host_balls_(air.sources.size()), balls_(air.sources.size()), all_drag_(drag * hair_length) {
+    const double cell = cell_of(air);
     for (size_t axis = 0; axis < 3; ++axis) {
         const int n = air.grid[axis];
         const SineBasis basis(n, cell);
-        std::vector<double> factors(size_t(n) + 1);
-        axes_[axis] = {n, DeviceBuffer<double>(basis.vector), DeviceBuffer<double>(basis.value), {}, {}};
-        if (!(a > 0)) continue;
-        diffusion_factors(n, a, factors.data());
-        axes_[axis].factors = DeviceBuffer<double>(factors);
-        diffusion_factors(n + 1, a, factors.data());
-        axes_[axis].more_factors = DeviceBuffer<double>(factors);
+        axes_[axis] = {n, DeviceBuffer<double>(basis.vector), DeviceBuffer<double>(basis.value),
+                       DeviceBuffer<double>(size_t(n) + 1), DeviceBuffer<double>(size_t(n) + 1)};
     }
     size_t faces = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -281,10 +276,24 @@ AirDevice::AirDevice(const Air& air, double dt, double hair_length, double drag)
     const size_t cells = size_t(air.grid[0]) * size_t(air.grid[1]) * size_t(air.grid[2]);
     pressure_ = DeviceBuffer<double>(std::vector<double>(cells, 0.0)), spare_ = DeviceBuffer<double>(cells);
     allow_shared_memory(diffuse);
-    if (!air.two_way) return;
-    braked_ = DeviceBuffer<long long>(2 * faces);
+    if (air.two_way) braked_ = DeviceBuffer<long long>(2 * faces);
+    take_steps_of(dt);
+}
+
+void AirDevice::take_steps_of(double dt) {
+    if (dt == dt_) return;
+    dt_ = dt;
+    const double cell = cell_of(air_), a = air_.viscosity * dt / (cell * cell);
+    for (Axis& axis : axes_) {
+        if (!(a > 0)) break;
+        std::vector<double> factors(size_t(axis.cells) + 1);
+        diffusion_factors(axis.cells, a, factors.data());
+        axis.factors.upload(factors.data(), factors.size());
+        diffusion_factors(axis.cells + 1, a, factors.data());
+        axis.more_factors.upload(factors.data(), factors.size());
+    }
     // All of the hair at one face, as fast as any, is a number of 62 bits.
-    const double all = dt * drag * hair_length / (air.density * cell * cell * cell);
+    const double all = dt * all_drag_ / (air_.density * cell * cell * cell);
     scale_ = 4e18 / (std::max(all, 1e-30) * fastest_hair);
 }
 

@@ -31,6 +31,8 @@ class AirDevice {
   public:
     // `hair_length` [m] of all hair that brakes it, `drag` as of AirDrag; 0: none does.
     AirDevice(const Air& air, double dt, double hair_length, double drag);
+    // Steps of so many seconds follow; nothing may be on its way.
+    void take_steps_of(double dt);
 
     // What sources do at `time` [s], for the steps that follow.
     void blow(double time);
@@ -56,7 +58,7 @@ class AirDevice {
     void launch_sines(int axis, bool back, const double* from, double* to, cudaStream_t stream) const;
 
     const Air air_;
-    const double dt_;
+    double dt_ = 0;  // [s] of a step
     std::array<Axis, 3> axes_;
     std::array<DeviceBuffer<double>, 3> u_, next_;  // within a step it is the latter
     DeviceBuffer<double> pressure_, spare_;
@@ -64,6 +66,7 @@ class AirDevice {
     DeviceBuffer<BlowingBall> balls_;
     // Of hair: k and kv of each face, as whole numbers of 1 / scale, whose sums have no order.
     DeviceBuffer<long long> braked_;
+    const double all_drag_;  // [kg/s] of all hair
     double scale_ = 0;
 };
 

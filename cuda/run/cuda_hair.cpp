@@ -109,6 +109,16 @@ template <class T>
 void CudaHair<T>::give_state() {
     give(StrandPart::motion), give(StrandPart::history);
 }
+// On the host, as the CPU does it: frames of one length are the usual ones.
+template <class T>
+void CudaHair<T>::take_steps_of(double dt) {
+    if (dt == dt_) return;
+    fetch(), fetch_history();
+    first = first || !state.retime(dt_, dt);
+    give_state();
+    graph_.forget();
+    dt_ = dt;
+}
 template <class T>
 void CudaHair<T>::give_velocities() {
     upload(state.v, arrays_.v), upload(state.v_before, arrays_.v_before);
@@ -235,7 +245,7 @@ void CudaHair<T>::launch_substeps(int substeps) {
         launch_chain(slot, 1, begins);
         mark(slot, 2);
         if (strand_contact_)
-            strand_contact_->launch(memory(), last ? &report->touching : nullptr, stream_.handle);
+            strand_contact_->launch(memory(), dt_, last ? &report->touching : nullptr, stream_.handle);
     }
     mark(slots_, 0);
 }

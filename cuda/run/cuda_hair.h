@@ -35,8 +35,9 @@ class AirAround {
           field_(*scene.air, 1 / scene.fps, length_of(hair), scene.term<AirDrag>()->c) {
         sample(hair);
     }
-    void advance(CudaHair<T>& hair, double time) {
-        field_.blow(time + 1 / scene_.fps);
+    void advance(CudaHair<T>& hair, double time, double dt) {
+        field_.take_steps_of(dt);
+        field_.blow(time + dt);
         hair.queue([this, &hair](cudaStream_t stream) {
             begin_.record(stream);
             const BrakingHair<T> braking = hair.braking();
@@ -102,6 +103,7 @@ class CudaHair {
     bool first = true;  // no history: the next substep is backward Euler
     bool always_first() const { return scene_.integrator.kind != "implicit"; }
     Bdf2<T> scheme() const { return {T(dt_), first, T(predictor_share(scene_))}; }
+    void take_steps_of(double dt);
 
     void begin_display(const std::vector<float>& saturation, double reach);
     double neighbours_mean() const { return neighbours_mean_; }
@@ -133,6 +135,11 @@ class CudaHair {
 
     std::vector<double> energy() const;
     std::optional<Divergence> divergence() const;
+    std::vector<Vec3f> velocities() const {
+        std::vector<Vec3f> out;
+        state.template unpack<float>(state.v, out);
+        return out;
+    }
     long limited_edges() const { return limited_; }
     void count_limited_from(long so_far) { limited_ = so_far; }
     void count_work() { throw_uncounted(); }
@@ -200,7 +207,7 @@ class CudaHair {
     std::vector<T> energies() const;  // (strand, kind) [J]
 
     const Scene& scene_;
-    const double dt_;
+    double dt_;           // [s] of a substep
     bool shown_ = false;  // what was run last is seen already
     mutable bool fetched_ = true, history_fetched_ = true, water_fetched_ = true;
     mutable std::vector<Launches> queued_;

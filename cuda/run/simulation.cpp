@@ -32,10 +32,12 @@ void require_cuda_device(int device) {
                     " device(s), counted from 0");
 }
 
+void enter_cuda_device(int device) { check_cuda(cudaSetDevice(device), "choice of the device"); }
+
 std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::string& precision, int device,
                                                  Stepping stepping) {
     require_cuda_device(device);
-    check_cuda(cudaSetDevice(device), "choice of the device");
+    enter_cuda_device(device);
     if (precision == "double") return std::make_unique<SimulationOf<CudaHair<double>>>(scene, stepping);
     return std::make_unique<SimulationOf<CudaHair<float>>>(scene, stepping);
 }

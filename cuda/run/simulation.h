@@ -20,6 +20,9 @@ enum class Stepping { chosen, by_reference };
 std::unique_ptr<Simulation> make_cuda_simulation(const Scene& scene, const std::string& precision, int device,
                                                  Stepping stepping = Stepping::chosen);
 
+// Makes it that of the calling thread, where a simulation on it may have been made in another.
+void enter_cuda_device(int device);
+
 // Throws Error where there is no such device, with what the driver said.
 void require_cuda_device(int device);
 

@@ -34,7 +34,6 @@ __global__ void __launch_bounds__(threads)
 template <class T>
 StrandContactOnDevice<T>::StrandContactOnDevice(const Scene& scene, const ChainState<T>& state)
     : term_(*scene.strand_contact),
-      step_(term_, 1 / (scene.fps * scene.integrator.substeps)),
       drawn_(scene.groom.rest.points),
       positions_(drawn_.size()),
       search_(drawn_.size(), state.n, strand_contact_radius(term_),
@@ -45,14 +44,15 @@ StrandContactOnDevice<T>::StrandContactOnDevice(const Scene& scene, const ChainS
 }
 
 template <class T>
-void StrandContactOnDevice<T>::launch(const StrandMemory<T>& memory, unsigned long long* pairs,
+void StrandContactOnDevice<T>::launch(const StrandMemory<T>& memory, double dt, unsigned long long* pairs,
                                       cudaStream_t stream) {
     const uint32_t count = uint32_t(drawn_.size());
     const unsigned blocks = (count + threads - 1) / threads;
     see<<<blocks, threads, 0, stream>>>(memory.x, count, positions_.data());
     search_.launch(positions_.data(), stream);
-    const StrandContactKernelBody<T> bodies{term_,         step_,         search_.view(),
-                                            drawn_.data(), point_.data(), contacts_.data()};
+    const StrandContactKernelBody<T> bodies{term_,          StrandContact::Step(term_, dt),
+                                            search_.view(), drawn_.data(),
+                                            point_.data(),  contacts_.data()};
     count_contacts<<<blocks, threads, 0, stream>>>(bodies, memory, pairs);
     push<<<blocks, threads, 0, stream>>>(bodies, memory);
     check_cuda(cudaGetLastError(), "launch of the contact between strands");

@@ -15,9 +15,9 @@ class StrandContactOnDevice {
   public:
     // For a scene with [strand_contact].
     StrandContactOnDevice(const Scene& scene, const ChainState<T>& state);
-    // What others do at the end of a substep. Particles that are near are added to `pairs`, unless it is
-    // null.
-    void launch(const StrandMemory<T>& memory, unsigned long long* pairs, cudaStream_t stream);
+    // What others do at the end of a substep of dt [s]. Particles that are near are added to `pairs`, unless
+    // it is null.
+    void launch(const StrandMemory<T>& memory, double dt, unsigned long long* pairs, cudaStream_t stream);
     void weigh(const ChainState<T>&) {}  // masses are the strands' own
     // Neighbours are found anew in each substep.
     void save(Carried&) const {}
@@ -30,7 +30,6 @@ class StrandContactOnDevice {
 
   private:
     const StrandContact term_;
-    const StrandContact::Step step_;
     DeviceBuffer<Vec3f> drawn_, positions_;
     CellSearchDevice search_;
     DeviceBuffer<StrandContactPoint> point_;

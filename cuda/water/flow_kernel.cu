@@ -64,14 +64,13 @@ double total(const std::vector<double>& of_strands) {
 
 }  // namespace
 
-FlowDevice::FlowDevice(const Flow& flow, const Strands& rest, double density, double absorbed, double dt,
+FlowDevice::FlowDevice(const Flow& flow, const Strands& rest, double density, double absorbed,
                        const Vec3d& gravity, const Vec3f& origin)
     : flow_(flow),
       strands_(rest.count),
       n_(rest.particles),
       density_(density),
       absorbed_(absorbed),
-      dt_(dt),
       down_(FlowRules::down(gravity)),
       search_(rest.points.size(), rest.particles, flow.reach, origin),
       sigma_(rest.points.size()),
@@ -97,7 +96,8 @@ FlowKernelBody FlowDevice::bodies() const {
             limit_.data(), ledger_.data()};
 }
 
-void FlowDevice::aim(double time) {
+void FlowDevice::aim(double time, double dt) {
+    dt_ = dt;
     for (size_t k = 0; k < host_sources_.size(); ++k) {
         FlowingSource now = flow_.sources[k].over(time, dt_);
         now.shape.grid.phi = level_sets_[k].data();

@@ -16,12 +16,12 @@ namespace wetcurl {
 // Nothing is allocated and nothing read by the host from step to step, so that one can be captured.
 class FlowDevice {
   public:
-    // As a FlowPass, for steps of dt [s] under `gravity` [m/s²]; `origin`: where hair is.
-    FlowDevice(const Flow& flow, const Strands& rest, double density, double absorbed, double dt,
-               const Vec3d& gravity, const Vec3f& origin);
+    // As a FlowPass, under `gravity` [m/s²]; `origin`: where hair is.
+    FlowDevice(const Flow& flow, const Strands& rest, double density, double absorbed, const Vec3d& gravity,
+               const Vec3f& origin);
 
-    // What sources do from `time` [s] on, for the step that follows.
-    void aim(double time);
+    // The step that follows is of dt [s] from `time` on.
+    void aim(double time, double dt);
     // As FlowPass::step; strands seen at p (strand, particle).
     void launch_step(const Vec3f* p, cudaStream_t stream);
     // Another saturation; the balance begins anew.
@@ -52,7 +52,8 @@ class FlowDevice {
 
     const Flow flow_;
     const int strands_, n_;
-    const double density_, absorbed_, dt_;
+    const double density_, absorbed_;
+    double dt_ = 0;  // [s] of the step that follows
     const Vec3d down_;
     double start_ = 0;
     CellSearchDevice search_;

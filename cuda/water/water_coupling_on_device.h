@@ -15,7 +15,7 @@ template <class H>
 class WaterCouplingOnDevice {
   public:
     WaterCouplingOnDevice(const Scene& scene, H& hair)
-        : flow_(*scene.flow, scene.groom.rest, scene.linear_density, scene.wetness->absorbed, 1 / scene.fps,
+        : flow_(*scene.flow, scene.groom.rest, scene.linear_density, scene.wetness->absorbed,
                 scene.integrator.gravity, cast<float>(hair.head.translation)),
           soaking_(scene, hair.state.rest_length),
           stream_(hair.stream()) {
@@ -23,10 +23,10 @@ class WaterCouplingOnDevice {
     }
 
     // Of strands that are all there, by the last frame's report.
-    void advance(H& hair, double time) {
+    void advance(H& hair, double time, double dt) {
         moved_ = hair.all_there();
         if (!moved_) return;
-        flow_.aim(time);
+        flow_.aim(time, dt);
         hair.queue([this, &hair](cudaStream_t stream) {
             begin_.record(stream);
             flow_.launch_step(hair.seen(), stream);

@@ -1,64 +1,7 @@
 /// @file
-/// The C++ interface of libwetcurl: an owner of a wetcurl_hair whose functions throw std::runtime_error.
-/// wetcurl.h describes units, shapes and poses.
+/// The C++ interface of libwetcurl: simulation.hpp simulates wet hair in another program, learned.hpp runs a
+/// network in place of the simulation.
 #pragma once
 
-#include <array>
-#include <memory>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
-#include "wetcurl.h"
-
-/// What the library shows in C++.
-namespace wetcurl {
-
-/// The head's origin x y z [m], then the unit quaternion w x y z.
-using PoseArray = std::array<double, 7>;
-
-/// The hair of a scene with its network.
-class Hair {
-  public:
-    /// Opens a scene and a model, see wetcurl_open().
-    Hair(const std::string& scene, const std::string& model, const std::string& device = "cpu",
-         int threads = 0)
-        : hair_(wetcurl_open(scene.c_str(), model.c_str(), device.c_str(), threads), wetcurl_close) {
-        if (!hair_) throw std::runtime_error(wetcurl_error());
-    }
-    /// Number of strands that are read.
-    int low_strands() const { return wetcurl_low_strands(hair_.get()); }
-    /// Number of strands that are written.
-    int high_strands() const { return wetcurl_high_strands(hair_.get()); }
-    /// Number of particles of a strand, read or written.
-    int particles() const { return wetcurl_particles(hair_.get()); }
-    /// The strands of low resolution at rest, (low strands, particles, 3) [m], in the head's frame.
-    std::vector<float> low_at_rest() const {
-        std::vector<float> out(size_t(low_strands()) * size_t(particles()) * 3);
-        wetcurl_low_at_rest(hair_.get(), out.data());
-        return out;
-    }
-    /// Computes only where hair is wet, see wetcurl_crop().
-    void crop() { check(wetcurl_crop(hair_.get())); }
-    /// Sets the memory of the frames, see wetcurl_bind(): low (low strands, particles, 3) and high (high
-    /// strands, particles, 3) [m], in world axes.
-    void bind(const float* low, float* high, bool on_device = false) {
-        check(wetcurl_bind(hair_.get(), low, high, on_device));
-    }
-    /// Computes a frame, see wetcurl_run().
-    void run(const PoseArray& before, const PoseArray& now, const PoseArray& after) {
-        check(wetcurl_run(hair_.get(), before.data(), now.data(), after.data()));
-    }
-    /// Computes a frame with a head that does not move: a shot's first.
-    void run(const PoseArray& now) { check(wetcurl_run(hair_.get(), nullptr, now.data(), nullptr)); }
-    /// The next frame is the first of another shot.
-    void restart() { wetcurl_restart(hair_.get()); }
-
-  private:
-    static void check(int status) {
-        if (status != 0) throw std::runtime_error(wetcurl_error());
-    }
-    std::unique_ptr<wetcurl_hair, decltype(&wetcurl_close)> hair_;
-};
-
-}  // namespace wetcurl
+#include "learned.hpp"
+#include "simulation.hpp"

@@ -19,11 +19,11 @@ class AirCoupling {
         if (scene.air->two_way) hair_.resize(scene.groom.rest.points.size());
         sample(hair.state);
     }
-    // A frame from `time` [s] on. Once a frame: a step of the air costs more than a substep of the strands,
-    // it is stable at any length, and a block of strands still goes through all substeps of a frame at once.
-    void advance(H& hair, double time) {
+    // A frame of dt [s] from `time` on. Once a frame: a step of the air costs more than a substep of the
+    // strands, it is stable at any length, and a block of strands still goes through all substeps of a frame
+    // at once.
+    void advance(H& hair, double time, double dt) {
         const StageTimer timer(seconds);
-        const double dt = 1 / scene_.fps;
         if (scene_.air->two_way) gather(hair.state);
         field_.step(dt, time + dt, hair_);
         sample(hair.state);

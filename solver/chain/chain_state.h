@@ -148,6 +148,25 @@ struct ChainState : StrandArrays<S, HostArray> {
             at_rest->assign(at_rest->size(), {S(0), S(0), S(0)});
         this->pushed.assign(this->pushed.size(), S(0));
     }
+    // Substeps of `now` [s] follow those of `before`: what was one of the latter ago becomes what was one of
+    // the former ago, along the cubic through both ends. Returns false where they are too unlike for that.
+    bool retime(double step_before, double step_now) {
+        const double w = step_now / step_before;
+        if (w > 1.5) return false;
+        // BDF2 bears no more than 1 + sqrt(2).
+        const double s = 1 - w;
+        const auto at_before = S(Plain<S>((1 + 2 * s) * w * w)),
+                   of_before = S(Plain<S>(s * w * w * step_before)),
+                   of_now = S(Plain<S>(s * s * (s - 1) * step_before)), share = S(Plain<S>(w));
+#pragma omp parallel for schedule(static)
+        for (size_t k = 0; k < x.size(); ++k) {
+            x_before[k] =
+                x[k] + at_before * (x_before[k] - x[k]) + of_before * this->v_before[k] + of_now * this->v[k];
+            this->v_before[k] = this->v[k] + share * (this->v_before[k] - this->v[k]);
+            if (!this->pushed.empty()) this->pushed[k] = share * this->pushed[k];
+        }
+        return true;
+    }
     // (strand, particle), 1 in contact; empty without adhesion.
     std::vector<uint8_t> contacts() const {
         std::vector<uint8_t> out;

@@ -32,6 +32,12 @@ class ChainStepper {
     // Only BDF2 looks at the step before.
     bool always_first() const { return scene_.integrator.kind != "implicit"; }
     Bdf2<S> scheme() const { return {T(dt_), first, share_}; }  // of the next implicit substep
+    // Substeps of so many seconds follow.
+    void take_steps_of(double dt) {
+        if (dt == dt_) return;
+        first = first || !state.retime(dt_, dt);
+        dt_ = dt;
+    }
 
     // Substeps along a path of posed scenes: each block all of them before the next, so that its strands stay
     // in cache.
@@ -77,7 +83,7 @@ class ChainStepper {
 
     const Scene& scene_;
     const int n_;
-    const double dt_;
+    double dt_;  // [s] of a substep
     const SubstepRules<T> rules_;
     const T share_;
     NearestSurface<S> nearest_;

@@ -2,6 +2,7 @@
 #include "solver/grooms/groom.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "base/error.h"
@@ -114,11 +115,27 @@ static void rest_procedural_keys(const Table& table, const std::string& file) {
         log_info(table.where() + ": strands come from " + file + "; without effect:" + resting);
 }
 
-static Groom file_groom(const Table& table, const GroomTable& groom, const ScalpOfSolid& of_solid,
-                        std::vector<Finding>* findings) {
-    const auto& [file, particles] = std::tie(groom.file, groom.particles);
+// Each of them is somebody's, who asks for it by its number.
+static ImportedStrands taken_whole(const StrandPoints& brought, const std::string& what) {
+    for (size_t s = 0; s < brought.size(); ++s)
+        for (size_t i = 0; i < brought[s].size(); ++i)
+            if (const Vec3d& x = brought[s][i]; !std::isfinite(x.x + x.y + x.z))
+                throw Error(what + ": point " + std::to_string(i) + " of strand " + std::to_string(s) +
+                            " is not finite");
+    ImportedStrands in = strands_in_metres(brought, what);
+    if (in.dropped())
+        throw Error(what + ": strand " + std::to_string(in.dropped_numbers[0]) +
+                    " has no length; allowed are two points or more, 0.1 mm or more in all");
+    return in;
+}
+
+static Groom groom_of_strands(const Table& table, const GroomTable& groom, const ScalpOfSolid& of_solid,
+                              std::vector<Finding>* findings, const StrandPoints& brought) {
+    const std::string file = brought.empty() ? groom.file : "strands in memory";
+    const int particles = groom.particles;
     rest_procedural_keys(table, file);
-    ImportedStrands in = import_strands(file, groom.hair_units());
+    ImportedStrands in =
+        brought.empty() ? import_strands(file, groom.hair_units()) : taken_whole(brought, file);
     StrandPoints& strands = in.strands;
     if (groom.tip_first)
         for (auto& strand : strands) std::reverse(strand.begin(), strand.end());
@@ -153,10 +170,11 @@ static Groom file_groom(const Table& table, const GroomTable& groom, const Scalp
 }
 
 Groom load_groom(const Table& table, unsigned long long seed, const ScalpOfSolid& of_solid,
-                 std::vector<Finding>* findings) {
+                 std::vector<Finding>* findings, const StrandPoints& brought) {
     GroomTable read;
     read_parameters(read, GroomTable::parameters, table);
-    if (!read.file.empty()) return file_groom(table, read, of_solid, findings);
+    if (!read.file.empty() || !brought.empty())
+        return groom_of_strands(table, read, of_solid, findings, brought);
     const ProceduralGroom groom = read_procedural(table, seed, of_solid ? of_solid({}) : nullptr);
     warn_of_few_particles(table, turns_of(groom), groom.particles);
     return make_procedural(groom);

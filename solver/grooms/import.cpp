@@ -173,27 +173,9 @@ std::string endings(const Rows& rows) {
     return text;
 }
 
-}  // namespace
-
-std::string readable_endings() { return endings(formats); }
-std::string writable_endings() { return endings(writers); }
-
-ImportedStrands import_strands(const std::string& path, const FileUnits& meant) {
-    const auto* format = std::find_if(std::begin(formats), std::end(formats),
-                                      [&](const Format& f) { return ending_of(path) == f.ending; });
-    if (format == std::end(formats)) unknown_ending(path, readable_endings());
-    StrandFile file = format->read(path);
+// Strands of a file, or of `what` else, in metres; degenerate ones are dropped.
+ImportedStrands taken(const std::string& what, const StrandFile& file, const ToMetres& to_metres) {
     const StrandPoints& raw = file.points;
-    if (raw.empty()) throw Error(path + ": found 0 strands, allowed 1 or more");
-    if (std::all_of(raw.begin(), raw.end(), [](const auto& strand) { return strand.empty(); }))
-        throw Error(path + ": found " + std::to_string(raw.size()) +
-                    " strands without a point, allowed 1 with two or more");
-    if (!are_widths(file.widths)) {
-        log_warning(path + ": found widths that are negative or not finite; widths are left out");
-        file.widths.clear();
-    }
-
-    const ToMetres to_metres = conversion(path, meant, format->units, file.axes, bounds_of(raw));
     ImportedStrands out;
     out.found = raw.size();
     out.units = to_metres.unit.name;
@@ -225,17 +207,45 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
     out.groups = picked(file.groups, out.numbers);
     out.root_uv = picked(file.root_uv, out.numbers);
     if (out.dropped())
-        log_warning(path + ": dropped " + std::to_string(out.dropped()) + " of " + std::to_string(out.found) +
+        log_warning(what + ": dropped " + std::to_string(out.dropped()) + " of " + std::to_string(out.found) +
                     " strands: " + std::to_string(out.no_points) + " without points, " +
                     std::to_string(out.one_point) + " of one point, " + std::to_string(out.no_length) +
                     " without length (below 0.1 mm); counted from 0, these are " +
                     listed(out.dropped_numbers));
     if (out.repeated_points)
-        log_warning(path + ": left out " + std::to_string(out.repeated_points) +
+        log_warning(what + ": left out " + std::to_string(out.repeated_points) +
                     " points that repeat the one before");
     if (out.strands.empty())
-        throw Error(path + ": found no strand of two distinct points, allowed 1 or more");
+        throw Error(what + ": found no strand of two distinct points, allowed 1 or more");
     return out;
+}
+
+}  // namespace
+
+std::string readable_endings() { return endings(formats); }
+std::string writable_endings() { return endings(writers); }
+
+ImportedStrands import_strands(const std::string& path, const FileUnits& meant) {
+    const auto* format = std::find_if(std::begin(formats), std::end(formats),
+                                      [&](const Format& f) { return ending_of(path) == f.ending; });
+    if (format == std::end(formats)) unknown_ending(path, readable_endings());
+    StrandFile file = format->read(path);
+    const StrandPoints& raw = file.points;
+    if (raw.empty()) throw Error(path + ": found 0 strands, allowed 1 or more");
+    if (std::all_of(raw.begin(), raw.end(), [](const auto& strand) { return strand.empty(); }))
+        throw Error(path + ": found " + std::to_string(raw.size()) +
+                    " strands without a point, allowed 1 with two or more");
+    if (!are_widths(file.widths)) {
+        log_warning(path + ": found widths that are negative or not finite; widths are left out");
+        file.widths.clear();
+    }
+
+    const ToMetres to_metres = conversion(path, meant, format->units, file.axes, bounds_of(raw));
+    return taken(path, file, to_metres);
+}
+
+ImportedStrands strands_in_metres(const StrandPoints& points, const std::string& what) {
+    return taken(what, {points, {}, {}, {}, {}, {}}, {{"m", 1}, false, "y"});
 }
 
 Mesh import_mesh(const std::string& path, const FileUnits& meant) {

@@ -48,6 +48,8 @@ std::string writable_endings();
 // holds, with a warning. Throws Misuse for an ending, units or an up axis that are not known; Error for bad
 // data, for a file without a strand, and for one whose strands are all degenerate.
 ImportedStrands import_strands(const std::string& path, const FileUnits& meant);
+// Strands that are in memory [m], Y up; `what` names them in errors, which are the same.
+ImportedStrands strands_in_metres(const StrandPoints& points, const std::string& what);
 // A head or scalp mesh [m], Y up; units as above.
 Mesh import_mesh(const std::string& path, const FileUnits& meant);
 

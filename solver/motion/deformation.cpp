@@ -80,6 +80,32 @@ Deformation::Deformation(std::unique_ptr<const MeshFrames> frames, const FileFra
     for (double& time : times_) time -= begin;
 }
 
+Deformation::Deformation(Mesh mesh) : triangles_(mesh.triangles), rest_(std::make_shared<const Mesh>(mesh)) {
+    jump_to(0, std::move(mesh.vertices));
+}
+
+void Deformation::jump_to(double time, std::vector<Vec3f> vertices) {
+    times_ = {time};
+    Key key;
+    key.slopes.assign(vertices.size(), Vec3f{0, 0, 0});
+    key.vertices = near_[0] = std::make_shared<const Vertices>(std::move(vertices));
+    keys_ = {{0, std::make_shared<const Key>(std::move(key))}};
+}
+
+// As DrivenMotion: a key's slope is that of the way to it.
+void Deformation::go_to(double end, std::vector<Vec3f> vertices) {
+    const std::shared_ptr<const Key> from = keys_.rbegin()->second;
+    const float per_second = float(1 / (end - times_.back()));
+    Key to;
+    to.slopes.resize(vertices.size());
+    for (size_t v = 0; v < vertices.size(); ++v)
+        to.slopes[v] = per_second * (vertices[v] - (*from->vertices)[v]);
+    to.vertices = std::make_shared<const Vertices>(std::move(vertices));
+    times_ = {times_.back(), end};
+    near_[0] = from->vertices;
+    keys_ = {{0, from}, {1, std::make_shared<const Key>(std::move(to))}};
+}
+
 void Deformation::rest_as(Mesh mesh, const std::string& file) {
     frame_.place(mesh.vertices);
     if (mesh.triangles != triangles_ || mesh.vertices.size() != vertices_of(0)->size())

@@ -42,6 +42,13 @@ class Deformation {
     Deformation(std::unique_ptr<const MeshFrames> frames, const FileFrame& frame, double begin,
                 const ShotCuts& cuts = {});
 
+    // One that a caller drives: it stands as `mesh` [m] until then, and hair is bound to it so.
+    explicit Deformation(Mesh mesh);
+    // Its vertices [m] at the time `end` [s], from where and as fast as they are at the end of the last span.
+    void go_to(double end, std::vector<Vec3f> vertices);
+    // They rest there from `time` on.
+    void jump_to(double time, std::vector<Vec3f> vertices);
+
     // Held before the first keyframe and after the last.
     Mesh at(double time) const;
     // Its vertices [m]; allocates nothing where `out` had as many, and no frame is read.

@@ -82,6 +82,7 @@ void Motion::rest_at(const ShotCuts& cuts) {
 }
 
 Pose Motion::at(double time) const {
+    if (driven_) return driven_->at(time);
     double v[6] = {};
     if (!keys_.empty()) {
         const auto after = std::upper_bound(keys_.begin(), keys_.end(), time,

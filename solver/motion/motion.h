@@ -1,11 +1,13 @@
 // Prescribed motion of the head and of solids: C1 between keyframes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/parameters.h"
 #include "solver/motion/cuts.h"
+#include "solver/motion/driven_motion.h"
 
 namespace wetcurl {
 
@@ -78,9 +80,11 @@ class Motion {
     // A table of these rows, with [[keyframe]] in it. Throws Misuse with file and line.
     explicit Motion(const Table& table);
     Pose at(double time) const;
-    bool moves() const { return !keys_.empty() || period_ > 0; }
+    bool moves() const { return driven_ || !keys_.empty() || period_ > 0; }
     // It comes to rest at keyframes on either side of these cuts.
     void rest_at(const ShotCuts& cuts);
+    // From `time` [s] on, a caller drives it; it rests where it is then.
+    DrivenMotion& driven_from(double time) { return driven_ ? *driven_ : driven_.emplace(time, at(time)); }
 
   private:
     struct Key {
@@ -93,6 +97,7 @@ class Motion {
     Vec3d pivot_{0, 0, 0};
     Vec3d axis_{0, 1, 0}, shift_{0, 0, 0};
     double angle_ = 0, period_ = 0, start_ = 0;
+    std::optional<DrivenMotion> driven_;  // in place of the others
 };
 
 }  // namespace wetcurl

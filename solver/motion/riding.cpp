@@ -114,20 +114,7 @@ void RidingRoots::poses_at(double time, const Pose& frame, Room& room) const {
 
 Pose RidingRoots::middle_at(double time, const Pose& frame, Room& room) const {
     samples_.poses(*mesh_, time, frame, room);
-    const Quatd& first = room.pose[0].rotation;
-    Quatd sum{0, 0, 0, 0};
-    Vec3d rest{0, 0, 0}, now{0, 0, 0};
-    for (size_t k = 0; k < room.pose.size(); ++k) {
-        const Quatd& q = room.pose[k].rotation;
-        // Of the two quaternions of a rotation, that on the side of the first.
-        const double side = q.w * first.w + q.x * first.x + q.y * first.y + q.z * first.z < 0 ? -1 : 1;
-        sum = {sum.w + side * q.w, sum.x + side * q.x, sum.y + side * q.y, sum.z + side * q.z};
-        const Vec3d& root = samples_.bound[k].root;
-        rest += root, now += room.pose[k](root);
-    }
-    const Quatd rotation = normalized(sum);
-    const double share = 1 / double(room.pose.size());
-    return {rotation, share * now - rotate(rotation, share * rest)};
+    return middle_of(room.pose, [&](size_t k) { return samples_.bound[k].root; });
 }
 
 void RidingRoots::lead(double share, const Pose& there, const Pose& frame, Room& room) const {

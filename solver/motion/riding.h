@@ -26,7 +26,10 @@ class RidingRoots {
     // place of its triangle's material point, plus the offset from there, which turns with the triangle and
     // grows with the square root of its area. The rotation is the one nearest to the triangle's deformation.
     void poses_at(double time, const Pose& frame, Room& room) const;
-    // The rigid motion nearest to that of roots all over the groom; `kept` leaves it as it is.
+    // The rigid motion nearest to those of roots [m] that are somewhere at rest, `root(k)`.
+    template <class Root>
+    static Pose middle_of(const std::vector<Pose>& poses, Root root);
+    // The same of roots all over the groom; `kept` leaves it as it is.
     Pose middle_at(double time, const Pose& frame, Room& room) const;
 
     // Poses at `share` 0 to 1 of the way from rest to `room`: those in the frame of `there`, a middle, go
@@ -63,5 +66,23 @@ class RidingRoots {
     Bindings roots_;    // (root)
     Bindings samples_;  // some of the whole groom
 };
+
+template <class Root>
+Pose RidingRoots::middle_of(const std::vector<Pose>& poses, Root root) {
+    const Quatd& first = poses[0].rotation;
+    Quatd sum{0, 0, 0, 0};
+    Vec3d rest{0, 0, 0}, now{0, 0, 0};
+    for (size_t k = 0; k < poses.size(); ++k) {
+        const Quatd& q = poses[k].rotation;
+        // Of the two quaternions of a rotation, that on the side of the first.
+        const double side = q.w * first.w + q.x * first.x + q.y * first.y + q.z * first.z < 0 ? -1 : 1;
+        sum = {sum.w + side * q.w, sum.x + side * q.x, sum.y + side * q.y, sum.z + side * q.z};
+        const Vec3d at_rest = root(k);
+        rest += at_rest, now += poses[k](at_rest);
+    }
+    const Quatd rotation = normalized(sum);
+    const double share = 1 / double(poses.size());
+    return {rotation, share * now - rotate(rotation, share * rest)};
+}
 
 }  // namespace wetcurl

@@ -25,7 +25,17 @@ class SimulationOf final : public Simulation {
   public:
     template <class... OfHair>
     explicit SimulationOf(const Scene& scene, const OfHair&... of_hair);
-    void advance(bool shown = true) override;
+    void advance(bool shown = true) override {
+        take_frame(1 / scene_.fps, scene_.integrator.substeps, 1 / (scene_.fps * scene_.integrator.substeps),
+                   shown);
+    }
+    void advance_by(double seconds) override;
+    double time() const override { return time_; }
+    void cut(const std::function<void()>& move) override {
+        begin_anew(time_, move);
+        hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
+    }
+    std::vector<Vec3f> velocities() const override { return hair_.fetch(), hair_.velocities(); }
     void begin_snapshot(RunFrame& frame) override;
     void finish_snapshot(RunFrame& frame) const override;
     std::optional<Divergence> divergence() const override { return hair_.divergence(); }
@@ -50,6 +60,10 @@ class SimulationOf final : public Simulation {
     const Scene& scene() const override { return scene_; }
     SimulationState state() const override;
     void restore(const SimulationState& state) override { take_over(state, state.time); }
+    void wet(const std::vector<double>& saturation) override {
+        if (!water_) throw Error("found saturation for a scene without [wetness.flow], which moves it");
+        water_->restore(saturation, hair_), follow_water();
+    }
     RunState run_state() const override;
     void resume(const RunState& state) override;
     void count_work() override;
@@ -66,9 +80,12 @@ class SimulationOf final : public Simulation {
     // Stages on the host need all strands at the same substep.
     bool alone() const { return (H::couples || (!forces_ && !strand_contact_)) && !host_asks(); }
     bool host_asks() const { return network_ && network_->asked() && !hair_.asks_network(); }
-    void take_substeps(bool ends_frame);
+    // A frame of so many substeps of dt [s].
+    void take_frame(double seconds, int substeps, double dt, bool shown);
+    void take_substeps(int substeps, bool ends_frame);
     void settle(double seconds);
-    void begin_anew(double time);
+    void begin_anew(
+        double time, const std::function<void()>& move = [] {});
     void pull_strands(GivenToChain<S>& given);
     void ask_network(int done);
     void run(const std::vector<PosedScene<T>>& path, bool ends_frame);
@@ -91,7 +108,7 @@ class SimulationOf final : public Simulation {
     }
 
     const Scene& scene_;
-    const double dt_;
+    double dt_;                            // [s] of a substep
     double time_ = 0, surfaces_time_ = 0;  // [s]; rounding tells them apart
     H hair_;
     // What the scene names.
@@ -128,7 +145,7 @@ SimulationOf<H>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
     for (int left = int(std::lround(-scene.begin() * scene.fps)); left > 0; --left) {
         time_ = -left / scene.fps;
         if (surfaces_) surfaces_->advance(hair_, time_, substeps * dt_, substeps);
-        take_substeps(false);
+        take_substeps(substeps, false);
     }
     time_ = 0;
     if (scene.preroll > 0 && surfaces_) surfaces_->hold(0);
@@ -138,8 +155,17 @@ SimulationOf<H>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
 }
 
 template <Hair H>
-void SimulationOf<H>::advance(bool shown) {
+void SimulationOf<H>::advance_by(double seconds) {
+    if (seconds == 1 / scene_.fps) return advance(true);  // to the same bits
+    const double longest = 1 / (scene_.fps * scene_.integrator.substeps);
+    const int substeps = std::max(1, int(std::ceil(seconds / longest - 1e-6)));
+    take_frame(seconds, substeps, seconds / substeps, true);
+}
+
+template <Hair H>
+void SimulationOf<H>::take_frame(double seconds, int substeps, double dt, bool shown) {
     shown = shown || water_;
+    hair_.take_steps_of(dt), dt_ = dt;
     for_each_stage(*this, [](const char*, double& seconds) { seconds = 0; });
     frame_seconds_ = 0;
     const StageTimer timer(frame_seconds_);
@@ -150,12 +176,11 @@ void SimulationOf<H>::advance(bool shown) {
         if (shown) hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
         return;
     }
-    if (water_) water_->advance(hair_, time_), follow_water();
-    if (air_) air_->advance(hair_, time_);
-    const int substeps = scene_.integrator.substeps;
+    if (water_) water_->advance(hair_, time_, seconds), follow_water();
+    if (air_) air_->advance(hair_, time_, seconds);
     if (surfaces_) surfaces_->advance(hair_, time_, substeps * dt_, substeps);
     surfaces_time_ = time_ + substeps * dt_;
-    take_substeps(shown);
+    take_substeps(substeps, shown);
     if (shown) hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
     if (air_) air_->finish();
     if (water_) water_->finish();
@@ -164,8 +189,7 @@ void SimulationOf<H>::advance(bool shown) {
 
 // Of a frame from the time as it is.
 template <Hair H>
-void SimulationOf<H>::take_substeps(bool ends_frame) {
-    const int substeps = scene_.integrator.substeps;
+void SimulationOf<H>::take_substeps(int substeps, bool ends_frame) {
     for (int done = 0; done < substeps;) {
         ask_network(done);
         path_.resize(alone() ? size_t(substeps) : 1);
@@ -188,14 +212,17 @@ void SimulationOf<H>::settle(double seconds) {
     for (long k = 0; k < steps; k += long(held.size())) run(held, false);
 }
 
-// At a cut each strand goes with its root to where that is at `time`, and rests there; time in between does
-// not pass.
+// At a cut each strand goes with its root to where that is at `time`, once `move` has put it there, and
+// rests; time in between does not pass.
 template <Hair H>
-void SimulationOf<H>::begin_anew(double time) {
+void SimulationOf<H>::begin_anew(double time, const std::function<void()>& move) {
     hair_.fetch(), hair_.fetch_history();
     RidingRoots::Room before, after;
-    if (scene_.riding) scene_.root_poses_at(time_, before), scene_.root_poses_at(time, after);
-    const Pose head_before = scene_.head_at(time_), head = scene_.head_at(time);
+    if (scene_.riding) scene_.root_poses_at(time_, before);
+    const Pose head_before = scene_.head_at(time_);
+    move();
+    if (scene_.riding) scene_.root_poses_at(time, after);
+    const Pose head = scene_.head_at(time);
     hair_.state.carry([&](size_t strand) {
         const Pose &from = scene_.riding ? before.pose[strand] : head_before,
                    &to = scene_.riding ? after.pose[strand] : head;

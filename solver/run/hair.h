@@ -33,12 +33,13 @@ concept Coupling = requires(const C& now, BufferList& buffers) {
     now.list(buffers);
 };
 
-// [wetness.flow]: moves water and what of the hair follows it, once a frame from `time` [s] on.
+// [wetness.flow]: moves water and what of the hair follows it, once a frame from `time` [s] on, for so long
+// [s].
 template <class C, class H>
 concept WaterCoupled = Coupling<C> && Carrying<C> && std::constructible_from<C, const Scene&, H&> &&
     requires(C water, const C& now, H& hair, double time, const std::vector<double>& saturation,
              RunFrame& frame) {
-    water.advance(hair, time);
+    water.advance(hair, time, time);
     water.finish();                   // the frame is shown
     water.restore(saturation, hair);  // (strand, particle)
     { now.exact() } -> std::convertible_to<std::vector<double>>;
@@ -53,7 +54,7 @@ concept WaterCoupled = Coupling<C> && Carrying<C> && std::constructible_from<C, 
 template <class C, class H>
 concept AirCoupled = Coupling<C> && Carrying<C> && std::constructible_from<C, const Scene&, H&> &&
     requires(C air, H& hair, double time) {
-    air.advance(hair, time);
+    air.advance(hair, time, time);
     air.finish();
 };
 
@@ -116,6 +117,7 @@ concept Hair = requires {
     { hair.first } -> std::convertible_to<bool>;            // no history: the next substep is backward Euler
     { now.always_first() } -> std::same_as<bool>;           // of a scheme without history
     { now.scheme() } -> std::same_as<Bdf2<typename H::S>>;  // of the next implicit substep
+    hair.take_steps_of(number);                             // [s], from now on
     { now.seconds } -> std::convertible_to<StageSeconds>;
 
     // For a scene with [cohesion]; `saturation` must outlive the hair; others read neighbours up to a radius
@@ -158,6 +160,7 @@ concept Hair = requires {
     { now.counts_work() } -> std::same_as<bool>;
     { now.work() } -> std::same_as<Work>;
     hair.count_change(number, act);
+    { now.velocities() } -> std::same_as<std::vector<Vec3f>>;     // (strand, particle) [m/s]
     { now.positions_on_device() } -> std::same_as<const Vec3f*>;  // null: on the CPU
     now.list(buffers);
 };

@@ -65,6 +65,11 @@ class CpuHair : public ChainStepper<T> {
         if (!display_) positions(seen_);
         return seen_;
     }
+    std::vector<Vec3f> velocities() const {
+        std::vector<Vec3f> out;
+        this->state.template unpack<float>(this->state.v, out);
+        return out;
+    }
     const Vec3f* positions_on_device() const { return nullptr; }
     // Positions, what is displayed, energy and contact: here all of it is at hand at once.
     void begin_record(RunFrame& frame) {

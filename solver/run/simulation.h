@@ -1,6 +1,7 @@
 // A running simulation: what the scene names, stepped frame by frame.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,6 +37,15 @@ class Simulation {
     // One frame: the substeps, then the displayed positions. Where a frame is not `shown`, and nothing in the
     // scene reads them, these stay as they were, and a snapshot or `divergence` may be of the last one shown.
     virtual void advance(bool shown = true) = 0;
+    // A frame of another length than the scene's, in substeps no longer than the scene's.
+    virtual void advance_by(double seconds) = 0;
+    // [s] that are simulated.
+    virtual double time() const = 0;
+    // What moves stands elsewhere at once, where `move` puts it; the hair begins anew there, each strand at
+    // its root.
+    virtual void cut(const std::function<void()>& move) = 0;
+    // (strand, particle) [m/s] of the simulated positions.
+    virtual std::vector<Vec3f> velocities() const = 0;
     // The state as it is; `frame` is filled whole.
     void snapshot(RunFrame& frame) { begin_snapshot(frame), finish_snapshot(frame); }
     // The same in two halves: the second may wait for what comes from a device, on another thread, while the
@@ -59,6 +69,8 @@ class Simulation {
     virtual SimulationState state() const = 0;
     // What `state` leaves empty, or holds for what this scene does not name, stays as it is.
     virtual void restore(const SimulationState&) = 0;
+    // (strand, particle) from now on, in a scene with [wetness.flow].
+    virtual void wet(const std::vector<double>& saturation) = 0;
     // Between two frames.
     virtual RunState run_state() const = 0;
     virtual void resume(const RunState&) = 0;

@@ -86,7 +86,31 @@ void ride(Scene& scene, Solid& solid, const Groom& full, const std::vector<int>&
     if (solid.attached) solid.motion = scene.motion;
     solid.attached = false, solid.carries_roots = true;
     scene.riding =
-        Riding{solid.motion, RidingRoots(solid.deformation, roots_of(full.rest)).kept(kept), nothing()};
+        Riding{solid.motion, RidingRoots(solid.deformation, roots_of(full.rest)).kept(kept), {}, nothing()};
+}
+
+void drive_roots(Scene& scene) {
+    const DrivenMotion at_rest(0, scene.head_at(0));
+    scene.riding.emplace().reach = reach_of_roots(scene.groom.rest);
+    scene.riding->driven.assign(size_t(scene.groom.rest.count), at_rest);
+}
+
+void Riding::poses_at(double time, RidingRoots::Room& room) const {
+    if (driven.empty()) return roots->poses_at(time, motion.at(time), room);
+    room.pose.resize(driven.size());
+    for (size_t s = 0; s < driven.size(); ++s) room.pose[s] = driven[s].at(time);
+}
+
+Pose Riding::middle_at(double time, const Strands& rest, RidingRoots::Room& room) const {
+    if (driven.empty()) return roots->middle_at(time, motion.at(time), room);
+    poses_at(time, room);
+    return RidingRoots::middle_of(room.pose, [&](size_t s) { return cast<double>(rest.at(int(s), 0)); });
+}
+
+// Where what a caller drives may go is not known: so far around where it is at rest.
+static Bounds with_room(const Bounds& box, double share) {
+    const Vec3d more = share * (box.high - box.low);
+    return {box.low - more, box.high + more};
 }
 
 void survey(Scene& scene, const Groom& full) {
@@ -96,7 +120,9 @@ void survey(Scene& scene, const Groom& full) {
         tracks.push_back({"the roots of the hair", "[motion]", scene.cuts, {}});
     const size_t of_solids = tracks.size();
     for (Solid& solid : scene.solids) {
-        if (solid.deformation && !scene.riding)
+        if (solid.driven)
+            solid.region = with_room(solid.deformation->box(), 0.25);
+        else if (solid.deformation && !scene.riding)
             solid.region =
                 solid.deformation->reads_frames() ? solid.deformation->box(0, end) : solid.deformation->box();
         else
@@ -150,16 +176,16 @@ double Scene::share_of_preroll(double time) const {
 
 Pose Scene::head_at(double time, RidingRoots::Room& room) const {
     const double share = share_of_preroll(time), then = share < 1 ? 0 : time;
-    const Pose head = riding ? riding->roots.middle_at(then, riding->motion.at(then), room) : motion.at(then);
+    const Pose head = riding ? riding->middle_at(then, groom.rest, room) : motion.at(then);
     return share < 1 ? part_of(head, share) : head;
 }
 
 void Scene::root_poses_at(double time, RidingRoots::Room& room) const {
     const double share = share_of_preroll(time), then = share < 1 ? 0 : time;
-    if (share == 1) return riding->roots.poses_at(time, riding->motion.at(time), room);
+    if (share == 1) return riding->poses_at(time, room);
     const Pose first = head_at(then, room);
-    riding->roots.poses_at(then, riding->motion.at(then), room);
-    riding->roots.lead(share, first, part_of(first, share), room);
+    riding->poses_at(then, room);
+    riding->roots->lead(share, first, part_of(first, share), room);
 }
 
 void Scene::surface_vertices(const Solid& solid, double time, std::vector<Vec3f>& out) const {

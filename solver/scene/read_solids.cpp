@@ -121,6 +121,13 @@ void read_animated(Solid& solid, const Table& t, const SolidTable& read, Hair ha
 void read_mesh_solid(Solid& solid, const Table& t, const SolidTable& read, Hair hair,
                      const AroundSolids& around, const ShotCuts& cuts) {
     solid.spacing = read.spacing;
+    if (const auto mesh = around.brought.find(solid.name); mesh != around.brought.end()) {
+        if (t.has("mesh") || t.has("file"))
+            t.fail(t.has("file") ? "file" : "mesh", "the mesh of '" + solid.name + "' comes from the caller");
+        solid.driven = std::make_shared<Deformation>(wound(t, "mesh in memory", mesh->second, read.spacing));
+        solid.deformation = solid.driven;
+        return;
+    }
     if (!t.has("mesh") && read.file.empty())
         t.fail("shape",
                "'mesh' needs file = \"….obj\" or \"….ply\", or [[solid.mesh]] tables to deform between");
@@ -169,6 +176,8 @@ Solid read_solid(const Table& t, size_t index, const AroundSolids& around) {
     }
     const ShotCuts cuts = around.cuts.joined(solid.cuts);
     solid.motion.rest_at(cuts);
+    if (read.shape != "mesh" && around.brought.contains(solid.name))
+        t.fail("shape", "found '" + read.shape + "' for a mesh that the caller brings, allowed is mesh");
     if (read.shape == "sphere") solid.shape = Sphere{read.radius};
     if (read.shape == "capsule") solid.shape = Capsule{read.half_length, read.radius};
     if (read.shape == "box") solid.shape = Box{read.half};

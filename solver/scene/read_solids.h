@@ -93,9 +93,10 @@ struct SolidTable {
 // What the reading of solids sees of the scene.
 struct AroundSolids {
     double fps;
-    ShotCuts cuts;             // of the shot
-    std::string scalp;         // name of the solid that hair grows on; "": none
-    std::vector<Vec3d> roots;  // [m]; empty: not known yet
+    ShotCuts cuts;                               // of the shot
+    std::string scalp;                           // name of the solid that hair grows on; "": none
+    std::vector<Vec3d> roots;                    // [m]; empty: not known yet
+    const std::map<std::string, Mesh>& brought;  // meshes by name of solid [m], which a caller drives
 };
 
 // All solids of a scene. Throws Misuse with file and line, Error for bad meshes.

@@ -200,7 +200,13 @@ Scene read_scene(Config config, const SceneOptions& options) {
     const Table g = root.table("groom");
     read_parameters(scene, Scene::groom_parameters, g);
     read_head(scene, root.table("motion"));
-    AroundSolids around{scene.fps, scene.cuts, name_of_scalp(g, names_of_solids(root)), {}};
+    const std::vector<std::string> solids = names_of_solids(root);
+    static const Brought nothing;
+    const Brought& brought = options.brought ? *options.brought : nothing;
+    for (const auto& [name, mesh] : brought.meshes)
+        if (std::ranges::find(solids, name) == solids.end())
+            throw Misuse(root.where() + "found a mesh for [[solid]] '" + name + "', which is not there");
+    AroundSolids around{scene.fps, scene.cuts, name_of_scalp(g, solids), {}, brought.meshes};
     Solid* scalp = nullptr;
     const auto read_all = [&](const std::vector<Vec3d>& roots) {
         around.roots = roots;
@@ -215,7 +221,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
             scalp = &solid_of_scalp(scene, g, around.scalp);
             return scalp_of(*scalp);
         },
-        &scene.groom_findings);
+        &scene.groom_findings, brought.strands);
     if (!scalp) read_all(roots_of(full.rest));
     read_chain(scene, root);
     // Of the full groom, so that a thinned run is smoothed as its twin.

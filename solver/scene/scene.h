@@ -1,6 +1,7 @@
 // A scene: what a TOML file names, as values. A table that is not written is not there.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -68,6 +69,7 @@ struct Solid {
     std::string name;
     Shape shape;                                     // of a rigid one
     std::shared_ptr<const Deformation> deformation;  // in its place; null: rigid
+    std::shared_ptr<Deformation> driven;             // the same, where a caller brought the mesh
     double spacing = 0;                              // [m] of a mesh's level set; 0: the usual one
     Bounds region{{0, 0, 0}, {0, 0, 0}};  // [m] of a mesh that deforms: where it is at any time of the run
     Motion motion;
@@ -101,11 +103,17 @@ struct Learned {
     };
 };
 
-// Roots that ride on a solid that deforms.
+// Roots that do not move with the head: on a solid that deforms, or each as a caller drives it.
 struct Riding {
-    Motion motion;  // of that solid
-    RidingRoots roots;
+    Motion motion;                     // of that solid
+    std::optional<RidingRoots> roots;  // on it
+    std::vector<DrivenMotion> driven;  // (strand) from rest; in their place
     Bounds reach;  // [m] that the hair can reach at any time of the run, in the frame of the head
+
+    // (strand), from rest to `time`.
+    void poses_at(double time, RidingRoots::Room& room) const;
+    // The rigid motion nearest to that of all roots; `rest` (strand, particle) [m].
+    Pose middle_at(double time, const Strands& rest, RidingRoots::Room& room) const;
 };
 
 struct Scene {
@@ -224,15 +232,24 @@ Bounds reach_of_roots(const Strands& hair);
 // Makes the roots of the scene's groom, those in `kept` of `full`, ride on a solid that deforms. One that is
 // attached moves by the head's own motion; what else is attached to the head follows the roots.
 void ride(Scene& scene, Solid& solid, const Groom& full, const std::vector<int>& kept);
+// A caller drives each root; until then they rest where the head is at time 0.
+void drive_roots(Scene& scene);
 // Finds Solid::region of what deforms, and Riding::reach; warns of what looks like a cut that is not written.
 void survey(Scene& scene, const Groom& full);
+
+// What a caller brings along in memory.
+struct Brought {
+    StrandPoints strands;                // [m], in the frame of the head, root first; empty: the scene's own
+    std::map<std::string, Mesh> meshes;  // of [[solid]]s by name [m], which the caller drives
+};
 
 struct SceneOptions {
     std::vector<std::string> set;        // key.path=value
     std::optional<int> frames, strands;  // --frames, --strands
     std::optional<long> seed;
-    std::string groom;          // a hair file in place of the scene's groom
-    int stride = 0;             // exactly this stride of the full grid, where above 0
+    std::string groom;  // a hair file in place of the scene's groom
+    int stride = 0;     // exactly this stride of the full grid, where above 0
+    const Brought* brought = nullptr;
     bool findings_stop = true;  // load_scene acts on what looks wrong (solver/scene/findings.h)
 };
 

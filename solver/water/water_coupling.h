@@ -26,19 +26,19 @@ class WaterCoupling {
         for (int s = 0; s < scene.groom.rest.count; ++s) rest_state_of(scene, s, &soaking_[size_t(s)]);
     }
 
-    // A frame from `time` [s] on, of strands that are all there. Once a frame, since a block goes through all
-    // substeps of a frame at once, from where strands are seen: wet strands that are drawn together touch,
-    // and a surface wets what is seen to cross it. Water that comes takes on the velocity of the hair that it
-    // comes to. BDF2 goes on with its history: seen with masses that quadruple within a few frames, no energy
-    // comes of it, and a restart each frame loses up to a fifth more.
-    void advance(H& hair, double time) {
+    // A frame of dt [s] from `time` on, of strands that are all there. Once a frame, since a block goes
+    // through all substeps of a frame at once, from where strands are seen: wet strands that are drawn
+    // together touch, and a surface wets what is seen to cross it. Water that comes takes on the velocity of
+    // the hair that it comes to. BDF2 goes on with its history: seen with masses that quadruple within a few
+    // frames, no energy comes of it, and a restart each frame loses up to a fifth more.
+    void advance(H& hair, double time, double dt) {
         const StageTimer timer(seconds);
         const Strands& p = hair.seen();
         if (!is_finite(p.points)) return;
         const Display* display = hair.lent_neighbours();
         hair.count_change(work, [&] {
-            flow_.step(p, time, 1 / scene_.fps, scene_.integrator.gravity,
-                       display ? &display->grid() : nullptr, display ? &display->list() : nullptr);
+            flow_.step(p, time, dt, scene_.integrator.gravity, display ? &display->grid() : nullptr,
+                       display ? &display->list() : nullptr);
             soak(hair);
         });
     }

@@ -1,12 +1,10 @@
-// The library that other programs link.
-#include <omp.h>
-#include <wetcurl/wetcurl.h>
+// Learned hair in other programs.
+#include <wetcurl/learned.h>
 
-#include <cmath>
 #include <optional>
 
 #include "app/engine/learned_hair.h"
-#include "base/error.h"
+#include "app/library/calls.h"
 #include "base/installed.h"
 
 using namespace wetcurl;
@@ -19,66 +17,12 @@ struct wetcurl_hair {
     long frames = 0;
 };
 
-namespace {
-
-thread_local std::string last_error;
-
-// What `act` returns, or `otherwise` where it throws.
-template <class Value, class Act>
-Value guarded(Value otherwise, Act act) noexcept {
-    try {
-        last_error.clear();
-        return act();
-    } catch (const std::exception& e) {
-        last_error = e.what();
-    } catch (...) {
-        last_error = "an error of no known kind";
-    }
-    return otherwise;
-}
-
-constexpr int most_threads = 4096;
-
-// Of OpenMP in the caller's thread, which has its own number back afterwards.
-class Threads {
-  public:
-    explicit Threads(int count) : before_(omp_get_max_threads()) { omp_set_num_threads(count); }
-    ~Threads() { omp_set_num_threads(before_); }
-    Threads(const Threads&) = delete;
-
-  private:
-    int before_;
-};
-
-Pose pose_of(const double* p) {
-    for (int k = 0; k < 7; ++k)
-        if (!std::isfinite(p[k]))
-            throw Error("pose: number " + std::to_string(k) + " of 7 is not finite (x y z, then w x y z)");
-    const Quatd q{p[3], p[4], p[5], p[6]};
-    const double size = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-    if (!(std::abs(size - 1) < 1e-3))
-        throw Error("pose: found a quaternion of length " + std::to_string(std::sqrt(size)) +
-                    ", allowed 1 (x y z, then w x y z)");
-    return {normalized(q), {p[0], p[1], p[2]}};
-}
-
-const char* text_of(const char* text, const char* what) {
-    if (!text) throw Error(std::string("wetcurl_open: ") + what + " is NULL");
-    return text;
-}
-
-}  // namespace
-
-const char* wetcurl_error(void) { return last_error.c_str(); }
-
 wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char* device, int threads) {
     return guarded<wetcurl_hair*>(nullptr, [&] {
-        if (threads < 0 || threads > most_threads)
-            throw Error("wetcurl_open: found " + std::to_string(threads) + " threads, allowed 0 to " +
-                        std::to_string(most_threads));
-        const int count = threads > 0 ? threads : omp_get_num_procs();
+        const std::lock_guard alone(opening());
+        const int count = threads_of(threads, "wetcurl_open");
         const Threads own(count);
-        Scene scene = load_scene(found_or_installed(text_of(scene_file, "scene")));
+        Scene scene = load_scene(found_or_installed(given(scene_file, "wetcurl_open", "scene")));
         if (scene.saturation.empty())
             throw Error(std::string(scene_file) +
                         ": has no [wetness], which is what the network predicts for");
@@ -86,8 +30,8 @@ wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char
             throw Error(std::string(scene_file) +
                         ": its water moves ([wetness.flow]), allowed is wetness that stays");
         Groom low = coarsened(scene.groom, 2);
-        auto learned = learned_strands_of(found_or_installed(text_of(model, "model")), scene, scene_file, low,
-                                          text_of(device, "device"), count);
+        auto learned = learned_strands_of(found_or_installed(given(model, "wetcurl_open", "model")), scene,
+                                          scene_file, low, given(device, "wetcurl_open", "device"), count);
         const bool clumps = learned->card().target != "displayed" && scene.cohesion;
         if (clumps && scene.has_deforming_solid())
             throw Error(std::string(scene_file) +
@@ -108,27 +52,23 @@ void wetcurl_low_at_rest(const wetcurl_hair* hair, float* low) {
 }
 
 int wetcurl_crop(wetcurl_hair* hair) {
-    return guarded(-1, [&] {
-        hair->learned->strands().crop(wet_strands_of(hair->scene));
-        return 0;
-    });
+    return status_of([&] { hair->learned->strands().crop(wet_strands_of(hair->scene)); });
 }
 
 int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_device) {
     static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-    return guarded(-1, [&] {
+    return status_of([&] {
         if (!low || !high) throw Error("wetcurl_bind: found NULL, allowed memory for the strands");
         hair->learned->bind(reinterpret_cast<const Vec3f*>(low), reinterpret_cast<Vec3f*>(high),
                             on_device != 0);
-        return 0;
     });
 }
 
 int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7], const double after[7]) {
-    return guarded(-1, [&] {
+    return status_of([&] {
         if (!hair->learned->is_bound())
             throw Error("wetcurl_run: nothing is bound; wetcurl_bind comes first");
-        if (!now) throw Error("wetcurl_run: the pose now is NULL");
+        given(now, "wetcurl_run", "the pose now");
         const Threads own(hair->threads);
         HeadWindow heads;
         heads.fps = hair->scene.fps, heads.gravity = hair->scene.integrator.gravity;
@@ -138,7 +78,6 @@ int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7],
         heads.after = after ? pose_of(after) : heads.now;
         hair->learned->run(heads, double(hair->frames) / hair->scene.fps);
         ++hair->frames;
-        return 0;
     });
 }
 

@@ -1,0 +1,64 @@
+/** @file
+ * Learned wet hair in another program. A scene and a model make a hair; then, frame by frame, dry strands of
+ * low resolution go in and wet strands of high resolution come out. learned.hpp is the same for C++; api.h
+ * says what all interfaces have in common. */
+#ifndef WETCURL_LEARNED_H
+#define WETCURL_LEARNED_H
+
+#include "api.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** The hair of a scene with its network. One thread at a time may use it. */
+typedef struct wetcurl_hair wetcurl_hair;
+
+/** Makes a hair, or returns NULL where that failed.
+ *
+ * - scene: a scene file (TOML). It describes the hair to predict, at full resolution, and how wet it is. The
+ * dry strands are every second root of its grid each way.
+ * - model: a model file (HDF5) of codec strand. Where `wetcurl inspect model` prints low = "wet", it reads
+ * wet strands of low resolution in place of dry ones.
+ * - device: "cpu", "cuda" or "cuda:1".
+ * - threads: 0 uses all. The network's threads are shared by the process: the hair opened last sets them. */
+WETCURL_API wetcurl_hair* wetcurl_open(const char* scene, const char* model, const char* device, int threads);
+/** Frees the hair. NULL is allowed. */
+WETCURL_API void wetcurl_close(wetcurl_hair* hair);
+
+/** Number of strands that are read. */
+WETCURL_API int wetcurl_low_strands(const wetcurl_hair* hair);
+/** Number of strands that are written. */
+WETCURL_API int wetcurl_high_strands(const wetcurl_hair* hair);
+/** Number of particles of a strand, read or written. */
+WETCURL_API int wetcurl_particles(const wetcurl_hair* hair);
+/** Writes the strands of low resolution at rest to `low`, float[low strands][particles][3] [m] in the head's
+ * frame. */
+WETCURL_API void wetcurl_low_at_rest(const wetcurl_hair* hair, float* low);
+
+/** From now on, the network computes only the rectangle of the root grid that holds all wet strands; the
+ * others stay where interpolation puts them. This is faster where little is wet, and less accurate for dry
+ * strands. Fails for a network that reads the whole grid. */
+WETCURL_API int wetcurl_crop(wetcurl_hair* hair);
+
+/** Sets where each frame is read, float[low strands][particles][3], and written, float[high
+ * strands][particles][3] [m]. The memory stays the caller's and must outlive the runs.
+ *
+ * on_device: 0 for host memory. Otherwise both are memory of the hair's CUDA device, and nothing is copied to
+ * or from the host; kernels that write `low` must have ended before wetcurl_run. */
+WETCURL_API int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_device);
+
+/** Computes one frame of a shot. A shot's frames come in order, at the scene's rate. Returns when the strands
+ * are written.
+ *
+ * `before`, `now` and `after` are the head's poses one frame earlier, now and one frame later. In a shot's
+ * first frame `before` and `after` are NULL: the head does not move. */
+WETCURL_API int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7],
+                            const double after[7]);
+/** The next frame is the first of another shot. */
+WETCURL_API void wetcurl_restart(wetcurl_hair* hair);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
