@@ -19,6 +19,7 @@ class SceneRun {
     // For a caller who drives what moves in it, between frames.
     Scene& scene_to_drive() { return scene_; }
     Simulation& simulation() { return *simulation_; }
+    const Simulation& simulation() const { return *simulation_; }
     const std::string& precision() const { return precision_; }
     // Of a run file with its frames.
     RunHeader header() const;
