@@ -10,7 +10,8 @@
 # of networks are left out. Networks run on one thread, with LibTorch's kernels for AVX2.
 set -euo pipefail
 program=$(realpath "$1") project=$2 print=${3:-}
-export OMP_WAIT_POLICY=passive ATEN_CPU_CAPABILITY=avx2 ONEDNN_MAX_CPU_ISA=AVX2 OPENBLAS_CORETYPE=Haswell OPENBLAS_NUM_THREADS=1
+export OMP_WAIT_POLICY=passive OPENBLAS_NUM_THREADS=1
+export ATEN_CPU_CAPABILITY=avx2 ONEDNN_MAX_CPU_ISA=AVX2 OPENBLAS_CORETYPE=Haswell MKL_CBWR=AVX2
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
