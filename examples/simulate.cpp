@@ -1,6 +1,7 @@
-// Wet hair on a skin that deforms, simulated in memory: simulate_in_cpp [DEVICE]. A sheet that breathes and
-// sways carries the roots, as the skin of a character does; half of the hair is wetted on the way, and a cut
-// puts all of it elsewhere. Prints how far roots are from the skin at most, and the mean saturation.
+// Wet hair on a skin that deforms, simulated in memory: simulate_in_cpp [DEVICE]. The underside of a slab,
+// which breathes and sways, carries the roots, as the skin of a character does; half of the hair is wetted on
+// the way, and a cut puts all of it elsewhere. Prints how far roots are from the skin at most, and the mean
+// saturation.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,25 +17,27 @@ scalp = "skin"
 [bend]
 [core]
 [wetness]
-value = 0.1
+level = 0.1
 [wetness.flow]
 [curl]
 [[solid]]
 name = "skin"
 shape = "mesh"
+spacing = 0.01
 )";
 
-constexpr int across = 12;  // vertices of a closed, flat box's top, each way
+constexpr int across = 12;  // vertices of the slab's upper and lower side, each way
 
-// A slab 0.2 m across and 0.05 m thick, whose top swells by `breath` [m].
+// A slab 0.2 m across and 0.05 m thick, whose lower side swells by `breath` [m].
 std::vector<float> skin_at(double breath, double sway) {
     std::vector<float> x;
     for (int side = 0; side < 2; ++side)
         for (int row = 0; row < across; ++row)
             for (int column = 0; column < across; ++column) {
-                const double u = 0.2 * (column / (across - 1.0) - 0.5), w = 0.2 * (row / (across - 1.0) - 0.5);
+                const double u = 0.2 * (column / (across - 1.0) - 0.5),
+                             w = 0.2 * (row / (across - 1.0) - 0.5);
                 const double swell = std::cos(15 * u) * std::cos(15 * w);
-                x.insert(x.end(), {float(u + sway), float(side ? -0.05 : breath * swell), float(w)});
+                x.insert(x.end(), {float(u + sway), float(side ? -0.05 - breath * swell : 0), float(w)});
             }
     return x;
 }
@@ -51,24 +54,24 @@ std::vector<int> triangles() {
         }
     for (int k = 0; k < last; ++k) {
         const int left = k * across, right = left + last, far = last * across + k;
-        quad(k, k + 1, below + k + 1, below + k);                                      // row 0
-        quad(far + 1, far, below + far, below + far + 1);                              // the last row
-        quad(left + across, left, below + left, below + left + across);                // column 0
-        quad(right, right + across, below + right + across, below + right);            // the last column
+        quad(k, k + 1, below + k + 1, below + k);                            // row 0
+        quad(far + 1, far, below + far, below + far + 1);                    // the last row
+        quad(left + across, left, below + left, below + left + across);      // column 0
+        quad(right, right + across, below + right + across, below + right);  // the last column
     }
     return corners;
 }
 
-// A strand at each inner vertex of the top.
+// A strand at each inner vertex of the lower side.
 std::vector<float> strands_on(const std::vector<float>& skin, int points, std::vector<int>& vertices) {
     std::vector<float> x;
     for (int row = 2; row + 2 < across; ++row)
         for (int column = 2; column + 2 < across; ++column) {
-            const int v = row * across + column;
+            const int v = across * across + row * across + column;
             vertices.push_back(v);
             for (int i = 0; i < points; ++i)
                 x.insert(x.end(), {skin[size_t(3 * v)] + 0.002f * std::sin(0.8f * float(i)),
-                                   skin[size_t(3 * v + 1)] + 0.006f * float(i), skin[size_t(3 * v + 2)]});
+                                   skin[size_t(3 * v + 1)] - 0.006f * float(i), skin[size_t(3 * v + 2)]});
         }
     return x;
 }
@@ -105,7 +108,8 @@ int main(int argc, char** argv) try {
     const std::vector<float> wet = hair.saturation();
     double sum = 0;
     for (float sigma : wet) sum += double(sigma);
-    std::printf("%d strands, roots off by %.6f, saturation %.6f\n", hair.strands(), off, sum / double(wet.size()));
+    std::printf("%d strands, roots off by %.6f, saturation %.6f\n", hair.strands(), off,
+                sum / double(wet.size()));
 } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;

@@ -15,13 +15,14 @@ static Scene prepared(Scene scene, const DrivenRun::Given& given) {
         throw Error(scene.title + ": found cuts, which are the caller's here; allowed is a scene without");
     if (!given.roots) return scene;
     if (scene.riding) throw Error(scene.title + ": roots that ride on a solid are not driven one by one");
-    if (scene.preroll > 0) throw Error(scene.title + ": found a preroll, allowed is none for roots that are driven");
+    if (scene.preroll > 0)
+        throw Error(scene.title + ": found a preroll, allowed is none for roots that are driven");
     drive_roots(scene);
     return scene;
 }
 
-DrivenRun::DrivenRun(Scene scene, const Given& given, const std::string& device,
-                     const std::string& precision, int threads)
+DrivenRun::DrivenRun(Scene scene, const Given& given, const std::string& device, const std::string& precision,
+                     int threads)
     : run_(prepared(std::move(scene), given), device, precision, threads),
       place_(size_t(run_.scene().groom.rest.count)),
       solid_is_driven_(run_.scene().solids.size()),
@@ -38,7 +39,8 @@ size_t DrivenRun::solid_named(const std::string& name) const {
         if (scene().solids[k].name == name) return k;
         names += (k ? ", '" : "'") + scene().solids[k].name + "'";
     }
-    throw Error(fmt::format("found the solid '{}', allowed: {}", name, names.empty() ? "none is there" : names));
+    throw Error(
+        fmt::format("found the solid '{}', allowed: {}", name, names.empty() ? "none is there" : names));
 }
 
 void DrivenRun::move_head(const Pose& pose) {
@@ -64,7 +66,8 @@ size_t DrivenRun::vertices(const std::string& name) const {
 void DrivenRun::move_mesh(const std::string& name, std::vector<Vec3f> vertices) {
     const size_t k = solid_named(name), count = this->vertices(name);
     if (vertices.size() != count)
-        throw Error(fmt::format("[[solid]] '{}': found {} vertices, allowed {}", name, vertices.size(), count));
+        throw Error(
+            fmt::format("[[solid]] '{}': found {} vertices, allowed {}", name, vertices.size(), count));
     for (size_t v = 0; v < vertices.size(); ++v)
         if (const Vec3f& x = vertices[v]; !std::isfinite(x.x + x.y + x.z))
             throw Error(fmt::format("[[solid]] '{}': vertex {} is not finite", name, v));
@@ -85,8 +88,8 @@ void DrivenRun::wet(const float* saturation) {
         for (size_t i = 0; i < n; ++i) {
             const float sigma = saturation[size_t(place_[s]) * n + i];
             if (!(sigma >= 0 && sigma <= 1))
-                throw Error(fmt::format("found saturation {} of strand {}, particle {}, allowed 0 to 1", sigma,
-                                        place_[s], i));
+                throw Error(fmt::format("found saturation {} of strand {}, particle {}, allowed 0 to 1",
+                                        sigma, place_[s], i));
             ours[s * n + i] = double(sigma);
         }
     run_.simulation().wet(ours);
@@ -135,9 +138,8 @@ void DrivenRun::advance(double seconds) {
 }
 
 void DrivenRun::cut() {
-    run_.simulation().cut([&] {
-        for_each_driven([now = time()](auto& body, auto to) { body.jump_to(now, std::move(to)); });
-    });
+    run_.simulation().cut(
+        [&] { for_each_driven([now = time()](auto& body, auto to) { body.jump_to(now, std::move(to)); }); });
     look();
 }
 
@@ -147,20 +149,12 @@ void DrivenRun::look() {
     const double allowed = scene().integrator.allow_stretch;
     if (!(watch_.stretch()->value > allowed)) return;
     const std::vector<double> energy(frame_.energy.begin(), frame_.energy.end());
-    throw Diverged(*watch_.stretch(), allowed,
-                   run_.simulation().energy_kinds[largest_energy(energy)]);
+    throw Diverged(*watch_.stretch(), allowed, run_.simulation().energy_kinds[largest_energy(energy)]);
 }
 
 void DrivenRun::saturation(float* to) const {
     const std::vector<float>& now = frame_.saturation.empty() ? scene().saturation : frame_.saturation;
     give(now.empty() ? std::vector<float>(frame_.positions.points.size(), 0) : now, to);
-}
-
-template <class Value>
-void DrivenRun::give(const std::vector<Value>& values, Value* to) const {
-    const size_t n = size_t(particles());
-    for (size_t s = 0; s < place_.size(); ++s)
-        std::copy_n(values.data() + s * n, n, to + size_t(place_[s]) * n);
 }
 
 }  // namespace wetcurl

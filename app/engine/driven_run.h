@@ -1,6 +1,7 @@
 // A simulation that a caller drives frame by frame: where things are, for how long, and how wet.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -48,8 +49,8 @@ class DrivenRun {
     void cut();
 
     // (strand, particle) as of the frame that is over.
-    void positions(Vec3f* to) const { give(frame_.positions.points, to); }  // [m]
-    void displayed(Vec3f* to) const { give(frame_.seen().points, to); }     // [m]
+    void positions(Vec3f* to) const { give(frame_.positions.points, to); }          // [m]
+    void displayed(Vec3f* to) const { give(frame_.seen().points, to); }             // [m]
     void velocities(Vec3f* to) const { give(run_.simulation().velocities(), to); }  // [m/s]
     void saturation(float* to) const;                                               // 0 of a dry scene
 
@@ -68,10 +69,14 @@ class DrivenRun {
     void for_each_driven(Go go);
     void look();
     template <class Value>
-    void give(const std::vector<Value>& values, Value* to) const;
+    void give(const std::vector<Value>& values, Value* to) const {
+        const size_t n = size_t(particles());
+        for (size_t s = 0; s < place_.size(); ++s)
+            std::copy_n(values.data() + s * n, n, to + size_t(place_[s]) * n);
+    }
 
     SceneRun run_;
-    std::vector<int> place_;             // (strand) of a strand in the caller's arrays
+    std::vector<int> place_;  // (strand) of a strand in the caller's arrays
     bool head_is_driven_ = false;
     std::vector<bool> solid_is_driven_;  // (solid)
     Moves moves_;

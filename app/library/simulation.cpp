@@ -13,7 +13,7 @@
 using namespace wetcurl;
 
 struct wetcurl_setup {
-    std::string file;                // or:
+    std::string file;  // or:
     std::string text, folder;
     SceneOptions options;
     Brought brought;
@@ -41,7 +41,8 @@ Vec3f* points_of(float* to) {
 
 void require_count(int found, int least, const std::string& what) {
     if (found < least)
-        throw Error(what + ": found " + std::to_string(found) + ", allowed " + std::to_string(least) + " or more");
+        throw Error(what + ": found " + std::to_string(found) + ", allowed " + std::to_string(least) +
+                    " or more");
 }
 
 // In the caller's thread, with the simulation's own number of threads.
@@ -88,7 +89,8 @@ wetcurl_setup* wetcurl_setup_text(const char* scene, const char* folder) {
 void wetcurl_setup_free(wetcurl_setup* setup) { delete setup; }
 
 int wetcurl_setup_set(wetcurl_setup* setup, const char* assignment) {
-    return status_of([&] { setup->options.set.push_back(given(assignment, "wetcurl_setup_set", "assignment")); });
+    return status_of(
+        [&] { setup->options.set.push_back(given(assignment, "wetcurl_setup_set", "assignment")); });
 }
 
 int wetcurl_setup_strands(wetcurl_setup* setup, int strands, const int* points, const float* positions) {
@@ -110,10 +112,10 @@ int wetcurl_setup_strands(wetcurl_setup* setup, int strands, const int* points, 
 int wetcurl_setup_mesh(wetcurl_setup* setup, const char* solid, int vertices, const float* positions,
                        int triangles, const int* corners) {
     return status_of([&] {
-        const std::string function = "wetcurl_setup_mesh",
-                          name = given(solid, function, "the solid's name");
+        const std::string function = "wetcurl_setup_mesh", name = given(solid, function, "the solid's name");
         given(positions, function, "positions"), given(corners, function, "corners");
-        require_count(vertices, 3, function + ": vertices"), require_count(triangles, 1, function + ": triangles");
+        require_count(vertices, 3, function + ": vertices"),
+            require_count(triangles, 1, function + ": triangles");
         Mesh mesh{points_of(positions, size_t(vertices)), {}};
         for (int v = 0; v < vertices; ++v)
             if (const Vec3f& x = mesh.vertices[size_t(v)]; !std::isfinite(x.x + x.y + x.z))
@@ -172,9 +174,8 @@ int wetcurl_strand_particles(const wetcurl_simulation* simulation) { return simu
 double wetcurl_time(const wetcurl_simulation* simulation) { return simulation->run->time(); }
 
 int wetcurl_move_head(wetcurl_simulation* simulation, const double pose[7]) {
-    return on(simulation, "wetcurl_move_head", [&](DrivenRun& run) {
-        run.move_head(pose_of(given(pose, "wetcurl_move_head", "pose")));
-    });
+    return on(simulation, "wetcurl_move_head",
+              [&](DrivenRun& run) { run.move_head(pose_of(given(pose, "wetcurl_move_head", "pose"))); });
 }
 
 int wetcurl_move_solid(wetcurl_simulation* simulation, const char* solid, const double pose[7]) {

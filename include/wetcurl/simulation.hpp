@@ -28,7 +28,8 @@ class Setup {
         for (int each : points) sum += size_t(each < 0 ? 0 : each);
         if (positions.size() != 3 * sum)
             throw std::runtime_error("strands: found " + std::to_string(positions.size()) +
-                                     " numbers, allowed three for each of " + std::to_string(sum) + " points");
+                                     " numbers, allowed three for each of " + std::to_string(sum) +
+                                     " points");
         detail::check(
             wetcurl_setup_strands(setup_.get(), int(points.size()), points.data(), positions.data()));
         return *this;

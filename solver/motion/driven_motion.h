@@ -8,8 +8,8 @@
 
 namespace wetcurl {
 
-// Where a value stands at the share s of a span of length h, which it entered at the rate `rate` and leaves at
-// that of the way from end to end: from + of_rate h rate + of_way (to - from).
+// Where a value stands at the share s of a span of length h, which it entered at the rate `rate` and leaves
+// at that of the way from end to end: from + of_rate h rate + of_way (to - from).
 struct DrivenWeights {
     double of_rate, of_way;
     explicit DrivenWeights(double s) : of_rate(s * (1 - s) * (1 - s)), of_way(s * s * (2 - s)) {}
@@ -57,9 +57,9 @@ class DrivenMotion {
 
     double begin_, end_;  // [s]
     Pose from_, to_;
-    Vec3d way_{0, 0, 0}, turn_{0, 0, 0};                        // [m], [rad]
-    Vec3d velocity_{0, 0, 0}, spin_{0, 0, 0};                   // at the end
-    Vec3d velocity_before_{0, 0, 0}, spin_before_{0, 0, 0};     // at the begin
+    Vec3d way_{0, 0, 0}, turn_{0, 0, 0};                     // [m], [rad]
+    Vec3d velocity_{0, 0, 0}, spin_{0, 0, 0};                // at the end
+    Vec3d velocity_before_{0, 0, 0}, spin_before_{0, 0, 0};  // at the begin
 };
 
 }  // namespace wetcurl

@@ -54,13 +54,16 @@ int main(int argc, char** argv) try {
     require(hair.displayed() != first && std::abs(hair.time() - 0.04) < 1e-12, "a frame has its length");
 
     require_refused([&] { hair.move_solid("teapot", turned(0)); });
-    require_refused([&] { hair.move_roots(std::vector<wetcurl::PoseArray>(size_t(hair.strands()), turned(0))); });
+    require_refused(
+        [&] { hair.move_roots(std::vector<wetcurl::PoseArray>(size_t(hair.strands()), turned(0))); });
     require_refused([&] { hair.advance(-1); });
     require_refused([&] { hair.advance(NAN); });
     require_refused([&] { hair.wet(hair.saturation()); });
     require_refused([&] { setup.mesh("head", {0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 1, 7}); });
     require_refused([&] { wetcurl::Simulation(wetcurl::Setup::text("[groom]\nteapot = 7")); });
-    require_refused([&] { setup.strands({2, 2}, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0}), wetcurl::Simulation{setup}; });
+    require_refused([&] {
+        setup.strands({2, 2}, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0}), wetcurl::Simulation{setup};
+    });
     return 0;
 } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
