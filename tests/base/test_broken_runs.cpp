@@ -1,4 +1,5 @@
-// Runs that are killed, cut, looked at while they are written, or written to a full disk: what is read is whole.
+// Runs that are killed, cut, looked at while they are written, or written to a full disk: what is read is
+// whole.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -30,8 +31,8 @@ void expect_frames_of(const RunReader& run) {
     }
 }
 
-// Another process that appends frames `first`, ... < `end` to the run at `path`, and writes the number of each that
-// is appended to a pipe.
+// Another process that appends frames `first`, ... < `end` to the run at `path`, and writes the number of
+// each that is appended to a pipe.
 class Writer {
   public:
     Writer(const std::string& path, int first, int end, int pause_us = 0) {
@@ -144,7 +145,8 @@ TEST(BrokenRun, that_gets_its_name_while_it_is_read_is_read_under_it) {
     }
 }
 
-// A file that was cut is read up to the last frame that lies in it, or is an error; never a frame that is not whole.
+// A file that was cut is read up to the last frame that lies in it, or is an error; never a frame that is not
+// whole.
 TEST(BrokenRun, cut_at_any_byte_holds_whole_frames_alone) {
     const Scratch scratch;
     const std::string path = scratch.path("run.h5"), partial = path + ".partial";
