@@ -141,7 +141,7 @@ if "$wetcurl" inspect model "$models/strand_m.h5" --json - >/dev/null 2>&1; then
 fi
 
 RANDOM=7
-all=0
+all=0 all_broken=0
 for name in "${!runs[@]}"; do
     command=${runs[$name]} kills=0 frames=0 broken=0
     begin=$(date +%s%3N)
@@ -173,10 +173,9 @@ for name in "${!runs[@]}"; do
     [[ ! -e killed.h5.state && ! -e killed.h5.partial ]] || fail "$name: left behind: $(ls killed.h5.*)"
     rm -f killed.h5* whole.h5
     echo "$name: $kills kills within $longest ms, $broken of them with frames"
-    ((broken > 0)) || fail "$name: no kill left a frame"
-    all=$((all + kills))
+    all=$((all + kills)) all_broken=$((all_broken + broken))
 done
-((all >= all_kills)) || fail "only $all kills"
+((all >= all_kills && 3 * all_broken > all)) || fail "only $all kills, of which only $all_broken left a frame"
 cp alone.h5 killed.h5
 expect 0 'is complete, nothing to resume' "'$wetcurl' simulate scene.toml --threads 1 -o killed.h5 --resume"
 
@@ -191,11 +190,12 @@ expect 0 '' "'$wetcurl' $run -o full.h5 --resume"
 same 'a run that found a full disk' alone.h5 full.h5
 expect 1 "has scene 'period = 1', now it is 'period = 2.0'" "'$wetcurl' $run --set motion.period=2.0 -o other.h5 --resume"
 expect 1 'the state is of precision float, now it is double' "'$wetcurl' $run --precision double -o other.h5 --resume"
-truncate -s -9000 other.h5.partial
-expect 0 '' "'$wetcurl' inspect run other.h5.partial"
+cp other.h5.partial cut.h5.partial
+truncate -s -9000 cut.h5.partial
+expect 0 '' "'$wetcurl' inspect run cut.h5.partial"
 rm other.h5.state
 expect 0 'without a state in other.h5.state all frames are computed again' "'$wetcurl' simulate scene.toml --threads 1 -o other.h5 --resume"
-same 'a run that was cut, without its state' alone.h5 other.h5
+same 'a run without its state' alone.h5 other.h5
 
 "$wetcurl" $run -o stopped.h5 >said 2>&1 &
 writer=$!

@@ -69,6 +69,16 @@ class Writer {
         for (int f; read(said_, &f, sizeof f) == sizeof f;) last_ = f;
         return last_;
     }
+    // Until it has appended that frame. Throws Error where it ends before.
+    void wait_for(int frame) {
+        while (appended() < frame) {
+            siginfo_t ended{};
+            const bool asked = waitid(P_PID, id_t(process_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0;
+            if (asked && ended.si_pid == process_ && appended() < frame)
+                throw Error("the writer ended before frame " + std::to_string(frame));
+            usleep(50);
+        }
+    }
     void kill_it() {
         kill(process_, SIGKILL);
         wait();
@@ -92,7 +102,7 @@ TEST(BrokenRun, has_every_frame_that_was_appended_before_one_of_200_kills) {
     for (int k = 0; k < 200; ++k) {
         if (frames > 80) frames = 0;  // another run
         Writer writer(path, frames, 1'000'000);
-        for (const int some = frames + int(random() % 4); writer.appended() < some;) usleep(50);
+        writer.wait_for(frames + int(random() % 4));
         usleep(unsigned(random() % 1000));
         writer.kill_it();
         const int appended = writer.appended() + 1;
@@ -114,7 +124,7 @@ TEST(BrokenRun, is_read_while_another_process_writes_it) {
     const Scratch scratch;
     const std::string path = scratch.path("run.h5");
     Writer writer(path, 0, 1'000'000, 1000);
-    while (writer.appended() < 1) usleep(100);
+    writer.wait_for(1);
     int readings = 0, before = 0;
     for (; before < 150 && readings < 10'000; ++readings) {
         const int appended = writer.appended() + 1;
@@ -134,7 +144,7 @@ TEST(BrokenRun, that_gets_its_name_while_it_is_read_is_read_under_it) {
     const std::string path = scratch.path("run.h5");
     for (int k = 0; k < 5; ++k) {
         Writer writer(path, 0, 20 + k, 200);
-        while (writer.appended() < 1) usleep(100);
+        writer.wait_for(1);
         for (int frames = 0; frames < 20 + k;) {
             const RunReader run(path + ".partial");
             expect_frames_of(run);
@@ -152,7 +162,7 @@ TEST(BrokenRun, cut_at_any_byte_holds_whole_frames_alone) {
     const std::string path = scratch.path("run.h5"), partial = path + ".partial";
     {
         Writer writer(path, 0, 1'000'000);
-        while (writer.appended() < 40) usleep(100);
+        writer.wait_for(40);
         writer.kill_it();
     }
     const std::string whole = bytes_of(partial);
