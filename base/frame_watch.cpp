@@ -9,8 +9,8 @@ namespace wetcurl {
 
 namespace {
 
-// An edge that was drawn shorter than a hundredth of its strand's mean edge, or than a micrometre, counts as that
-// long: what rounding moves its ends by is no stretch.
+// An edge that was drawn shorter than a hundredth of its strand's mean edge, or than a micrometre, counts as
+// that long: what rounding moves its ends by is no stretch.
 constexpr double least_share = 0.01, least_length = 1e-6;
 
 // Of squares(k) for k < count, 0 or more.

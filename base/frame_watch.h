@@ -1,4 +1,5 @@
-// What nobody should miss in a run: edges far beyond their rest length, how fast hair is, and energy that grows.
+// What nobody should miss in a run: edges far beyond their rest length, how fast hair is, and energy that
+// grows.
 #pragma once
 
 #include <optional>
@@ -20,8 +21,8 @@ class FrameWatch {
     static constexpr double warning_stretch = 3;
 
     FrameWatch(const Groom& groom, double fps);
-    // A frame of simulated or predicted positions. Each in turn; after one that was left out, speed and energy
-    // begin anew.
+    // A frame of simulated or predicted positions. Each in turn; after one that was left out, speed and
+    // energy begin anew.
     void look(int frame, const RunFrame& now);
 
     // Largest edge length over rest length so far; none before the first frame.

@@ -171,6 +171,20 @@ static bool is_shared(const std::string& path) {
     return start[signature] >= 3;
 }
 
+// A kill, or a full disk, may leave a file of that layout shorter than its first block says it is, which HDF5
+// refuses to write on: it gets that length, with zeros, to which nothing in it leads. HDF5 File Format
+// Specification 3.0, II.A, version 3: the length is a number of 8 bytes, the lowest first, at byte 28.
+static void lengthen(const std::string& path) {
+    constexpr size_t place = 28, bytes = 8;
+    unsigned char start[place + bytes] = {};
+    std::ifstream in(path, std::ios::binary);
+    if (!in.read(reinterpret_cast<char*>(start), sizeof start)) return;
+    uint64_t said = 0;
+    for (size_t k = bytes; k-- > 0;) said = said << 8 | start[place + k];
+    std::error_code error;
+    if (is_shared(path) && fs::file_size(path, error) < said) fs::resize_file(path, said, error);
+}
+
 H5Writer::H5Writer(OutputFile place, const std::string& format, int version, Layout layout)
     : place_(std::move(place)), path_(place_.path()), layout_(layout) {
     const Turn turn;
@@ -193,6 +207,7 @@ H5Writer::H5Writer(OutputFile place)
     : place_(std::move(place)), path_(place_.path()), layout_(Layout::shared) {
     const Turn turn;
     place_.keep();
+    lengthen(place_.partial());
     file_ = H5Fopen(place_.partial().c_str(), H5F_ACC_RDWR, after_a_kill());
     check(file_ >= 0, path_, "cannot go on with " + place_.partial() + ": it is cut short or damaged");
     // Killed between two flushes, the file says that it ends before its last rows: they must not be

@@ -12,6 +12,7 @@
 #include "app/engine/run_solids.h"
 #include "app/exchange/guides.h"
 #include "app/files/results.h"
+#include "app/files/run_file.h"
 #include "app/options/input_file.h"
 #include "base/exchange/scene_file.h"
 #include "base/interrupt.h"
@@ -405,7 +406,9 @@ void add_options(CLI::App& app, ExportOptions& o) {
     app.add_option("--solids", o.solids, "NAME.abc or NAME.usda for head and solids");
 }
 
-int export_command(const ExportOptions& o) {
+int export_command(const ExportOptions& given) {
+    ExportOptions o = given;
+    o.run = run_to_read(o.run);
     check(o);
     ResultFile results(o);
     const RunReader run(o.run);

@@ -74,4 +74,9 @@ void require_same(const BrokenRun& broken, const RunHeader& header) {
     require("terms", was.terms_present, header.terms_present);
 }
 
+void look_at(const BrokenRun& broken, FrameWatch& watch) {
+    const RunReader run(broken.file, true);
+    for (int f = 0; f < broken.frames; ++f) watch.look(f, run.frame(f));
+}
+
 }  // namespace wetcurl

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/run_cache.h"
+#include "base/frame_watch.h"
 
 namespace wetcurl {
 
@@ -21,5 +21,7 @@ bool is_complete(const std::string& output, bool overwrite);
 std::optional<BrokenRun> broken_run_at(const OutputFile& place);
 // Throws Error, with what differs, unless a run with that header is the same one.
 void require_same(const BrokenRun& broken, const RunHeader& header);
+// The watch sees the frames that are there.
+void look_at(const BrokenRun& broken, FrameWatch& watch);
 
 }  // namespace wetcurl

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "app/engine/state_file.h"
+#include "app/files/run_file.h"
 #include "base/geometry/frames.h"
 #include "base/log.h"
 
@@ -17,7 +18,7 @@ std::string RunStart::words() const { return fmt::format("{} frame {}", file, fr
 RunStart run_start(const std::string& from) {
     const size_t at = from.rfind('@');
     RunStart start;
-    start.file = from.substr(0, at);
+    start.file = run_to_read(from.substr(0, at));
     const RunReader run(start.file);
     start.header = run.header();
     start.frame = run.frames() - 1;
@@ -38,9 +39,10 @@ RunStart run_start(const std::string& from) {
 void take_wetness(Scene& scene, const RunStart& start) {
     const Strands &was = start.header.groom.rest, &is = scene.groom.rest;
     if (was.count != is.count || was.particles != is.particles)
-        throw Error(fmt::format("--from: {} has {} strands of {} particles, the scene {} of {}; allowed is the "
-                                "same groom",
-                                start.file, was.count, was.particles, is.count, is.particles));
+        throw Error(
+            fmt::format("--from: {} has {} strands of {} particles, the scene {} of {}; allowed is the "
+                        "same groom",
+                        start.file, was.count, was.particles, is.count, is.particles));
     if (start.header.groom.hash() != scene.groom.hash())
         log_warning(fmt::format("--from: {}: its strands at rest are others than the scene's", start.file));
     const auto& wetness = start.now.wetness(start.header);
@@ -49,18 +51,23 @@ void take_wetness(Scene& scene, const RunStart& start) {
 
 namespace {
 
-// Frames of edges that come along: turned as the head is, then minimally onto the edges where they are now.
-void carry_frames(const Pose& head_before, const Pose& head, int particles, const std::vector<Vec3d>& x,
-                  std::vector<Quatd>& frame) {
-    const Quatd turn = head.rotation * conjugate(head_before.rotation);
-    for (size_t k = 0; k < frame.size(); ++k)
-        if ((k + 1) % size_t(particles) != 0)
-            frame[k] = transported(normalized(turn * frame[k]), x[k + 1] - x[k]);
+// Frames of edges that come along from time 0: turned as their root is, then minimally onto the edges where
+// they are now.
+void carry_frames(const Scene& scene, const RunStart& start, SimulationState& s) {
+    const size_t n = size_t(scene.groom.rest.particles);
+    RidingRoots::Room before, now;
+    if (scene.riding) scene.root_poses_at(0, before), scene.root_poses_at(start.time(), now);
+    const Pose head_before = scene.head_at(0);
+    for (size_t k = 0; k < s.frame.size(); ++k) {
+        if ((k + 1) % n == 0) continue;
+        const Quatd &from = scene.riding ? before.pose[k / n].rotation : head_before.rotation,
+                    &to = scene.riding ? now.pose[k / n].rotation : start.now.head.rotation;
+        s.frame[k] = transported(normalized(to * conjugate(from) * s.frame[k]), s.x[k + 1] - s.x[k]);
+    }
 }
 
 SimulationState state_at(const RunStart& start, const Simulation& simulation) {
     SimulationState s = simulation.state();
-    const Scene& scene = simulation.scene();
     const auto& points = start.now.positions.points;
     s.time = start.time(), s.first = true;
     for (size_t k = 0; k < points.size(); ++k) {
@@ -70,7 +77,7 @@ SimulationState state_at(const RunStart& start, const Simulation& simulation) {
             s.v[k] = start.header.fps * (s.x[k] - cast<double>(start.before.positions.points[k]));
         s.v_before[k] = s.v[k];
     }
-    carry_frames(scene.head_at(0), start.now.head, scene.groom.rest.particles, s.x, s.frame);
+    carry_frames(simulation.scene(), start, s);
     for (size_t k = 0; k < s.touching.size() && k < start.now.contact.size(); ++k)
         s.touching[k] = start.now.contact[k];
     s.saturation.clear();  // the scene's own, which is the frame's
@@ -89,9 +96,8 @@ void go_to(SceneRun& run, const RunStart& start) {
     if (!same_place(run.scene().head_at(start.time()), start.now.head))
         log_warning(fmt::format("--from: the scene's head is elsewhere at {:.3f} s than in {}: roots jump",
                                 start.time(), start.words()));
-    const std::string file = state_file_of(start.file.ends_with(".partial")
-                                               ? start.file.substr(0, start.file.size() - 8)
-                                               : start.file);
+    const std::string file = state_file_of(
+        start.file.ends_with(".partial") ? start.file.substr(0, start.file.size() - 8) : start.file);
     const RunState fresh = simulation.run_state();
     if (std::filesystem::exists(file)) {
         const StoredState stored = read_state(file, fresh, false);

@@ -16,13 +16,14 @@ struct RunStart {
     std::string words() const;                          // "run.h5 frame 12"
 };
 
-// "RUN.h5@N", or "RUN.h5" for its last frame. Throws Misuse where the run has no such frame, Error as a RunReader.
+// "RUN.h5@N", or "RUN.h5" for its last frame. Throws Misuse where the run has no such frame, Error as a
+// RunReader.
 RunStart run_start(const std::string& from);
-// The scene's wetness becomes that of the frame, where both have one. Throws Error unless strands and particles
-// are as many.
+// The scene's wetness becomes that of the frame, where both have one. Throws Error unless strands and
+// particles are as many.
 void take_wetness(Scene& scene, const RunStart& start);
-// The simulation, which has not settled, goes to that frame: with the state that lies beside the run where it is
-// of that frame, else at its positions, with velocities by the difference to the frame before. Says which.
+// The simulation, which has not settled, goes to that frame: with the state that lies beside the run where it
+// is of that frame, else at its positions, with velocities by the difference to the frame before. Says which.
 void go_to(SceneRun& run, const RunStart& start);
 
 }  // namespace wetcurl

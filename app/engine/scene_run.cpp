@@ -11,13 +11,13 @@
 namespace wetcurl {
 
 SceneRun::SceneRun(Scene scene, const std::string& device, const std::string& precision, int threads,
-                   bool settles)
+                   bool begins)
     : scene_(std::move(scene)), device_(device), precision_(trusted_precision(scene_, precision)) {
     if (precision_ != precision)
-        log_warning(
-            fmt::format("h² k / m is {:.2g}, above what single precision can factor (1e5): running in double",
-                        stiffness_number(scene_)));
-    if (!settles) scene_.integrator.settle = 0;
+        log_warning(fmt::format(
+            "(h² k + h c) / m is {:.2g}, above what single precision can factor (1e5): running in double",
+            stiffness_number(scene_)));
+    if (!begins) scene_.integrator.settle = scene_.preroll = 0;
     simulation_ = make_simulation_on(device, scene_, precision_);
     adhesion_ = adhesion_predictor_of(scene_, threads);
     simulation_->use_adhesion_predictor(adhesion_.get());

@@ -9,10 +9,10 @@ namespace wetcurl {
 class SceneRun {
   public:
     // `device` as of --device; precision: "float" or "double". A scene too stiff for single precision runs in
-    // double, and a warning says so. Settles the scene. Throws Error where the device or the network is not
-    // there. `settles`: false where a state is resumed at once.
+    // double, and a warning says so. Throws Error where the device or the network is not there.
+    // `begins`: false where it goes to a state at once, without settling and without a preroll.
     SceneRun(Scene scene, const std::string& device, const std::string& precision, int threads,
-             bool settles = true);
+             bool begins = true);
     SceneRun(const SceneRun&) = delete;
 
     const Scene& scene() const { return scene_; }

@@ -6,7 +6,6 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -98,19 +97,21 @@ class KeptFrames final : public FrameSource {
     StateKeeper& keeper_;
 };
 
-void look_at(const BrokenRun& broken, FrameWatch& watch) {
-    const RunReader run(broken.file, true);
-    for (int f = 0; f < broken.frames; ++f) watch.look(f, run.frame(f));
+// Whether a state of one of the broken run's frames was kept. One of a later frame lies there where the run's
+// file was cut.
+bool has_state(const BrokenRun& broken, const std::string& output) {
+    const auto frame = frame_of_state(state_file_of(output));
+    return frame && *frame < broken.frames;
 }
 
-// The frame that the simulation shows once it has the state that was kept of a broken run; -1: none was kept, it
-// begins anew.
+// The frame that the simulation shows once it has the state that was kept of a broken run; -1: there is none,
+// it begins anew.
 int resumed(SceneRun& run, const BrokenRun& broken, const RunHeader& header, const std::string& output) {
     require_same(broken, header);
     const std::string file = state_file_of(output);
-    if (!std::filesystem::exists(file)) {
-        log_info(fmt::format("{}: going on at frame {}; without {} all frames are computed again", output,
-                             broken.frames, file));
+    if (!has_state(broken, output)) {
+        log_info(fmt::format("{}: going on at frame {}; without a state in {} all frames are computed again",
+                             output, broken.frames, file));
         return -1;
     }
     const StoredState stored = read_state(file, run.simulation().run_state(), true);
@@ -123,9 +124,6 @@ int resumed(SceneRun& run, const BrokenRun& broken, const RunHeader& header, con
     require("precision", stored.facts.precision, facts.precision);
     require("device", stored.facts.device, facts.device);
     require("a run with hash", stored.facts.run, facts.run);
-    if (stored.frame >= broken.frames)
-        throw Error(fmt::format("{}: --resume: the state is of frame {}, {} has {} frames", file,
-                                stored.frame, partial_of(output), broken.frames));
     run.simulation().resume(stored.state);
     log_info(fmt::format("{}: going on at frame {}, from the state of frame {}", output, broken.frames,
                          stored.frame));
@@ -139,12 +137,9 @@ void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& r
         throw Misuse(std::string("--reference: found with ") + (request.resume ? "--resume" : "--from") +
                      ", allowed in a run that begins at rest");
     if (request.resume && is_complete(request.output, request.overwrite)) return;
-    std::optional<OutputFile> place;
+    OutputFile place(request.output, request.overwrite);
     std::optional<BrokenRun> broken;
-    if (request.resume) {
-        place.emplace(request.output, request.overwrite);
-        broken = broken_run_at(*place);
-    }
+    if (request.resume) broken = broken_run_at(place);
     std::optional<RunStart> start;
     if (!request.from.empty()) {
         start = run_start(request.from);
@@ -152,20 +147,19 @@ void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& r
     }
     std::optional<Reference> reference;
     if (request.reference) reference.emplace(given);
-    const bool has_state = broken && std::filesystem::exists(state_file_of(request.output));
-    SceneRun run(std::move(given), request.device, request.precision, request.threads, !has_state && !start);
+    const bool from_state = broken && has_state(*broken, request.output);
+    SceneRun run(std::move(given), request.device, request.precision, request.threads, !from_state && !start);
     const Scene& scene = run.scene();
     RunHeader header = run.header();
     if (start) header.start = start->time(), header.inputs = {start->words()};
     InterruptGuard guard;
-    if (start && !has_state) go_to(run, *start);
+    if (start && !from_state) go_to(run, *start);
     const int at = broken ? resumed(run, *broken, header, request.output) : -1;
     StateKeeper keeper(request.output, facts_of(header, run.precision()), broken.has_value());
-    if (!place) place.emplace(request.output, request.overwrite);
-    SimulatedFrames simulated(run.simulation(), scene.frames, at);
+    SimulatedFrames simulated(run.simulation(), scene.frames, at, header.start);
     if (broken) look_at(*broken, simulated.watch());
     RunWriter writer =
-        broken ? RunWriter(std::move(*place), header, broken->frames) : RunWriter(std::move(*place), header);
+        broken ? RunWriter(std::move(place), header, broken->frames) : RunWriter(std::move(place), header);
     std::vector<double> errors;
     double reference_seconds = 0;
     // Frames that are there already are computed again, and not written again.

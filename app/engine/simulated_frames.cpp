@@ -12,20 +12,37 @@ Diverged::Diverged(int frame, const Divergence& divergence)
                         "substeps, or less stiffness, may help",
                         frame, divergence.strand, divergence.largest_term)) {}
 
-Diverged::Diverged(const FrameExtreme& stretch, double allowed, const std::string& largest_term)
+Diverged::Diverged(const FrameExtreme& stretch, const std::string& where, double allowed,
+                   const std::string& largest_term)
     : Error(fmt::format(
           "the run diverged at frame {}, strand {}, particle {}: found an edge of {:.3g} times its "
-          "rest length, allowed are {:g} ([integrator] allow_stretch), largest term '{}'; more "
+          "rest length{}, allowed are {:g} ([integrator] allow_stretch), largest term '{}'; more "
           "[integrator] substeps, or less stiffness, may help",
-          stretch.frame, stretch.strand, stretch.particle, stretch.value, allowed, largest_term)) {}
+          stretch.frame, stretch.strand, stretch.particle, stretch.value, where, allowed, largest_term)) {}
+
+// The solid that lies over a strand's root at `time` [s], and so stretches the strand; "" where none does.
+// What is attached to the head lets hair lie in it as it is drawn.
+static std::string over_root(const Scene& scene, const RunFrame& frame, int strand, double time) {
+    const Vec3d root = cast<double>(frame.positions.at(strand, 0));
+    for (const Solid& solid : scene.solids) {
+        if (solid.moves_with_roots() || solid.deformation) continue;
+        const Vec3d in_solid = solid.at(time, frame.head).inverse(root);
+        if (const double phi = distance(solid.shape, in_solid).phi; phi < 0)
+            return fmt::format(", its root {:.3g} mm inside the solid '{}'", -1000 * phi, solid.name);
+    }
+    return "";
+}
 
 void SimulatedFrames::finish(RunFrame& frame) {
     simulation_.finish_snapshot(frame);
     watch_.look(begun_, frame);
-    const double allowed = simulation_.scene().integrator.allow_stretch;
-    if (!(watch_.stretch()->value > allowed)) return;
+    const Scene& scene = simulation_.scene();
+    const double allowed = scene.integrator.allow_stretch;
+    const FrameExtreme& longest = *watch_.stretch();
+    if (!(longest.value > allowed)) return;
     const std::vector<double> energy(frame.energy.begin(), frame.energy.end());
-    throw Diverged(*watch_.stretch(), allowed, simulation_.energy_kinds[largest_energy(energy)]);
+    throw Diverged(longest, over_root(scene, frame, longest.strand, start_ + begun_ / scene.fps), allowed,
+                   simulation_.energy_kinds[largest_energy(energy)]);
 }
 
 bool SimulatedFrames::advance(bool shown) {

@@ -13,17 +13,20 @@ namespace wetcurl {
 class Diverged : public Error {
   public:
     Diverged(int frame, const Divergence& divergence);
-    // `allowed`: times its rest length; of all strands together the term of most energy.
-    Diverged(const FrameExtreme& stretch, double allowed, const std::string& largest_term);
+    // `where`: what its root lies in, or ""; `allowed`: times its rest length; of all strands together the
+    // term of most energy.
+    Diverged(const FrameExtreme& stretch, const std::string& where, double allowed,
+             const std::string& largest_term);
 };
 
 class SimulatedFrames final : public FrameSource {
   public:
-    // At most `frames`, of which frame 0 is the state at time 0; `at`: the frame that the simulation shows
-    // already, -1: it shows frame 0, which comes first. The simulation must outlive this.
-    SimulatedFrames(Simulation& simulation, int frames, int at = -1)
+    // At most `frames`, of which frame 0 is the state at time `start` [s]; `at`: the frame that the
+    // simulation shows already, -1: it shows frame 0, which comes first. The simulation must outlive this.
+    SimulatedFrames(Simulation& simulation, int frames, int at = -1, double start = 0)
         : simulation_(simulation),
           frames_(frames),
+          start_(start),
           index_(at),
           watch_(simulation.scene().groom, simulation.scene().fps) {}
     // Throws Diverged.
@@ -43,7 +46,9 @@ class SimulatedFrames final : public FrameSource {
 
   private:
     Simulation& simulation_;
-    int frames_, index_, begun_ = -1;
+    int frames_;
+    double start_;  // [s]
+    int index_, begun_ = -1;
     FrameWatch watch_;
 };
 

@@ -35,6 +35,8 @@ void for_each_array(const RunState& state, F f) {
 
 std::string dataset_of(const std::string& name) { return "state/" + name; }
 
+int frame_in(const H5Reader& f) { return f.integer("frame", 0, 1 << 30); }
+
 }  // namespace
 
 StateFacts facts_of(const RunHeader& header, const std::string& precision) {
@@ -44,11 +46,14 @@ StateFacts facts_of(const RunHeader& header, const std::string& precision) {
 
 std::string state_file_of(const std::string& output) { return target_of(output) + ".state"; }
 
+std::optional<int> frame_of_state(const std::string& file) {
+    if (!std::filesystem::exists(file)) return std::nullopt;
+    return frame_in(H5Reader(file, format, version));
+}
+
 StoredState read_state(const std::string& file, const RunState& like, bool exactly) {
     const H5Reader f(file, format, version);
-    StoredState out{f.integer("frame", 0, 1 << 30),
-                    {f.text("run"), f.text("precision"), f.text("device")},
-                    like};
+    StoredState out{frame_in(f), {f.text("run"), f.text("precision"), f.text("device")}, like};
     size_t arrays = 0;
     const auto has = [&](const std::string& name, size_t count) {
         return f.has(dataset_of(name)) && f.shape(dataset_of(name)) == std::vector<size_t>{count};

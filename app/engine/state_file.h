@@ -26,8 +26,11 @@ struct StoredState {
 
 // Where the states of the run of that output lie.
 std::string state_file_of(const std::string& output);
-// Arrays as `like` has them, a state of the simulation that is to go on. Throws Error where the file is not there
-// or damaged, or, if `exactly`, where its arrays are others; if not, those that are not alike stay as in `like`.
+// The frame of the state in that file; none where no file is there. Throws Error where it is damaged.
+std::optional<int> frame_of_state(const std::string& file);
+// Arrays as `like` has them, a state of the simulation that is to go on. Throws Error where the file is not
+// there or damaged, or, if `exactly`, where its arrays are others; if not, those that are not alike stay as
+// in `like`.
 StoredState read_state(const std::string& file, const RunState& like, bool exactly);
 
 // Keeps the state of a run on disk, the last one that was written whole: at frame 0, then so seldom that it

@@ -19,10 +19,10 @@ std::string run_to_read(const std::string& path) {
     if (!file.ends_with(".h5.partial")) return file;
     try {
         const RunReader run(file);
-        log_info(fmt::format("{}: {}, {} whole frames are read", file,
-                             run.writer().empty() ? "nobody writes it any more"
-                                                  : "is being written by " + run.writer(),
-                             run.frames()));
+        log_info(fmt::format(
+            "{}: {}, {} whole frames are read", file,
+            run.writer().empty() ? "nobody writes it any more" : "is being written by " + run.writer(),
+            run.frames()));
     } catch (const Error&) {
         // Whoever reads it says why.
     }

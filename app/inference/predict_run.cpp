@@ -202,7 +202,8 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
         broken ? RunWriter(std::move(*place), header, broken->frames) : RunWriter(std::move(*place), header);
     FramePredictor frame_predictor(*predictor, display ? &*display : nullptr, low);
     FrameWindow window(low.source(), low.header());
-    FrameWatch watch(scene.groom, header.fps);  // of the frames that are predicted now
+    FrameWatch watch(scene.groom, header.fps);
+    if (broken) look_at(*broken, watch);
     FrameDelivery frames({.what = "infer",
                           .frames = request.frames,
                           .earlier = broken ? broken->seconds : std::vector<double>()},

@@ -34,10 +34,19 @@ static double share_of_step(const Scene& scene) {
     return scene.integrator.kind == "backward_euler" ? 1 : 2.0 / 3;
 }
 
-// h² k / m of a spring of k [N/m].
-static double step_number(const Scene& scene, double k) {
+// (h² k + h c) / m of a spring of k [N/m] with a dashpot of c [N s/m].
+static double step_number(const Scene& scene, double k, double c = 0) {
     const double h = share_of_step(scene) / (scene.fps * scene.integrator.substeps);
-    return h * h * k / (scene.linear_density * mean_segment(scene.groom));
+    return (h * h * k + h * c) / (scene.linear_density * mean_segment(scene.groom));
+}
+
+// The strongest one [N s/m].
+static double dashpot_of(const Scene& scene) {
+    double c = 0;
+    if (const auto& stretch = scene.term<Stretch>()) c = std::max(c, stretch->c_s);
+    if (const auto& bend = scene.term<Bend>()) c = std::max(c, bend->c_b);
+    if (const auto& core = scene.term<Core>()) c = std::max(c, core->c_c);
+    return c;
 }
 
 // Of the masses along strands.
@@ -66,7 +75,7 @@ double stiffness_number(const Scene& scene) {
     const Masses masses = masses_of(scene);
     // Beside a light particle the same spring is stiffer.
     const double mean = scene.linear_density * mean_segment(scene.groom),
-                 number = step_number(scene, k) * std::max(1.0, mean / masses.lightest);
+                 number = step_number(scene, k, dashpot_of(scene)) * std::max(1.0, mean / masses.lightest);
     const auto& limit = scene.term<StrainLimit>();
     // per_kg h².
     const double share = share_of_step(scene);

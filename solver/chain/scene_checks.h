@@ -15,8 +15,8 @@ struct Presence {
 };
 Presence presence_of(const Scene& scene);
 
-// The largest h² k / m of the scene's springs in one substep, m the mean particle's mass or, where that is
-// less, the lightest one's; above 1e5 a float factorisation is not to be trusted.
+// The largest (h² k + h c) / m of the scene's springs and dashpots in one substep, m the mean particle's mass
+// or, where that is less, the lightest one's; above 1e5 a float factorisation is not to be trusted.
 double stiffness_number(const Scene& scene);
 // The share of v_n in the implicit step's predictor: 1 but where core or bends are stiffer than a step can
 // tell.

@@ -10,6 +10,7 @@
 #include <random>
 #include <set>
 
+#include "base/error.h"
 #include "solver/scene/scene_rows.h"
 
 namespace wetcurl {
@@ -54,10 +55,10 @@ std::string drawn(const KeyRow& row, Dice& dice) {
     return "[" + text + "]";
 }
 
-// Keys that decide how long a scene takes, or name other files.
-const std::set<std::string> left_alone{"grid",   "particles", "frames",       "fps",     "substeps",
-                                       "settle", "file",      "radius_noise", "include", "looks",
-                                       "grow",   "title",     "seed",         "passes",  "allow"};
+// Keys that decide how long a scene takes, name other files, or say what is allowed.
+const std::set<std::string> left_alone{
+    "grid",    "particles", "frames", "fps",   "substeps", "settle", "file",  "radius_noise",
+    "include", "looks",     "grow",   "title", "seed",     "passes", "allow", "allow_stretch"};
 
 class Storm {
   public:
@@ -70,10 +71,11 @@ class Storm {
                           8 + dice_.one_of(40)));
         write("integrator", 0.15, fmt::format("substeps = {}\n", 1 + dice_.one_of(12)));
         write("stretch", 0.3), write("bend", 0.3);
-        for (const char* term : {"core", "stiffness", "drag"}) maybe(term, 0.5);
+        for (const char* term : {"core", "stiffness"}) maybe(term, 0.5);
         const bool wet = dice_.falls(0.7);
         if (wet) {
             write("wetness", 0.3);
+            maybe("wetness.flow", 0.2);
             for (const char* term : {"curl", "cohesion"}) maybe(term, 0.5);
         }
         maybe("strand_contact", 0.2), maybe("air", 0.2);
@@ -90,14 +92,17 @@ class Storm {
         const auto& tables = scene_rows();
         const auto found =
             std::find_if(tables.begin(), tables.end(), [&](const TableRow& t) { return t.name == table; });
-        if (found == tables.end()) return;
+        if (found == tables.end()) throw Error("there is no table [" + table + "]");
         text_ += "[" + table + "]\n" + more;
         std::set<std::string> written;
         for (const auto& row : found->rows) {
             if (*row.when.keys || row.kind == Kind::path || row.kind == Kind::text ||
                 row.kind == Kind::words || left_alone.contains(row.key))
                 continue;
-            if (dice_.falls(chance) && written.insert(row.key).second)
+            bool falls = dice_.falls(chance);
+            // Of a helix both are written, or neither.
+            if (table == "curl" && row.key == std::string("pitch")) falls = written.contains("radius");
+            if (falls && written.insert(row.key).second)
                 text_ += fmt::format("{} = {}\n", row.key, drawn(row, dice_));
         }
     }

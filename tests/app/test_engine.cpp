@@ -112,6 +112,21 @@ TEST(SimulatedFrames, end_where_an_edge_is_longer_than_the_scene_allows_and_say_
                             "allow_stretch", "largest term '"});
 }
 
+TEST(SimulatedFrames, name_the_solid_that_lies_over_a_root) {
+    const Scene scene = parse_scene(
+        "[groom]\ngrid = [2, 2]\nparticles = 12\n[stretch]\n[[solid]]\nname = \"ball\"\nradius = 0.4\n",
+        "scene.toml", ".");
+    const auto simulation = make_simulation(scene, "float");
+    SimulatedFrames frames(*simulation, scene.frames);
+    RunFrame frame;
+    expect_error<Diverged>(
+        [&] {
+            while (frames.next(frame)) {
+            }
+        },
+        {"times its rest length, its root ", " mm inside the solid 'ball'"});
+}
+
 // One option of `infer` each, by its name.
 struct Given {
     const char* option;

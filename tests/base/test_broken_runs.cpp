@@ -1,4 +1,5 @@
-// Runs that are killed, cut, looked at while they are written, or written to a full disk: what is read is whole.
+// Runs that are killed, cut, looked at while they are written, or written to a full disk: what is read is
+// whole.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -30,8 +31,8 @@ void expect_frames_of(const RunReader& run) {
     }
 }
 
-// Another process that appends frames `first`, ... < `end` to the run at `path`, and writes the number of each that
-// is appended to a pipe.
+// Another process that appends frames `first`, ... < `end` to the run at `path`, and writes the number of
+// each that is appended to a pipe.
 class Writer {
   public:
     Writer(const std::string& path, int first, int end, int pause_us = 0) {
@@ -68,6 +69,16 @@ class Writer {
         for (int f; read(said_, &f, sizeof f) == sizeof f;) last_ = f;
         return last_;
     }
+    // Until it has appended that frame. Throws Error where it ends before.
+    void wait_for(int frame) {
+        while (appended() < frame) {
+            siginfo_t ended{};
+            const bool asked = waitid(P_PID, id_t(process_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0;
+            if (asked && ended.si_pid == process_ && appended() < frame)
+                throw Error("the writer ended before frame " + std::to_string(frame));
+            usleep(50);
+        }
+    }
     void kill_it() {
         kill(process_, SIGKILL);
         wait();
@@ -91,7 +102,7 @@ TEST(BrokenRun, has_every_frame_that_was_appended_before_one_of_200_kills) {
     for (int k = 0; k < 200; ++k) {
         if (frames > 80) frames = 0;  // another run
         Writer writer(path, frames, 1'000'000);
-        for (const int some = frames + int(random() % 4); writer.appended() < some;) usleep(50);
+        writer.wait_for(frames + int(random() % 4));
         usleep(unsigned(random() % 1000));
         writer.kill_it();
         const int appended = writer.appended() + 1;
@@ -113,7 +124,7 @@ TEST(BrokenRun, is_read_while_another_process_writes_it) {
     const Scratch scratch;
     const std::string path = scratch.path("run.h5");
     Writer writer(path, 0, 1'000'000, 1000);
-    while (writer.appended() < 1) usleep(100);
+    writer.wait_for(1);
     int readings = 0, before = 0;
     for (; before < 150 && readings < 10'000; ++readings) {
         const int appended = writer.appended() + 1;
@@ -133,7 +144,7 @@ TEST(BrokenRun, that_gets_its_name_while_it_is_read_is_read_under_it) {
     const std::string path = scratch.path("run.h5");
     for (int k = 0; k < 5; ++k) {
         Writer writer(path, 0, 20 + k, 200);
-        while (writer.appended() < 1) usleep(100);
+        writer.wait_for(1);
         for (int frames = 0; frames < 20 + k;) {
             const RunReader run(path + ".partial");
             expect_frames_of(run);
@@ -144,13 +155,14 @@ TEST(BrokenRun, that_gets_its_name_while_it_is_read_is_read_under_it) {
     }
 }
 
-// A file that was cut is read up to the last frame that lies in it, or is an error; never a frame that is not whole.
+// A file that was cut is read up to the last frame that lies in it, or is an error; never a frame that is not
+// whole.
 TEST(BrokenRun, cut_at_any_byte_holds_whole_frames_alone) {
     const Scratch scratch;
     const std::string path = scratch.path("run.h5"), partial = path + ".partial";
     {
         Writer writer(path, 0, 1'000'000);
-        while (writer.appended() < 40) usleep(100);
+        writer.wait_for(40);
         writer.kill_it();
     }
     const std::string whole = bytes_of(partial);

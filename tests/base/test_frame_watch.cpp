@@ -1,6 +1,5 @@
 // What a run warns of: the longest edge, the fastest particle and growing energy, and where they are.
 #include "base/frame_watch.h"
-
 #include "scratch.h"
 
 namespace wetcurl {

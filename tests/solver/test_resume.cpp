@@ -1,7 +1,8 @@
-// A run that goes on from a state is, to the bit, the run that was never broken: walked over all shipped scenes.
+// A run that goes on from a state is, to the bit, the run that was never broken: walked over all shipped
+// scenes.
 #include <cmath>
 
-#include "tests/solver/scenes.h"
+#include "tests/solver/characters.h"
 
 namespace wetcurl {
 namespace {
@@ -42,10 +43,13 @@ class Echo final : public AdhesionPredictor {
     long pulled_ = 0;
 };
 
-// Frames after `broken_at` of a run, and of another one that goes on from its state there.
+// Frames after `broken_at` of a run, and of another one that goes on from its state there, without what comes
+// before frame 0.
 void expect_to_go_on(const Scene& scene, const std::string& precision, int broken_at, int frames,
                      AdhesionPredictor* network = nullptr) {
-    const auto whole = make_simulation(scene, precision), second = make_simulation(scene, precision);
+    Scene at_once = scene;
+    at_once.integrator.settle = at_once.preroll = 0;
+    const auto whole = make_simulation(scene, precision), second = make_simulation(at_once, precision);
     for (const auto& simulation : {whole.get(), second.get()}) simulation->use_adhesion_predictor(network);
     for (int f = 0; f < broken_at; ++f) whole->advance();
     const RunState state = whole->run_state();
@@ -95,6 +99,33 @@ TEST(Resume, a_network_has_the_answers_of_the_step_before) {
     Echo network;
     expect_to_go_on(parse_scene(wet_scene, "resumed.toml", "."), "float", 6, 9, &network);
     EXPECT_GT(network.pulled(), 100);
+}
+
+// Before a cut, at its frame, and after it; roots ride, and settle again at the cut.
+TEST(Resume, goes_on_to_the_same_bits_over_cuts_after_a_preroll) {
+    const Scratch scratch;
+    const Warp jumps = [](const Vec3d& x, double time) {
+        return rotate(rotation_about({0, 0, 1}, time), (1 + time) * x) + Vec3d{time < 0.15 ? 0.0 : 3.0, 0, 0};
+    };
+    std::vector<StandingStrand> strands;
+    for (int k = 0; k < 9; ++k) {
+        const double y = 0.95 - 0.04 * k, r = std::sqrt(1 - y * y);
+        const Vec3d n{r * std::cos(2.4 * k), y, r * std::sin(2.4 * k)};
+        strands.push_back({0.1004 * n, n});
+    }
+    const Mesh ball = triangulated(Sphere{0.1}, 16);
+    const std::string rest = scratch.file("rest.obj", obj_of(ball));
+    const Scene scene = scene_of(
+        "frames = 8\n" + standing(scratch, strands, 0.1, 10, "body") +
+        "[integrator]\nsubsteps = 3\nsettle = 0.1\nsettle_after_cut = 0.05\n[stretch]\n[bend]\n[core]\n"
+        "[strand_contact]\nradius = 0.01\n[motion]\ncuts = [4]\npreroll = 0.2\n"
+        "[[solid]]\nname = \"body\"\nshape = \"mesh\"\nspacing = 0.01\nrest = \"" +
+        rest + "\"\n" + mesh_keyframes(scratch, ball, jumps, 24, 9));
+    ASSERT_TRUE(scene.riding);
+    for (int broken_at : {2, 3, 4, 6}) {
+        SCOPED_TRACE(broken_at);
+        expect_to_go_on(scene, "float", broken_at, 8);
+    }
 }
 
 // Each thing that is carried matters: without it the run goes on otherwise.
