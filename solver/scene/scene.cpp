@@ -176,7 +176,6 @@ std::shared_ptr<const ScalpMesh> scalp_of(const Solid& solid) {
 void read_head(Scene& scene, const Table& t) {
     scene.motion = Motion(t);
     scene.cuts = cuts_of(t, scene.fps);
-    scene.motion.rest_at(scene.cuts);
     Preroll preroll;
     read_parameters(preroll, Preroll::parameters, t);
     scene.preroll = preroll.seconds;
@@ -200,7 +199,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     const Table g = root.table("groom");
     read_parameters(scene, Scene::groom_parameters, g);
     read_head(scene, root.table("motion"));
-    AroundSolids around{scene.fps, scene.cuts, name_of_scalp(g, names_of_solids(root)), {}};
+    AroundSolids around{scene.fps, name_of_scalp(g, names_of_solids(root)), {}};
     Solid* scalp = nullptr;
     const auto read_all = [&](const std::vector<Vec3d>& roots) {
         around.roots = roots;
@@ -240,6 +239,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     else if (options.strands)
         thinned(full, *options.strands, &scene.stride);
     scene.groom = coarsened(full, scene.stride, &kept);
+    if (!scalp) scalp = guessed_scalp(scene, full);
     if (scalp && scalp->deformation) ride(scene, *scalp, full, kept);
     survey(scene, full);
     if (const int taken = scene.groom.rest.count; options.strands && taken != *options.strands)
