@@ -163,12 +163,17 @@ std::vector<T> of_strands(const std::vector<T>& all, const std::vector<int>& som
     return out;
 }
 
-// Diameter of a hair of the scene [m].
-double width_of_scene(const RunHeader& header) {
+// What a run's header leaves to its scene.
+struct OfScene {
+    double width;   // [m] diameter of a hair
+    ShotCuts cuts;  // across which nothing has a velocity
+};
+OfScene of_scene(const RunHeader& header) {
     SceneOptions options;
     options.stride = header.stride;
     const Scene scene = parse_scene(header.scene, scene_name(header), header.scene_folder, options);
-    return std::sqrt(4 * scene.linear_density / (std::numbers::pi * scene.volume_density));
+    const double width = std::sqrt(4 * scene.linear_density / (std::numbers::pi * scene.volume_density));
+    return {width, scene.cuts};
 }
 
 // Frames of the run that are written.
@@ -223,9 +228,10 @@ SceneFileSettings settings_of(const ExportOptions& o, const Target& target, doub
 class AnimatedExport {
   public:
     AnimatedExport(const ExportOptions& o, const RunReader& run, const ExportedStrands& strands,
-                   const Target& target, const std::vector<int>& frames)
+                   const ShotCuts& cuts, const Target& target, const std::vector<int>& frames)
         : run_(run),
           strands_(strands),
+          cuts_(cuts),
           axes_(target, o.output),
           some_(o.guides ? &strands.guides().strands : nullptr),
           file_(create_scene_file(o.output, o.overwrite,
@@ -245,13 +251,14 @@ class AnimatedExport {
     }
 
     void append(int f) {
-        const int before = std::max(f - 1, 0), after = std::min(f + 1, run_.frames() - 1);
+        const int before = cuts_.at(f) ? f : std::max(f - 1, 0),
+                  after = cuts_.at(f + 1) ? f : std::min(f + 1, run_.frames() - 1);
         const std::vector<Vec3f>& now = at(f);
         CurvesFrame frame{chosen(converted(now)), {}, chosen(strands_.wetness(f))};
-        if (after > before) {
-            // Central differences, one-sided at the ends of the run.
+        if (run_.frames() > 1) {
+            // Central differences, one-sided at cuts and at the ends of the run; zero between two of them.
             const std::vector<Vec3f> late = at(after), early = at(before);
-            const float rate = float(run_.header().fps) / float(after - before);
+            const float rate = float(run_.header().fps) / float(std::max(after - before, 1));
             std::vector<Vec3f> velocity(late.size());
             for (size_t k = 0; k < late.size(); ++k) velocity[k] = rate * (late[k] - early[k]);
             frame.velocities = chosen(converted(velocity));
@@ -283,6 +290,7 @@ class AnimatedExport {
 
     const RunReader& run_;
     const ExportedStrands& strands_;
+    const ShotCuts cuts_;
     Axes axes_;
     const std::vector<int>* some_;
     std::unique_ptr<SceneWriter> file_;
@@ -421,12 +429,13 @@ int export_command(const ExportOptions& given) {
                      " for a file a frame, or choose one by --frames");
     const Target& target = target_named(o.target);
     ExportedStrands strands(run, o);
-    strands.set_usual_width(width_of_scene(run.header()));
+    const OfScene scene = of_scene(run.header());
+    strands.set_usual_width(scene.width);
 
     InterruptGuard guard;
     std::optional<AnimatedExport> hair;
     std::optional<SolidsExport> solids;
-    if (animated) hair.emplace(o, run, strands, target, frames);
+    if (animated) hair.emplace(o, run, strands, scene.cuts, target, frames);
     if (!o.solids.empty()) solids.emplace(o, run, target, frames);
     Progress progress("export", int(frames.size()), "frame");
     for (size_t k = 0; k < frames.size(); ++k) {

@@ -8,6 +8,7 @@
 
 #include "app/files/results.h"
 #include "solver/grooms/groom.h"
+#include "solver/grooms/strand_findings.h"
 
 namespace wetcurl {
 namespace {
@@ -53,6 +54,7 @@ Json report(const ImportOptions& options, const ImportedStrands& in, const Exten
               {"units", in.units},
               {"units_guessed", in.guessed},
               {"up", in.up},
+              {"up_given", in.up_told},
               {"bounds", {{"low", vector_json(extent.low)}, {"high", vector_json(extent.high)}}},
               {"median_length", extent.median_length},
               {"grid",
@@ -63,6 +65,9 @@ Json report(const ImportOptions& options, const ImportedStrands& in, const Exten
                 {"nearest_distance_mean", layout.quality.nearest_mean},
                 {"parameterisation", layout.parameterisation},
                 {"assignment", layout.assignment}}}};
+    json["findings"] = Json::array();
+    for (const Finding& finding : findings_of_strands(in, options.input))
+        json["findings"].push_back(json_of(finding));
     if (depth)
         json["below_scalp"] = {
             {"roots", depth->below}, {"median_depth", depth->median}, {"deepest", depth->deepest}};
@@ -76,12 +81,17 @@ void print(const ImportOptions& options, const ImportedStrands& in, const Extent
     std::printf("dropped   %zu of %zu strands: %zu without points, %zu of one point, %zu without length\n",
                 in.dropped(), in.found, in.no_points, in.one_point, in.no_length);
     std::printf("left out  %zu points that repeat the one before\n", in.repeated_points);
-    std::printf("units     %s%s, %s up\n", in.units.c_str(), in.guessed ? " (not given: assumed)" : "",
-                in.up.c_str());
+    std::printf("units     %s%s, %s up%s\n", in.units.c_str(), in.guessed ? " (not given: guessed)" : "",
+                in.up.c_str(),
+                in.up_told             ? ""
+                : in.up_reason.empty() ? " (not given: assumed)"
+                                       : " (not given: guessed)");
     std::printf("bounds    x %.3f to %.3f, y %.3f to %.3f, z %.3f to %.3f m\n", a.x, b.x, a.y, b.y, a.z, b.z);
     std::printf("length    %.3f m in the median\n", extent.median_length);
     if (depth) std::printf("scalp     %s\n", described(*depth).c_str());
     std::printf("grid      %s\n", described(layout).c_str());
+    for (const Finding& finding : findings_of_strands(in, options.input))
+        std::printf("%s\n", described(finding).c_str());
     if (!options.output.empty()) std::printf("written   %s, metres, Y up\n", options.output.c_str());
 }
 

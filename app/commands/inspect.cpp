@@ -92,11 +92,7 @@ Json scene_json(const InspectOptions& o) {
     json["bytes_per_particle"] = double(sum) / double(scene.groom.rest.points.size());
     json["stiffness_number"] = stiffness_number(scene);
     json["findings"] = Json::array();
-    for (const Finding& finding : findings_of(scene))
-        json["findings"].push_back({{"level", name_of(finding.level)},
-                                    {"name", finding.name},
-                                    {"text", finding.text},
-                                    {"remedy", finding.remedy}});
+    for (const Finding& finding : findings_of(scene)) json["findings"].push_back(json_of(finding));
     return json;
 }
 

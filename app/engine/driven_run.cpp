@@ -60,7 +60,7 @@ size_t DrivenRun::vertices(const std::string& name) const {
     const Solid& solid = scene().solids[solid_named(name)];
     if (!solid.driven)
         throw Error(fmt::format("the mesh of [[solid]] '{}' was not brought by the caller", name));
-    return solid.driven->rest().vertices.size();
+    return solid.deformation->rest().vertices.size();
 }
 
 void DrivenRun::move_mesh(const std::string& name, std::vector<Vec3f> vertices) {
@@ -114,7 +114,7 @@ void DrivenRun::for_each_driven(Go go) {
         }
         if (solid.driven) {
             const auto moved = moves_.meshes.find(k);
-            go(*solid.driven, moved == moves_.meshes.end() ? solid.driven->at(now).vertices : moved->second);
+            go(*solid.deformation, moved == moves_.meshes.end() ? solid.deformation->at(now).vertices : moved->second);
         }
     }
     if (s.riding)
@@ -146,10 +146,7 @@ void DrivenRun::cut() {
 void DrivenRun::look() {
     run_.simulation().snapshot(frame_);
     watch_.look(frames_, frame_);
-    const double allowed = scene().integrator.allow_stretch;
-    if (!(watch_.stretch()->value > allowed)) return;
-    const std::vector<double> energy(frame_.energy.begin(), frame_.energy.end());
-    throw Diverged(*watch_.stretch(), allowed, run_.simulation().energy_kinds[largest_energy(energy)]);
+    require_bearable(run_.simulation(), watch_, frame_, time());
 }
 
 void DrivenRun::saturation(float* to) const {

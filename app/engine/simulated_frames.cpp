@@ -33,16 +33,21 @@ static std::string over_root(const Scene& scene, const RunFrame& frame, int stra
     return "";
 }
 
+void require_bearable(const Simulation& simulation, const FrameWatch& watch, const RunFrame& frame,
+                      double time) {
+    const Scene& scene = simulation.scene();
+    const double allowed = scene.integrator.allow_stretch;
+    const FrameExtreme& longest = *watch.stretch();
+    if (!(longest.value > allowed)) return;
+    const std::vector<double> energy(frame.energy.begin(), frame.energy.end());
+    throw Diverged(longest, over_root(scene, frame, longest.strand, time), allowed,
+                   simulation.energy_kinds[largest_energy(energy)]);
+}
+
 void SimulatedFrames::finish(RunFrame& frame) {
     simulation_.finish_snapshot(frame);
     watch_.look(begun_, frame);
-    const Scene& scene = simulation_.scene();
-    const double allowed = scene.integrator.allow_stretch;
-    const FrameExtreme& longest = *watch_.stretch();
-    if (!(longest.value > allowed)) return;
-    const std::vector<double> energy(frame.energy.begin(), frame.energy.end());
-    throw Diverged(longest, over_root(scene, frame, longest.strand, start_ + begun_ / scene.fps), allowed,
-                   simulation_.energy_kinds[largest_energy(energy)]);
+    require_bearable(simulation_, watch_, frame, start_ + begun_ / simulation_.scene().fps);
 }
 
 bool SimulatedFrames::advance(bool shown) {

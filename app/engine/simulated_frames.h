@@ -19,6 +19,11 @@ class Diverged : public Error {
              const std::string& largest_term);
 };
 
+// Throws Diverged where the longest edge that was looked at is longer than the scene allows; `frame` is the last
+// one, at `time` [s].
+void require_bearable(const Simulation& simulation, const FrameWatch& watch, const RunFrame& frame,
+                      double time);
+
 class SimulatedFrames final : public FrameSource {
   public:
     // At most `frames`, of which frame 0 is the state at time `start` [s]; `at`: the frame that the

@@ -38,6 +38,13 @@ static void require_folder_for(const std::string& output) {
         throw Error(output + ": cannot be written in " + folder.string() + ": " + std::strerror(errno));
 }
 
+Json json_of(const Finding& finding) {
+    return {{"level", name_of(finding.level)},
+            {"name", finding.name},
+            {"text", finding.text},
+            {"remedy", finding.remedy}};
+}
+
 void check_files(const CommonOptions& o, const std::string& output, const std::vector<std::string>& inputs) {
     const std::string json = o.json == "-" ? "" : o.json;
     auto touched = [](const std::string& path) {

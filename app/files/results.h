@@ -8,6 +8,7 @@
 
 #include "app/options/common_options.h"
 #include "base/output_file.h"
+#include "solver/grooms/strand_findings.h"
 
 namespace wetcurl {
 
@@ -47,6 +48,9 @@ void check_files(const CommonOptions& o, const std::string& output, const std::v
 // recipe, --device for a network.
 void refuse_scene_options(const CommonOptions& o, const std::string& who);
 void refuse_device(const CommonOptions& o, const std::string& who);
+
+// level, name, text, remedy.
+Json json_of(const Finding& finding);
 
 // {mean, median, min, max, std} of run times [s]; of none, each is null. Frame 0 is no run time: nothing was
 // computed for it.

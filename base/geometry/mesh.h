@@ -16,7 +16,7 @@ struct Mesh {
     std::vector<std::array<int, 3>> triangles;  // (triangle, corner): indices of vertices
 };
 
-// Reads .obj, or .ply (ascii, binary little-endian); polygons are fanned from their first corner.
+// Reads .obj, .glb, or .ply (ascii, binary little-endian); polygons are fanned from their first corner.
 // `scale_to_metres`: what one unit of the file is (0.01 for centimetres).
 // Throws Error, with file and line or element, for a file that is missing, empty, cut short, foreign, has
 // absurd counts, numbers that are not finite, or indices out of range.

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "base/geometry/mesh.h"
+#include "base/geometry/mesh_glb.h"
 #include "base/lfs_pointer.h"
 
 namespace wetcurl {
@@ -366,9 +366,14 @@ Mesh read_mesh(const std::string& path, double scale_to_metres) {
         fail(path, "a scale of " + std::to_string(scale_to_metres) + ", allowed above 0");
     std::string extension = std::filesystem::path(path).extension().string();
     for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-    if (extension != ".obj" && extension != ".ply")
-        fail(path, "mesh format " + shown(extension) + ", allowed .obj, .ply");
+    if (extension != ".obj" && extension != ".ply" && extension != ".glb")
+        fail(path, "mesh format " + shown(extension) + ", allowed .obj, .ply, .glb");
     const std::string text = whole_file(path);
+    if (extension == ".glb") {
+        Mesh mesh = mesh_of_glb(text, path);
+        for (auto& x : mesh.vertices) x = cast<float>(scale_to_metres * cast<double>(x));
+        return mesh;
+    }
     return extension == ".obj" ? read_obj(text, path, scale_to_metres)
                                : read_ply(text, path, scale_to_metres);
 }

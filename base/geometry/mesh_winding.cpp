@@ -81,6 +81,9 @@ Mesh consistently_wound(const Mesh& mesh, Winding* found) {
     for (const size_t t : kept) {
         Corners c = mesh.triangles[t];
         for (int& corner : c) corner = place[size_t(corner)];
+        const auto corner = [&](size_t k) { return cast<double>(mesh.vertices[size_t(c[k])]); };
+        const Vec3d ab = corner(1) - corner(0), ac = corner(2) - corner(0);
+        report.no_area += !(norm(cross(ab, ac)) > 1e-12 * std::max(dot(ab, ab), dot(ac, ac)));
         at.push_back(c);
     }
     std::vector<Side> sides;

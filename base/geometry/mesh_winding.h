@@ -10,6 +10,7 @@ struct Winding {
     size_t doubled = 0;  // triangles left out, since another one has the same corners
     size_t turned = 0;   // triangles turned round
     size_t open = 0;     // edges of one triangle alone
+    size_t no_area = 0;  // triangles of none, which stay
     bool changed() const { return doubled + turned > 0; }
     // "left out 320 faces that are there twice, turned 12 round".
     std::string text() const;

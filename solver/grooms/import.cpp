@@ -15,6 +15,7 @@
 #include "base/number_text.h"
 #include "base/output_file.h"
 #include "base/strands.h"
+#include "solver/grooms/guesses.h"
 #include "solver/grooms/writers.h"
 
 namespace wetcurl {
@@ -53,7 +54,7 @@ Unit unit_named(const std::string& path, const std::string& name) {
 }
 
 // A head with its hair measures about half a metre across: the unit that comes nearest to it, by ratio.
-Unit guessed_unit(double diagonal) {
+Unit unit_of_a_head(double diagonal) {
     constexpr double usual = 0.5;
     auto off = [&](const Unit& unit) { return std::abs(std::log(diagonal * unit.metres / usual)); };
     return *std::min_element(std::begin(units), std::end(units),
@@ -65,9 +66,11 @@ struct ToMetres {
     Unit unit;
     bool guessed;
     std::string up;
+    bool up_told;
     Vec3d operator()(const Vec3d& x) const { return unit.metres * upright(up, x); }
 };
 
+// "" where neither caller nor file says it.
 std::string up_axis(const std::string& path, const std::string& meant, const FileAxes& says) {
     if (std::find(std::begin(axis_words), std::end(axis_words), meant) == std::end(axis_words))
         throw Misuse(path + ": found the up axis '" + meant + "', allowed x, -x, y, -y, z, -z, auto");
@@ -78,7 +81,7 @@ std::string up_axis(const std::string& path, const std::string& meant, const Fil
                         " were, as told");
         return meant;
     }
-    return said.empty() ? "y" : said;
+    return said;
 }
 
 // As the file says, or as is usual for its format.
@@ -93,23 +96,24 @@ std::optional<Unit> unit_of_file(const std::string& path, const std::string& pre
 
 ToMetres conversion(const std::string& path, const FileUnits& meant, const std::string& prescribed,
                     const FileAxes& says, const Bounds& box) {
-    const std::string up = up_axis(path, meant.up, says);
+    const std::string told_up = up_axis(path, meant.up, says), up = told_up.empty() ? "y" : told_up;
+    const bool up_told = !told_up.empty();
     const auto of_file = unit_of_file(path, prescribed, says);
     if (meant.units != "auto") {
         const Unit told = unit_named(path, meant.units);
         if (says.metres_per_unit && of_file->metres != told.metres)
             log_warning(path + ": says that its unit is " + of_file->name + ", and is read in " + told.name +
                         ", as told");
-        return {told, false, up};
+        return {told, false, up, up_told};
     }
-    if (says.metres_per_unit) return {*of_file, false, up};
+    if (says.metres_per_unit) return {*of_file, false, up, up_told};
     const double diagonal = norm(box.high - box.low);
-    const Unit unit = of_file ? *of_file : guessed_unit(diagonal);
+    const Unit unit = of_file ? *of_file : unit_of_a_head(diagonal);
     char size[64];
     std::snprintf(size, sizeof size, "%.4g units across, %.3g m", diagonal, diagonal * unit.metres);
     log_warning(path + ": units not given, " + (prescribed.empty() ? "guessed " : "took the format's ") +
                 unit.name + " (" + size + "); say m, cm or mm to be sure");
-    return {unit, true, up};
+    return {unit, true, up, up_told};
 }
 
 void widen(Bounds& box, const Vec3d& x) {
@@ -180,6 +184,7 @@ ImportedStrands taken(const std::string& what, const StrandFile& file, const ToM
     out.found = raw.size();
     out.units = to_metres.unit.name;
     out.guessed = to_metres.guessed;
+    out.up_told = to_metres.up_told;
     out.up = to_metres.up;
     for (size_t s = 0; s < raw.size(); ++s) {
         std::vector<Vec3d> strand(raw[s].size());
@@ -240,17 +245,25 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
         file.widths.clear();
     }
 
-    const ToMetres to_metres = conversion(path, meant, format->units, file.axes, bounds_of(raw));
-    return taken(path, file, to_metres);
+    ToMetres to_metres = conversion(path, meant, format->units, file.axes, bounds_of(raw));
+    const Guess up = guessed_up(raw);
+    if (!to_metres.up_told) to_metres.up = up.word;
+    ImportedStrands out = taken(path, file, to_metres);
+    if (!to_metres.up_told) out.up_reason = up.reason;
+    return out;
 }
 
 ImportedStrands strands_in_metres(const StrandPoints& points, const std::string& what) {
-    return taken(what, {points, {}, {}, {}, {}, {}}, {{"m", 1}, false, "y"});
+    return taken(what, {points, {}, {}, {}, {}, {}}, {{"m", 1}, false, "y", true});
+}
+
+FileAxes axes_of_mesh(const std::string& path) {
+    return ending_of(path) == ".glb" ? FileAxes{1.0, 'y'} : FileAxes{};
 }
 
 Mesh import_mesh(const std::string& path, const FileUnits& meant) {
     Mesh mesh = read_mesh(path, 1);
-    const ToMetres to_metres = conversion(path, meant, "", {}, bounding_box(mesh));
+    const ToMetres to_metres = conversion(path, meant, "", axes_of_mesh(path), bounding_box(mesh));
     for (auto& x : mesh.vertices) x = cast<float>(to_metres(cast<double>(x)));
     Winding winding;
     mesh = consistently_wound(mesh, &winding);

@@ -12,8 +12,8 @@ namespace wetcurl {
 // How a file's numbers are meant.
 struct FileUnits {
     std::string units = "auto";  // m | cm | mm | auto: as the file says, else guessed by its size
-    // x | -x | y | -y | z | -z | auto: as the file says, else y
-    std::string up = "y";
+    // x | -x | y | -y | z | -z | auto: as the file says, else y, or another one by how hair falls
+    std::string up = "auto";
 };
 
 struct ImportedStrands {
@@ -33,6 +33,9 @@ struct ImportedStrands {
     std::string units;     // m | cm | mm, or "0.0254 m", as used
     bool guessed = false;  // by the file's size, and said in the log
     std::string up;        // the file's axis that points up, as used
+    // Why, where it was guessed; empty where it is told, or y in want of a sign of another one.
+    std::string up_reason;
+    bool up_told = false;  // by the caller or the file
 
     size_t dropped() const { return no_points + one_point + no_length; }
 };
@@ -50,6 +53,8 @@ std::string writable_endings();
 ImportedStrands import_strands(const std::string& path, const FileUnits& meant);
 // Strands that are in memory [m], Y up; `what` names them in errors, which are the same.
 ImportedStrands strands_in_metres(const StrandPoints& points, const std::string& what);
+// Unit and axis of a mesh's file, where its format prescribes them: .glb.
+FileAxes axes_of_mesh(const std::string& path);
 // A head or scalp mesh [m], Y up; units as above.
 Mesh import_mesh(const std::string& path, const FileUnits& meant);
 

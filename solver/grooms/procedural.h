@@ -65,10 +65,11 @@ struct GroomTable {
                           "Roots each way; of a file's strands, without it, the finest grid that they fill."),
          &GroomTable::grid},
         {KeyRow::integer("particles", 50, 2, 10000, "Particles of each strand."), &GroomTable::particles},
-        {KeyRow::path("scalp", "a ball",
-                      "Mesh of the head, .obj or .ply, on which the roots lie; or the name of a [[solid]] of "
-                      "the scene "
-                      "with shape = \"mesh\", on which they also ride."),
+        {KeyRow::path(
+             "scalp", "a ball",
+             "Mesh of the head, .obj, .ply or .glb, on which the roots lie; or the name of a [[solid]] of "
+             "the scene "
+             "with shape = \"mesh\", on which they also ride."),
          &GroomTable::scalp},
         {KeyRow::one_of("scalp_units", unit_words, "", "Unit of the numbers in the scalp's file.", "",
                         {"scalp"})
@@ -88,9 +89,10 @@ struct GroomTable {
                         "Unit of the numbers in the file; auto chooses by the size of the hair.", "",
                         {"file|scalp"}),
          &GroomTable::units},
-        {KeyRow::one_of("up", axis_words, "auto",
-                        "Axis that points up in the file; auto: as the file says, else y.", "",
-                        {"file|scalp"}),
+        {KeyRow::one_of(
+             "up", axis_words, "auto",
+             "Axis that points up in the file; auto: as the file says, else y, or a guess by how hair falls.",
+             "", {"file|scalp"}),
          &GroomTable::up},
         {KeyRow::numbers("rotation", "degrees", {0, 0, 0}, -3600, 3600,
                          "Rotation of the strands of the file about x, then y, then z.", "", {"file"}),

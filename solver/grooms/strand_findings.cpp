@@ -83,6 +83,12 @@ void find_short_strands(std::vector<Finding>& out, const ImportedStrands& in, co
 
 // Hair falls: from roots to tips mostly downward.
 void find_up(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file) {
+    if (!in.up_reason.empty()) {
+        out.push_back({Level::warning, "up",
+                       fmt::format("{}: up axis not given, guessed {} ({})", file, in.up, in.up_reason),
+                       fmt::format("up = \"{}\" in [groom] says so", in.up)});
+        return;
+    }
     Vec3d fall{0, 0, 0};
     double sum = 0;
     for (const auto& strand : in.strands)

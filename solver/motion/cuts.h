@@ -10,6 +10,7 @@ namespace wetcurl {
 struct ShotCuts {
     std::vector<int> frames;  // the first ones after a cut
     double fps = 24;
+    bool said = false;  // by the scene, which then has no others
 
     bool at(int frame) const { return std::find(frames.begin(), frames.end(), frame) != frames.end(); }
     // The frame that ends at `time` [s] or is under way then.
@@ -26,6 +27,7 @@ struct ShotCuts {
     ShotCuts joined(const ShotCuts& more) const {
         ShotCuts out = *this;
         out.frames.insert(out.frames.end(), more.frames.begin(), more.frames.end());
+        out.said = said || more.said;
         return out;
     }
 };

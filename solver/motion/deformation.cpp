@@ -28,8 +28,7 @@ Mesh mesh_of(const Table& table, const std::string& file, double metres) {
     return read_mesh(file, metres);
 }
 
-Deformation::Deformation(const Table& solid, const FileFrame& frame, const ShotCuts& cuts)
-    : cuts_(cuts), frame_(frame) {
+Deformation::Deformation(const Table& solid, const FileFrame& frame) : frame_(frame) {
     const auto tables = solid.tables("mesh");
     if (tables.size() < 2)
         solid.fail(
@@ -67,16 +66,11 @@ Deformation::Deformation(const Table& solid, const FileFrame& frame, const ShotC
         near_[times_.size()] = std::make_shared<const Vertices>(std::move(mesh.vertices));
         times_.push_back(time);
     }
-    for (size_t k = 0; k < times_.size(); ++k) keys_[k] = key_of_neighbours(k);
+    rest_at({});
 }
 
-Deformation::Deformation(std::unique_ptr<const MeshFrames> frames, const FileFrame& frame, double begin,
-                         const ShotCuts& cuts)
-    : triangles_(frames->triangles()),
-      times_(frames->times()),
-      cuts_(cuts),
-      frames_(std::move(frames)),
-      frame_(frame) {
+Deformation::Deformation(std::unique_ptr<const MeshFrames> frames, const FileFrame& frame, double begin)
+    : triangles_(frames->triangles()), times_(frames->times()), frames_(std::move(frames)), frame_(frame) {
     for (double& time : times_) time -= begin;
 }
 
@@ -122,6 +116,13 @@ void Deformation::wind(Winding& found) {
     Mesh rest = *rest_;
     rest.triangles = triangles_;
     rest_ = std::make_shared<const Mesh>(std::move(rest));
+}
+
+void Deformation::rest_at(const ShotCuts& cuts) {
+    cuts_ = cuts;
+    keys_.clear();
+    if (frames_) return;
+    for (size_t k = 0; k < times_.size(); ++k) keys_[k] = key_of_neighbours(k);
 }
 
 std::shared_ptr<const Deformation::Vertices> Deformation::vertices_of(size_t k) const {

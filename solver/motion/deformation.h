@@ -26,7 +26,7 @@ struct MeshKeyframeTable {
         {KeyRow::number("time", "s", 0, 0, 1e6, "Time of the keyframe; times grow from one to the next."),
          &MeshKeyframeTable::time},
         {KeyRow::path("file", "needed",
-                      "Mesh of the keyframe, .obj or .ply, with the triangles of the first."),
+                      "Mesh of the keyframe, .obj, .ply or .glb, with the triangles of the first."),
          &MeshKeyframeTable::file},
     };
 };
@@ -36,11 +36,10 @@ class Deformation {
     // Two or more [[solid.mesh]] of a solid, placed by `frame`. Throws Misuse (file and line) for times that
     // do not grow, a mesh that is missing or has other triangles than the first; Error for one that cannot be
     // read.
-    Deformation(const Table& solid, const FileFrame& frame, const ShotCuts& cuts = {});
+    Deformation(const Table& solid, const FileFrame& frame);
     // Frames of a file, of which few are in memory at a time. `begin` [s]: of the file's clock, time 0 here.
     // Const functions throw Error for a frame that cannot be read.
-    Deformation(std::unique_ptr<const MeshFrames> frames, const FileFrame& frame, double begin,
-                const ShotCuts& cuts = {});
+    Deformation(std::unique_ptr<const MeshFrames> frames, const FileFrame& frame, double begin);
 
     // One that a caller drives: it stands as `mesh` [m] until then, and hair is bound to it so.
     explicit Deformation(Mesh mesh);
@@ -62,6 +61,8 @@ class Deformation {
     void rest_as(Mesh mesh, const std::string& file);
     // Turns the triangles alike, by the first keyframe; after `rest_as`.
     void wind(Winding& found);
+    // It comes to rest at keyframes on either side of these cuts.
+    void rest_at(const ShotCuts& cuts);
 
     const std::vector<double>& times() const { return times_; }  // [s] of keyframes
     bool reads_frames() const { return frames_ != nullptr; }     // of a file, one by one

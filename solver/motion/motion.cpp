@@ -37,7 +37,7 @@ Motion::Motion(const Table& t) {
 ShotCuts cuts_of(const Table& motion, double fps) {
     CutsTable read;
     read_parameters(read, CutsTable::parameters, motion);
-    return {read.cuts, fps};
+    return {read.cuts, fps, motion.has("cuts")};
 }
 
 void Motion::read_file(const Table& t, const std::string& path) {

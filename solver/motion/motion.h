@@ -43,7 +43,9 @@ struct CutsTable {
         {KeyRow::list(
              "cuts", 1, 1'000'000,
              "Frames of the scene which are the first after a cut: what moves stands elsewhere at once, and "
-             "nothing has a velocity then. At a cut of the head the hair begins anew at its roots."),
+             "nothing has a velocity then. At a cut of the head the hair begins anew at its roots. Without "
+             "the "
+             "key, jumps that no body makes are cuts; [] has none."),
          &CutsTable::cuts},
     };
 };

@@ -18,34 +18,47 @@ Bounds nothing() {
     constexpr double all = std::numeric_limits<double>::infinity();
     return {{all, all, all}, {-all, -all, -all}};
 }
-// Where a body is, frame by frame, and where its way looks like a cut that is not written.
+// Where a body is, frame by frame.
 struct Track {
-    std::string what, key;  // "the roots of the hair", "[motion]"
-    ShotCuts cuts;
-    std::vector<Vec3d> places;  // (frame) [m]
+    std::string what, key;      // "the roots of the hair", "[motion]"
+    ShotCuts cuts;              // those known
+    std::vector<Vec3d> places;  // (frame) [m], one beyond the last
 
-    void warn(double fps) const {
+    // Frames at which it jumps farther than any body moves.
+    std::vector<int> jumps() const {
         // A sprinter makes 12 m/s, a head in a crash 40; and no body starts and stops within a frame.
-        constexpr double fastest = 40, least = 0.2, times_the_neighbours = 8;  // [m/s], [m]
-        std::vector<double> ways{0};
-        for (size_t f = 1; f < places.size(); ++f) ways.push_back(norm(places[f] - places[f - 1]));
-        std::string frames;
-        size_t first = 0;
-        for (size_t f = 1; f < ways.size(); ++f) {
-            const double around = std::max(f > 1 ? ways[f - 1] : 0, f + 1 < ways.size() ? ways[f + 1] : 0);
-            const bool jumps =
-                ways[f] * fps > fastest || (ways[f] > least && ways[f] > times_the_neighbours * around);
-            if (!jumps || cuts.at(int(f))) continue;
-            if (!first) first = f;
-            frames += (frames.empty() ? "" : ", ") + std::to_string(f);
+        constexpr double fastest = 40, fast = 4, least = 0.2, times_the_neighbours = 8;  // [m/s], [m]
+        std::vector<int> out;
+        for (size_t f = 1; f + 1 < places.size(); ++f) {
+            const double way = way_to(f), speed = way * cuts.fps,
+                         around = std::max(f > 1 ? way_to(f - 1) : 0, way_to(f + 1));
+            if (speed > fastest || (speed > fast && way > least && way > times_the_neighbours * around))
+                if (!cuts.at(int(f))) out.push_back(int(f));
         }
-        if (!first) return;
-        char far[96];
-        std::snprintf(far, sizeof far, "by %.3g m from frame %zu to frame %zu (%.3g m/s)", ways[first],
-                      first - 1, first, ways[first] * fps);
-        log_warning(what + " move " + far + ", which no body does; if that is a cut, cuts = [" + frames +
-                    "] in " + key + " lets hair begin anew there");
+        return out;
     }
+    // The jumps, said: cuts, where the scene says nothing of cuts.
+    std::vector<int> found_cuts() const {
+        const std::vector<int> found = jumps();
+        if (found.empty() || (cuts.said && cuts.frames.empty())) return {};
+        std::string frames;
+        for (const int f : found) frames += (frames.empty() ? "" : ", ") + std::to_string(f);
+        const size_t first = size_t(found[0]);
+        char far[96];
+        std::snprintf(far, sizeof far, "by %.3g m from frame %zu to frame %zu (%.3g m/s)", way_to(first),
+                      first - 1, first, way_to(first) * cuts.fps);
+        const std::string text = what + " move " + far + ", which no body does";
+        if (cuts.said) {
+            log_warning(text + ", and cuts of " + key + " does not name frame " + frames);
+            return {};
+        }
+        log_warning(text + ": guessed that it is a cut, after which hair begins anew; cuts = [" + frames +
+                    "] in " + key + " says so, cuts = [] that it is none");
+        return found;
+    }
+
+  private:
+    double way_to(size_t frame) const { return norm(places[frame] - places[frame - 1]); }
 };
 
 // A share of the way from rest to a pose: the turn about one axis.
@@ -113,8 +126,33 @@ static Bounds with_room(const Bounds& box, double share) {
     return {box.low - more, box.high + more};
 }
 
+Solid* guessed_scalp(Scene& scene, const Groom& full) {
+    constexpr double on_it = 0.01;  // [m]
+    const std::vector<Vec3d> roots = roots_of(full.rest);
+    for (Solid& solid : scene.solids) {
+        if (!solid.attached || !solid.deformation) continue;
+        const MeshDistance surface(solid.deformation->rest());
+        std::vector<double> away;
+        for (const Vec3d& root : roots) away.push_back(surface.closest(root).distance);
+        std::nth_element(away.begin(), away.begin() + long(away.size() / 2), away.end());
+        const double typical = away[away.size() / 2];
+        if (typical > on_it) continue;
+        char text[64];
+        std::snprintf(text, sizeof text, "roots lie %.1f mm from ", 1000 * typical);
+        log_warning(text + ("[[solid]] '" + solid.name) +
+                    "' in the median, and its mesh deforms: guessed that they "
+                    "ride on it; scalp = \"" +
+                    solid.name + "\" in [groom] says so");
+        return &solid;
+    }
+    return nullptr;
+}
+
 void survey(Scene& scene, const Groom& full) {
     const double end = scene.frames / scene.fps;
+    const auto goes_alone = [](const Solid& solid) {
+        return !solid.attached && !solid.carries_roots && solid.motion.moves();
+    };
     std::vector<Track> tracks;
     if (scene.riding || scene.motion.moves())
         tracks.push_back({"the roots of the hair", "[motion]", scene.cuts, {}});
@@ -127,27 +165,22 @@ void survey(Scene& scene, const Groom& full) {
                 solid.deformation->reads_frames() ? solid.deformation->box(0, end) : solid.deformation->box();
         else
             solid.region = nothing();
-        if (!solid.attached && !solid.carries_roots && solid.motion.moves())
-            tracks.push_back({"points of [[solid]] '" + solid.name + "'",
-                              "[solid.motion]",
-                              scene.cuts.joined(solid.cuts),
-                              {}});
+        if (goes_alone(solid))
+            tracks.push_back({"points of [[solid]] '" + solid.name + "'", "[solid.motion]", {}, {}});
     }
-    if (tracks.empty()) return;
     const std::vector<Vec3d> roots = roots_of(full.rest);
     Vec3d middle{0, 0, 0};
     for (const Vec3d& root : roots) middle += (1 / double(roots.size())) * root;
     RidingRoots::Room room;
     std::vector<Vec3f> vertices;
-    for (int f = 0; f <= scene.frames; ++f) {
+    for (int f = 0; f <= scene.frames + 1 && !tracks.empty(); ++f) {
         const double time = f / scene.fps;
         const Pose head = scene.head_at(time, room);
         if (of_solids) tracks[0].places.push_back(head(middle));
         size_t track = of_solids;
         for (const Solid& solid : scene.solids)
-            if (!solid.attached && !solid.carries_roots && solid.motion.moves())
-                tracks[track++].places.push_back(solid.motion.at(time).translation);
-        if (!scene.riding) continue;
+            if (goes_alone(solid)) tracks[track++].places.push_back(solid.motion.at(time).translation);
+        if (!scene.riding || f > scene.frames) continue;
         scene.root_poses_at(time, room);
         const Strands& hair = scene.groom.rest;
         for (int s = 0; s < hair.count; ++s) {
@@ -165,7 +198,21 @@ void survey(Scene& scene, const Groom& full) {
         if (solid.carries_roots && scene.preroll > 0)
             for (const Vec3f& v : solid.deformation->rest().vertices)
                 widen(solid.region, cast<double>(v), cast<double>(v));
-    for (const Track& track : tracks) track.warn(scene.fps);
+    if (of_solids) scene.cuts = scene.cuts.joined({tracks[0].found_cuts(), scene.fps});
+    scene.motion.rest_at(scene.cuts);
+    if (scene.riding) scene.riding->motion.rest_at(scene.cuts);
+    size_t track = of_solids;
+    for (Solid& solid : scene.solids) {
+        if (goes_alone(solid)) {
+            Track& own = tracks[track++];
+            own.cuts = scene.cuts.joined(solid.cuts);
+            own.cuts.said = solid.cuts.said;
+            solid.cuts = solid.cuts.joined({own.found_cuts(), scene.fps});
+        }
+        const ShotCuts cuts = scene.cuts.joined(solid.cuts);
+        solid.motion.rest_at(cuts);
+        if (solid.deformation) solid.deformation->rest_at(cuts);
+    }
 }
 
 double Scene::share_of_preroll(double time) const {

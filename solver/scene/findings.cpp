@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "base/log.h"
 
@@ -23,36 +22,41 @@ double middle(std::vector<double> numbers) {
 
 std::string in_millimetres(double metres) { return fmt::format("{:.3g} mm", 1e3 * metres); }
 
-struct AttachedSolids {
-    const Scene& scene;
-    bool any() const {
-        return std::any_of(scene.solids.begin(), scene.solids.end(),
-                           [](const Solid& s) { return s.attached && !s.deformation; });
+// Surfaces that move with the roots, in the pose of the hair at rest.
+class SurfacesOfHead {
+  public:
+    explicit SurfacesOfHead(const Scene& scene) {
+        for (const auto& solid : scene.solids) {
+            if (!solid.moves_with_roots()) continue;
+            if (solid.deformation)
+                meshes_.emplace_back(solid.deformation->rest());
+            else
+                shapes_.push_back(&solid.shape);
+            const Bounds box =
+                solid.deformation ? bounding_box(solid.deformation->rest()) : bounds_of(solid.shape);
+            size_ = std::max(size_, norm(box.high - box.low));
+        }
     }
-    // Signed [m], in the head's frame at rest.
+    bool any() const { return !meshes_.empty() || !shapes_.empty(); }
+    // Signed [m].
     double distance_to(const Vec3d& x) const {
         double nearest = 1e300;
-        for (const auto& solid : scene.solids)
-            if (solid.attached && !solid.deformation)
-                nearest = std::min(nearest, double(distance(solid.shape, x).phi));
+        for (const Shape* shape : shapes_) nearest = std::min(nearest, double(distance(*shape, x).phi));
+        for (const MeshDistance& mesh : meshes_)
+            nearest = std::min(nearest, (mesh.inside(x) ? -1 : 1) * mesh.closest(x).distance);
         return nearest;
     }
     // Diagonal of the largest one [m]; 0 where one has no end.
-    double size() const {
-        double largest = 0;
-        for (const auto& solid : scene.solids)
-            if (solid.attached && !solid.deformation) {
-                const Bounds box = bounds_of(solid.shape);
-                const double diagonal = norm(box.high - box.low);
-                if (!std::isfinite(diagonal)) return 0;
-                largest = std::max(largest, diagonal);
-            }
-        return largest;
-    }
+    double size() const { return std::isfinite(size_) ? size_ : 0; }
+
+  private:
+    std::vector<const Shape*> shapes_;
+    std::vector<MeshDistance> meshes_;
+    double size_ = 0;
 };
 
 void find_roots(std::vector<Finding>& out, const Scene& scene) {
-    const AttachedSolids head{scene};
+    const SurfacesOfHead head(scene);
     if (!head.any()) return;
     const auto& hair = scene.groom.rest;
     std::vector<double> away, deep;
@@ -67,10 +71,15 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
         if (phi < 0) deep.push_back(-phi);
         for (const Vec3d& x : {root, tip}) low = lower(low, x), high = upper(high, x);
     }
-    const double median = middle(away), most = *std::max_element(away.begin(), away.end());
-    const std::string place =
-        fmt::format("roots lie {} from the head in the median, {} at most; {} of {} below its surface",
-                    in_millimetres(median), in_millimetres(most), deep.size(), hair.count);
+    const auto farthest = std::max_element(away.begin(), away.end());
+    const int strand = int(farthest - away.begin());
+    const double median = middle(away), most = *farthest;
+    const int number = origins_of(scene.groom)[size_t(strand)].number;
+    const std::string place = fmt::format(
+        "roots lie {} from the head in the median, {} at most (strand {}); {} of {} below its surface{}",
+        in_millimetres(median), in_millimetres(most), number, deep.size(), hair.count,
+        deep.empty() ? ""
+                     : ", by " + in_millimetres(*std::max_element(deep.begin(), deep.end())) + " at most");
     const bool tips_first = double(nearer_tips) > 0.5 * hair.count;
     if (tips_first)
         out.push_back(
@@ -94,29 +103,24 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
                        "units of the [[solid]] that is the head"});
 }
 
-void find_meshes(std::vector<Finding>& out, const Scene& scene) {
+// Hair that lies on a mesh that deforms, and does not ride on it.
+void find_riding(std::vector<Finding>& out, const Scene& scene) {
+    if (scene.riding || scene.has_solid_with_roots()) return;
+    constexpr double on_it = 0.01;  // [m]
     for (const auto& solid : scene.solids) {
-        const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&solid.shape);
-        if (!level_set || !*level_set) continue;
-        const Mesh& mesh = (*level_set)->mesh();
-        if (const int open = boundary_edges(mesh))
+        if (!solid.deformation) continue;
+        const MeshDistance surface(solid.deformation->rest());
+        const Pose pose = solid.motion.at(0);
+        std::vector<double> away;
+        for (const Vec3d& root : roots_of(scene.groom.rest))
+            away.push_back(surface.closest(pose.inverse(root)).distance);
+        if (middle(away) < on_it)
             out.push_back(
-                {Level::note, "open_mesh",
-                 fmt::format(
-                     "{}: the mesh has {} open edges; what is inside is told by the winding of its faces",
-                     solid.name, open),
-                 ""});
-        std::set<std::array<int, 3>> seen;
-        size_t doubled = 0;
-        for (auto corners : mesh.triangles) {
-            std::sort(corners.begin(), corners.end());
-            doubled += !seen.insert(corners).second;
-        }
-        if (doubled)
-            out.push_back({Level::warning, "doubled_faces",
-                           fmt::format("{}: {} of {} faces are there twice", solid.name, doubled,
-                                       mesh.triangles.size()),
-                           ""});
+                {Level::warning, "roots_off_head",
+                 fmt::format("roots lie {} from [[solid]] '{}' in the median, which deforms, and do "
+                             "not move with it",
+                             in_millimetres(middle(away)), solid.name),
+                 fmt::format("scalp = \"{}\" in [groom]", solid.name)});
     }
 }
 
@@ -132,7 +136,9 @@ void find_water(std::vector<Finding>& out, const Scene& scene) {
 std::vector<Finding> findings_of(const Scene& scene) {
     std::vector<Finding> out = scene.groom_findings;
     find_roots(out, scene);
-    find_meshes(out, scene);
+    find_riding(out, scene);
+    for (const auto& solid : scene.solids)
+        out.insert(out.end(), solid.findings.begin(), solid.findings.end());
     find_water(out, scene);
     return out;
 }

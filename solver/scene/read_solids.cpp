@@ -1,8 +1,10 @@
 // Reading [[solid]].
 #include "solver/scene/read_solids.h"
 
-#include <cmath>
+#include <fmt/format.h>
+
 #include <filesystem>
+#include <utility>
 
 #include "base/geometry/bust.h"
 #include "base/log.h"
@@ -23,62 +25,103 @@ enum class Hair { elsewhere, may_grow, grows };
 FileFrame frame_of(const Table& t, const SolidTable& read, const std::string& file, const FileAxes& said,
                    const Mesh& mesh, Hair hair, const std::vector<Vec3d>& roots) {
     FileFrame out{1, "y", rotation_of(read.rotation), read.scale, read.offset};
+    const std::string where = t.where("file") + ": " + file + ": ";
+    const bool open_up = read.up == "auto" && !said.up,
+               open_unit = read.units == "auto" && !said.metres_per_unit;
     if (read.up != "auto")
         out.up = read.up;
     else if (said.up && *said.up != 'y')
         out.up = *said.up, log_info(file + ": says that " + out.up + " points up");
-    const bool open = read.units == "auto";
-    if (!open) {
+    if (read.units != "auto") {
         out.metres = metres_of(read.units);
     } else if (said.metres_per_unit) {
         out.metres = *said.metres_per_unit;
         if (out.metres != 1) log_info(file + ": says that its unit is " + std::to_string(out.metres) + " m");
-    } else if (hair != Hair::elsewhere || t.has("units")) {
-        Mesh placed = mesh;
+    }
+    const bool by_roots = hair != Hair::elsewhere && !roots.empty();
+    if (!by_roots && !(open_unit && (hair == Hair::grows || t.has("units")))) return out;
+    const std::vector<std::string> units =
+        open_unit ? std::vector<std::string>{"m", "cm", "mm"} : std::vector<std::string>{"m"};
+    const auto unit_if = [&](const std::string& up) {
         FileFrame at_origin = out;
-        at_origin.offset = {0, 0, 0};
+        at_origin.up = up, at_origin.offset = {0, 0, 0};
+        Mesh placed = mesh;
         at_origin.place(placed.vertices);
+        if (!by_roots) return guessed_unit(placed);
         std::vector<Vec3d> around;
         for (const Vec3d& root : roots) around.push_back(root - out.offset);
-        const Guess guess = guessed_unit(placed, hair != Hair::elsewhere ? around : std::vector<Vec3d>{});
-        if (guess.word.empty() && hair != Hair::grows && !t.has("units")) return out;
-        if (guess.word.empty())
-            log_warning(t.where("file") + ": " + file + ": units not given, and none of m, cm, mm " +
-                        (roots.empty() ? "makes it as large as a head or a body"
-                                       : "brings it to the roots of the hair") +
-                        "; took m");
-        else if (out.metres = metres_of(guess.word); out.metres != 1 || t.has("units"))
-            log_warning(t.where("file") + ": " + file + ": units not given, guessed " + guess.word + " (" +
-                        guess.reason + "); say units = \"" + guess.word + "\" to be sure");
+        return guessed_unit(placed, around, units);
+    };
+    Guess unit = unit_if(out.up);
+    constexpr double on_it = 0.01;  // [m]
+    if (by_roots && open_up && (unit.word.empty() || unit.away > on_it))
+        if (const Guess turned = unit_if("z"); !turned.word.empty() && turned.away < on_it &&
+                                               (unit.word.empty() || turned.away < 0.5 * unit.away)) {
+            unit = turned, out.up = "z";
+            log_warning(where + "up axis not given, guessed z (" + unit.reason +
+                        "); up = \"z\" in the [[solid]] says so");
+        }
+    if (!open_unit) return out;
+    if (!unit.word.empty()) {
+        out.metres = metres_of(unit.word);
+        if (out.metres != 1 || t.has("units"))
+            log_warning(where + "units not given, guessed " + unit.word + " (" + unit.reason +
+                        "); units = \"" + unit.word + "\" in the [[solid]] says so");
+    } else if (hair == Hair::grows || t.has("units")) {
+        log_warning(
+            where + "units not given, and none of m, cm, mm " +
+            (by_roots ? "brings it to the roots of the hair" : "makes it as large as a head or a body") +
+            "; took m");
     }
     return out;
 }
 
-// Says what was mended, and where nothing tells inside from outside.
-void judge(const Table& t, const std::string& file, const Winding& winding, const Mesh& mesh,
-           double spacing) {
-    if (winding.changed()) log_info(file + ": " + winding.text());
-    const double apart = 0.5 * (spacing > 0 ? spacing : usual_spacing(bounding_box(mesh)));
+using Level = Finding::Level;
+
+// Adds what was mended of a mesh, and where nothing tells inside from outside.
+void judge(Solid& solid, const std::string& file, const Winding& winding, const Mesh& mesh) {
+    const auto add = [&](Level level, const char* name, const std::string& text, const std::string& remedy) {
+        solid.findings.push_back(
+            {level, name, "[[solid]] '" + solid.name + "', " + file + ": " + text, remedy});
+    };
+    const std::string all = " of " + std::to_string(mesh.triangles.size() + winding.doubled) + " faces ";
+    if (winding.doubled)
+        add(Level::warning, "doubled_faces",
+            std::to_string(winding.doubled) + all + "are there twice; each is taken once", "");
+    if (winding.turned)
+        add(Level::warning, "turned_faces",
+            std::to_string(winding.turned) + all + "are turned against the others; they are turned round",
+            "");
+    if (winding.no_area)
+        add(Level::note, "no_area",
+            std::to_string(winding.no_area) + all + "have no area and count for nothing", "");
+    if (winding.open)
+        add(Level::note, "open_mesh",
+            std::to_string(winding.open) +
+                " edges are open; what is inside is told by the winding of the faces",
+            "");
+    const double apart = 0.5 * (solid.spacing > 0 ? solid.spacing : usual_spacing(bounding_box(mesh)));
     if (!(apart > 0)) return;  // the level set refuses it
     const double unclear = share_without_sides(mesh, apart);
     if (unclear < 0.02) return;
-    log_warning(
-        t.where("shape") + ": " + file + ": on " + std::to_string(int(std::lround(100 * unclear))) +
-        " % of the surface nothing tells inside from outside, and hair passes through it there: it is a "
-        "sheet, a shell thinner than " +
-        std::to_string(1000 * apart) + " mm, or open; a closed surface collides");
+    add(Level::warning, "no_inside",
+        fmt::format(
+            "on {:.0f} % of the surface nothing tells inside from outside, and hair passes through it "
+            "there: it is a sheet, a shell thinner than {:.2g} mm, or open",
+            100 * unclear, 1000 * apart),
+        "spacing of that [[solid]], if it is a shell; else a closed surface");
 }
 
-Mesh wound(const Table& t, const std::string& file, const Mesh& mesh, double spacing) {
+Mesh wound(Solid& solid, const std::string& file, const Mesh& mesh) {
     Winding winding;
     Mesh out = consistently_wound(mesh, &winding);
-    judge(t, file, winding, out, spacing);
+    judge(solid, file, winding, out);
     return out;
 }
-void wind(const Table& t, const std::string& file, Deformation& deformation, double spacing) {
+void wind(Solid& solid, const std::string& file, Deformation& deformation) {
     Winding winding;
     deformation.wind(winding);
-    judge(t, file, winding, deformation.at(0), spacing);
+    judge(solid, file, winding, deformation.at(0));
 }
 
 Shape level_set_of(const Table& t, const SolidTable& read, Mesh mesh) {
@@ -89,8 +132,14 @@ Shape level_set_of(const Table& t, const SolidTable& read, Mesh mesh) {
     }
 }
 
+// The pose in which the hair was made, in units of the file: there its roots lie on the mesh.
+Mesh rest_of(const Table& t, const SolidTable& read) {
+    if (!std::filesystem::exists(read.rest)) t.fail("rest", "no file '" + read.rest + "'");
+    return read_mesh(read.rest, 1);
+}
+
 void read_animated(Solid& solid, const Table& t, const SolidTable& read, Hair hair,
-                   const AroundSolids& around, const ShotCuts& cuts) {
+                   const AroundSolids& around) {
     const double fps = read.file_fps.value_or(around.fps);
     std::unique_ptr<MeshFrames> frames;
     try {
@@ -99,43 +148,43 @@ void read_animated(Solid& solid, const Table& t, const SolidTable& read, Hair ha
         t.fail("file", e.what());
     }
     Mesh first{frames->vertices(0), frames->triangles()};
-    const FileFrame frame = frame_of(t, read, read.file, frames->axes(), first, hair, around.roots);
+    const FileFrame frame = frame_of(t, read, read.file, frames->axes(),
+                                     read.rest.empty() ? first : rest_of(t, read), hair, around.roots);
     if (frames->times().size() == 1 && read.rest.empty()) {
         frame.place(first.vertices);
-        solid.shape = level_set_of(t, read, wound(t, read.file, first, read.spacing));
+        solid.shape = level_set_of(t, read, wound(solid, read.file, first));
         return;
     }
     const double begin = read.first_file_frame ? *read.first_file_frame / fps : frames->times().front();
     log_info(read.file + ": " + std::to_string(frames->times().size()) + " frames from " +
              std::to_string(frames->times().front()) + " s to " + std::to_string(frames->times().back()) +
              " s; the scene begins at " + std::to_string(begin) + " s of it");
-    auto deformation = std::make_shared<Deformation>(std::move(frames), frame, begin, cuts);
-    if (!read.rest.empty()) {
-        if (!std::filesystem::exists(read.rest)) t.fail("rest", "no file '" + read.rest + "'");
-        deformation->rest_as(read_mesh(read.rest, 1), read.rest);
-    }
-    wind(t, read.file, *deformation, read.spacing);
+    auto deformation = std::make_shared<Deformation>(std::move(frames), frame, begin);
+    if (!read.rest.empty()) deformation->rest_as(rest_of(t, read), read.rest);
+    wind(solid, read.file, *deformation);
     solid.deformation = deformation;
 }
 
 void read_mesh_solid(Solid& solid, const Table& t, const SolidTable& read, Hair hair,
-                     const AroundSolids& around, const ShotCuts& cuts) {
+                     const AroundSolids& around) {
     solid.spacing = read.spacing;
     if (const auto mesh = around.brought.find(solid.name); mesh != around.brought.end()) {
         if (t.has("mesh") || t.has("file"))
             t.fail(t.has("file") ? "file" : "mesh", "the mesh of '" + solid.name + "' comes from the caller");
-        solid.driven = std::make_shared<Deformation>(wound(t, "mesh in memory", mesh->second, read.spacing));
-        solid.deformation = solid.driven;
+        solid.driven = true;
+        solid.deformation =
+            std::make_shared<Deformation>(wound(solid, "mesh in memory", mesh->second));
         return;
     }
     if (!t.has("mesh") && read.file.empty())
         t.fail("shape",
-               "'mesh' needs file = \"….obj\" or \"….ply\", or [[solid.mesh]] tables to deform between");
+               "'mesh' needs file = \"….obj\", \"….ply\" or \"….glb\", or [[solid.mesh]] tables to deform "
+               "between");
     const bool animated = !t.has("mesh") && names_frames(read.file);
     for (const char* of_frames : {"object", "file_fps", "first_file_frame"})
         if (!animated && t.has(of_frames))
             t.fail(of_frames, "belongs to an animated file, .abc, .usda or numbered as body.####.obj");
-    if (animated) return read_animated(solid, t, read, hair, around, cuts);
+    if (animated) return read_animated(solid, t, read, hair, around);
     if (t.has("mesh")) {
         if (t.has("file"))
             t.fail("file",
@@ -145,20 +194,22 @@ void read_mesh_solid(Solid& solid, const Table& t, const SolidTable& read, Hair 
         read_parameters(first, MeshKeyframeTable::parameters, keys.front());
         FileFrame frame{1, "y", rotation_of(read.rotation), read.scale, read.offset};
         if (!first.file.empty())
-            frame =
-                frame_of(t, read, first.file, {}, mesh_of(keys.front(), first.file, 1), hair, around.roots);
-        auto deformation = std::make_shared<Deformation>(t, frame, cuts);
-        if (!read.rest.empty()) deformation->rest_as(read_mesh(read.rest, 1), read.rest);
-        wind(t, first.file, *deformation, read.spacing);
+            frame = frame_of(t, read, first.file, axes_of_mesh(first.file),
+                             read.rest.empty() ? mesh_of(keys.front(), first.file, 1) : rest_of(t, read),
+                             hair, around.roots);
+        auto deformation = std::make_shared<Deformation>(t, frame);
+        if (!read.rest.empty()) deformation->rest_as(rest_of(t, read), read.rest);
+        wind(solid, first.file, *deformation);
         solid.deformation = deformation;
         return;
     }
     if (!read.rest.empty()) t.fail("rest", "is the pose of a mesh that deforms in which its hair was made");
-    Mesh mesh = mesh_of(t, read.file, read.units == "auto" ? 1 : metres_of(read.units));
-    FileFrame frame = frame_of(t, read, read.file, {}, mesh, hair, around.roots);
-    if (read.units != "auto") frame.metres = 1;
+    FileFrame frame =
+        frame_of(t, read, read.file, axes_of_mesh(read.file), mesh_of(t, read.file, 1), hair, around.roots);
+    // Units are taken as numbers are read, in double precision.
+    Mesh mesh = mesh_of(t, read.file, std::exchange(frame.metres, 1));
     frame.place(mesh.vertices);
-    solid.shape = level_set_of(t, read, wound(t, read.file, mesh, read.spacing));
+    solid.shape = level_set_of(t, read, wound(solid, read.file, mesh));
 }
 
 Solid read_solid(const Table& t, size_t index, const AroundSolids& around) {
@@ -174,8 +225,6 @@ Solid read_solid(const Table& t, size_t index, const AroundSolids& around) {
         solid.motion = Motion(t.table("motion"));
         solid.cuts = cuts_of(t.table("motion"), around.fps);
     }
-    const ShotCuts cuts = around.cuts.joined(solid.cuts);
-    solid.motion.rest_at(cuts);
     if (read.shape != "mesh" && around.brought.contains(solid.name))
         t.fail("shape", "found '" + read.shape + "' for a mesh that the caller brings, allowed is mesh");
     if (read.shape == "sphere") solid.shape = Sphere{read.radius};
@@ -189,7 +238,7 @@ Solid read_solid(const Table& t, size_t index, const AroundSolids& around) {
                         solid.name == around.scalp ? Hair::grows
                         : solid.attached           ? Hair::may_grow
                                                    : Hair::elsewhere,
-                        around, cuts);
+                        around);
     return solid;
 }
 

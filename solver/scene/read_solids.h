@@ -41,8 +41,8 @@ struct SolidTable {
                          {"shape", "box"}),
          &SolidTable::half},
         {KeyRow::path("file", "[[solid.mesh]] tables",
-                      "Mesh: .obj or .ply keeps its shape; .abc, .usda, and numbered files as body.####.obj "
-                      "are animated.",
+                      "Mesh: .obj, .ply or .glb keeps its shape; .abc, .usda, and numbered files as "
+                      "body.####.obj are animated.",
                       "", of_mesh),
          &SolidTable::file},
         {KeyRow::text("object", "", "Path of one mesh in an .abc or .usda file, or of a group of them.", "",
@@ -57,16 +57,17 @@ struct SolidTable {
                          "Number of the animated file's frame that is frame 0 of the scene.", "", of_mesh)
              .without_default("the first in the file"),
          &SolidTable::first_file_frame},
-        {KeyRow::path("rest", "the mesh at frame 0",
-                      "Mesh, .obj or .ply, of the pose in which the hair was made, with the triangles of the "
-                      "animated one.",
-                      "", of_mesh),
+        {KeyRow::path(
+             "rest", "the mesh at frame 0",
+             "Mesh, .obj, .ply or .glb, of the pose in which the hair was made, with the triangles of "
+             "the animated one.",
+             "", of_mesh),
          &SolidTable::rest},
         {KeyRow::one_of("units", unit_words, "auto", "Unit of the numbers in the meshes.", "", of_mesh)
              .without_default("what the file says, else m; guessed where hair grows on it"),
          &SolidTable::units},
         {KeyRow::one_of("up", axis_words, "auto", "Axis that points up in the meshes.", "", of_mesh)
-             .without_default("what the file says, else y"),
+             .without_default("what the file says, else y; guessed where hair grows on it"),
          &SolidTable::up},
         {KeyRow::numbers("rotation", "degrees", {0, 0, 0}, -3600, 3600,
                          "Rotation of the meshes about x, then y, then z.", "", of_mesh),
@@ -93,9 +94,8 @@ struct SolidTable {
 // What the reading of solids sees of the scene.
 struct AroundSolids {
     double fps;
-    ShotCuts cuts;                               // of the shot
-    std::string scalp;                           // name of the solid that hair grows on; "": none
-    std::vector<Vec3d> roots;                    // [m]; empty: not known yet
+    std::string scalp;         // name of the solid that hair grows on; "": none
+    std::vector<Vec3d> roots;  // [m]; empty: not known yet
     const std::map<std::string, Mesh>& brought;  // meshes by name of solid [m], which a caller drives
 };
 

@@ -176,7 +176,6 @@ std::shared_ptr<const ScalpMesh> scalp_of(const Solid& solid) {
 void read_head(Scene& scene, const Table& t) {
     scene.motion = Motion(t);
     scene.cuts = cuts_of(t, scene.fps);
-    scene.motion.rest_at(scene.cuts);
     Preroll preroll;
     read_parameters(preroll, Preroll::parameters, t);
     scene.preroll = preroll.seconds;
@@ -206,7 +205,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     for (const auto& [name, mesh] : brought.meshes)
         if (std::ranges::find(solids, name) == solids.end())
             throw Misuse(root.where() + "found a mesh for [[solid]] '" + name + "', which is not there");
-    AroundSolids around{scene.fps, scene.cuts, name_of_scalp(g, solids), {}, brought.meshes};
+    AroundSolids around{scene.fps, name_of_scalp(g, solids), {}, brought.meshes};
     Solid* scalp = nullptr;
     const auto read_all = [&](const std::vector<Vec3d>& roots) {
         around.roots = roots;
@@ -246,6 +245,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     else if (options.strands)
         thinned(full, *options.strands, &scene.stride);
     scene.groom = coarsened(full, scene.stride, &kept);
+    if (!scalp) scalp = guessed_scalp(scene, full);
     if (scalp && scalp->deformation) ride(scene, *scalp, full, kept);
     survey(scene, full);
     if (const int taken = scene.groom.rest.count; options.strands && taken != *options.strands)

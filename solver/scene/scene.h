@@ -37,7 +37,7 @@ struct Integrator : Gravity {
     double settle = 0;  // [s] simulated before frame 0 with everything held at its first pose
     // Times its rest length: a longer edge ends the run. It does not act on the strands.
     double allow_stretch = 10;
-    double settle_after_cut = 0;  // [s] the same at each cut
+    double settle_after_cut = 0.5;  // [s] the same at each cut
     bool is_implicit() const { return kind != "explicit"; }
     static constexpr Parameter<Integrator> parameters[] = {
         {KeyRow::one_of(
@@ -59,7 +59,7 @@ struct Integrator : Gravity {
                         "diverged."),
          &Integrator::allow_stretch},
         {KeyRow::number(
-             "settle_after_cut", "s", 0, 0, 1000,
+             "settle_after_cut", "s", 0.5, 0, 1000,
              "Time simulated at each cut of [motion], with head and solids held at their pose then."),
          &Integrator::settle_after_cut},
     };
@@ -67,11 +67,12 @@ struct Integrator : Gravity {
 
 struct Solid {
     std::string name;
-    Shape shape;                                     // of a rigid one
-    std::shared_ptr<const Deformation> deformation;  // in its place; null: rigid
-    std::shared_ptr<Deformation> driven;             // the same, where a caller brought the mesh
-    double spacing = 0;                              // [m] of a mesh's level set; 0: the usual one
+    Shape shape;                               // of a rigid one
+    std::shared_ptr<Deformation> deformation;  // in its place; null: rigid
+    bool driven = false;                       // a caller brought it and moves its vertices
+    double spacing = 0;                        // [m] of a mesh's level set; 0: the usual one
     Bounds region{{0, 0, 0}, {0, 0, 0}};  // [m] of a mesh that deforms: where it is at any time of the run
+    std::vector<Finding> findings;        // of its mesh
     Motion motion;
     ShotCuts cuts;               // its own, beside those of the shot
     bool attached = false;       // to the head
@@ -234,7 +235,11 @@ Bounds reach_of_roots(const Strands& hair);
 void ride(Scene& scene, Solid& solid, const Groom& full, const std::vector<int>& kept);
 // A caller drives each root; until then they rest where the head is at time 0.
 void drive_roots(Scene& scene);
-// Finds Solid::region of what deforms, and Riding::reach; warns of what looks like a cut that is not written.
+// The solid on which the roots of `full` ride though `[groom] scalp` names none: the one attached to the head
+// that deforms, where they lie on it. Warns that it is a guess. Null: none.
+Solid* guessed_scalp(Scene& scene, const Groom& full);
+// Finds Solid::region of what deforms, and Riding::reach; and cuts where the scene does not say them, with a
+// warning. Then all that moves comes to rest at its cuts.
 void survey(Scene& scene, const Groom& full);
 
 // What a caller brings along in memory.

@@ -79,6 +79,51 @@ std::string binary_ply(const char* coordinate, const char* list) {
     return out;
 }
 
+// Triangles of the pyramid under two nodes: one turns by a quarter about y and makes it half as large, the
+// other moves it; positions are 16 bytes apart, indices of two bytes.
+std::string glb(const char* more = "") {
+    std::string binary;
+    for (const auto& p : points) {
+        for (const float x : {2 * -p[2], 2 * (p[1] - 1), 2 * p[0]}) put(binary, x);
+        put(binary, 0.f);
+    }
+    int corners = 0;
+    for (const auto& f : faces)
+        for (size_t k = 1; k + 1 < f.size(); ++k)
+            for (const size_t c : {size_t(0), k, k + 1}) put(binary, uint16_t(f[c])), ++corners;
+    binary.resize((binary.size() + 3) / 4 * 4);
+    std::string json =
+        std::string(
+            R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[1]}],"nodes":[)"
+            R"({"mesh":0,"scale":[0.5,0.5,0.5],"rotation":[0,0.70710678118654752,0,0.70710678118654752]},)"
+            R"({"children":[0],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,1,0,1]}],"meshes":[{"primitives":[)"
+            R"({"attributes":{"POSITION":0},"indices":1}]}],"accessors":[)"
+            R"({"bufferView":0,"componentType":5126,"count":5,"type":"VEC3"},)"
+            R"({"bufferView":1,"componentType":5123,"count":)") +
+        std::to_string(corners) +
+        R"(,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteLength":80,"byteStride":16},)"
+        R"({"buffer":0,"byteOffset":80,"byteLength":36}],"buffers":[{"byteLength":116}])" +
+        more + "}";
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    std::string out = "glTF";
+    put(out, uint32_t(2)), put(out, uint32_t(28 + json.size() + binary.size()));
+    put(out, uint32_t(json.size())), out += "JSON" + json;
+    put(out, uint32_t(binary.size())), out += std::string("BIN\0", 4) + binary;
+    return out;
+}
+
+TEST(MeshFiles, glb_names_what_it_does_not_read) {
+    const Scratch scratch;
+    expect_error(
+        [&] {
+            read_mesh(scratch.file("m.glb", glb(R"(,"extensionsRequired":["KHR_draco_mesh_compression"])")),
+                      1);
+        },
+        {"m.glb", "KHR_draco_mesh_compression", "without compression"});
+    expect_error([&] { read_mesh(scratch.file("m.glb", "{\"asset\": {}, \"scene\": 0}"), 1); },
+                 {"m.glb", "glTF"});
+}
+
 TEST(MeshFiles, all_readers_agree) {
     const Scratch scratch;
     const std::vector<std::string> files{
@@ -88,13 +133,14 @@ TEST(MeshFiles, all_readers_agree) {
         scratch.file("negative.obj", obj_text("negative")),
         scratch.file("ascii.ply", ascii_ply()),
         scratch.file("float.ply", binary_ply<float, uint8_t, int32_t>("float", "list uchar int")),
-        scratch.file("double.ply", binary_ply<double, int32_t, uint16_t>("double", "list int ushort"))};
+        scratch.file("double.ply", binary_ply<double, int32_t, uint16_t>("double", "list int ushort")),
+        scratch.file("nodes.glb", glb())};
     for (const auto& path : files) {
         const Mesh mesh = read_mesh(path, 0.01);
         ASSERT_EQ(mesh.vertices.size(), 5u) << path;
         for (size_t i = 0; i < 5; ++i)
             for (int axis = 0; axis < 3; ++axis)
-                EXPECT_FLOAT_EQ((&mesh.vertices[i].x)[axis], 0.01f * points[i][size_t(axis)]) << path;
+                EXPECT_NEAR((&mesh.vertices[i].x)[axis], 0.01f * points[i][size_t(axis)], 2e-9) << path;
         const std::vector<std::array<int, 3>> wanted{{0, 1, 2}, {0, 2, 3}, {1, 0, 4},
                                                      {2, 1, 4}, {3, 2, 4}, {0, 3, 4}};
         EXPECT_EQ(mesh.triangles, wanted) << path;
@@ -204,7 +250,8 @@ TEST(MeshFiles, missing_files_folders_foreign_names_and_bad_scales_are_errors) {
     expect_error([&] { read_mesh(scratch.path("none.obj"), 1); }, {"none.obj", "no such file"});
     std::filesystem::create_directory(scratch.path("folder.ply"));
     expect_error([&] { read_mesh(scratch.path("folder.ply"), 1); }, {"folder.ply", "cannot be read"});
-    expect_error([&] { read_mesh(scratch.file("m.stl", "solid"), 1); }, {"m.stl", "'.stl'", ".obj, .ply"});
+    expect_error([&] { read_mesh(scratch.file("m.stl", "solid"), 1); },
+                 {"m.stl", "'.stl'", ".obj, .ply, .glb"});
     const std::string good = scratch.file("m.obj", obj_text("v"));
     for (double scale : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
         expect_error([&] { read_mesh(good, scale); }, {"m.obj", "scale"});
@@ -220,27 +267,30 @@ TEST(MeshFiles, binary_ply_with_a_coordinate_that_is_no_number_is_an_error) {
 }
 
 // Wherever it is cut, an error or (for text, where nothing marks the end) a mesh; never a crash.
-TEST(MeshFiles, cut_anywhere_binary_ply_is_an_error) {
+TEST(MeshFiles, cut_anywhere_a_binary_file_is_an_error) {
     const Scratch scratch;
-    const std::string whole = binary_ply<float, uint8_t, int32_t>("float", "list uchar int");
-    for (size_t n = 0; n < whole.size(); ++n) {
-        const std::string path = scratch.file("cut.ply", whole.substr(0, n));
-        expect_error([&] { read_mesh(path, 1); }, {"cut.ply"});
+    const std::pair<const char*, std::string> files[] = {
+        {"cut.ply", binary_ply<float, uint8_t, int32_t>("float", "list uchar int")}, {"cut.glb", glb()}};
+    for (const auto& [name, whole] : files) {
+        for (size_t n = 0; n < whole.size(); ++n) {
+            const std::string path = scratch.file(name, whole.substr(0, n));
+            expect_error([&] { read_mesh(path, 1); }, {name});
+        }
+        EXPECT_NO_THROW(read_mesh(scratch.file(name, whole), 1));
     }
-    EXPECT_NO_THROW(read_mesh(scratch.file("cut.ply", whole), 1));
 }
 
 TEST(MeshFiles, with_any_byte_changed_a_file_is_a_mesh_or_an_error) {
     const Scratch scratch;
     int errors = 0;
-    for (const std::string& whole :
-         {obj_text("v/vt/vn"), ascii_ply(), binary_ply<float, uint8_t, int32_t>("float", "list uchar int")}) {
-        const bool is_ply = whole.rfind("ply", 0) == 0;
+    for (const std::string& whole : {obj_text("v/vt/vn"), ascii_ply(),
+                                     binary_ply<float, uint8_t, int32_t>("float", "list uchar int"), glb()}) {
+        const char* name = whole.starts_with("ply") ? "m.ply" : whole.starts_with("glTF") ? "m.glb" : "m.obj";
         for (size_t n = 0; n < whole.size(); n += 3)
             for (char c : {'\0', '-', '9', '\n', '\xff'}) {
                 std::string changed = whole;
                 changed[n] = c;
-                const std::string path = scratch.file(is_ply ? "m.ply" : "m.obj", changed);
+                const std::string path = scratch.file(name, changed);
                 try {
                     const Mesh mesh = read_mesh(path, 1);
                     for (const auto& t : mesh.triangles)

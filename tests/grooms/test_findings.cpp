@@ -74,11 +74,33 @@ TEST_F(Findings, tips_that_come_first_are_seen_and_turned) {
 }
 
 TEST_F(Findings, an_axis_that_is_up_is_guessed_by_the_fall_of_hair) {
-    StrandPoints strands = falling(200);
+    const StrandPoints upright = falling(200);
+    StrandPoints strands = upright;
     for (auto& strand : strands)
         for (auto& x : strand) x = {x.x, -x.z, x.y};  // z up
-    EXPECT_TRUE(found(strands).contains("up"));
+    EXPECT_EQ(found(strands), Names{"up"});
     EXPECT_EQ(found(strands, "up = \"z\""), Names{});
+    const Strands wanted = scene_of(upright).groom.rest, guessed = scene_of(strands).groom.rest;
+    ASSERT_EQ(guessed.count, wanted.count);
+    for (size_t k = 0; k < wanted.points.size(); ++k)
+        EXPECT_LT(norm(guessed.points[k] - wanted.points[k]), 1e-6f);
+    EXPECT_TRUE(found(strands, "up = \"y\"").contains("up"));
+}
+
+// Its roots lie on the upper side of a head that is drawn y up.
+TEST_F(Findings, hair_that_is_combed_back_does_not_turn_the_head) {
+    StrandPoints strands = falling(200);
+    for (auto& strand : strands)
+        for (auto& x : strand) {
+            const Vec3d root = strand.front(), way = x - root;
+            if (&x != &strand.front())
+                x = root + Vec3d{way.x, 0.3 * way.y, -std::abs(way.y) - std::abs(way.z)};
+        }
+    const Scene scene = scene_of(strands);
+    Vec3d highest{0, -1, 0};
+    for (int s = 0; s < scene.groom.rest.count; ++s)
+        if (const Vec3d root = cast<double>(scene.groom.rest.at(s, 0)); root.y > highest.y) highest = root;
+    EXPECT_GT(highest.y, 0.09);
 }
 
 TEST_F(Findings, stray_points_are_named_by_their_strand_and_left_out) {

@@ -2,9 +2,11 @@
 // meshes that are not as they should be.
 #include <cstdio>
 #include <filesystem>
+#include <map>
 
 #include "base/geometry/mesh_winding.h"
 #include "base/log.h"
+#include "solver/scene/findings.h"
 #include "tests/solver/characters.h"
 
 namespace wetcurl {
@@ -184,9 +186,10 @@ TEST(Characters, hair_begins_anew_at_a_cut) {
         }
         return std::array{spread, strain, speed};
     };
-    const auto [cut_spread, cut_strain, cut_speed] = widest_and_longest(scene_of(teleport + "cuts = [2]\n"));
+    const auto [cut_spread, cut_strain, cut_speed] =
+        widest_and_longest(scene_of(teleport + "cuts = [2]\n", {"integrator.settle_after_cut=0"}));
     const auto [still_spread, still_strain, still_speed] =
-        widest_and_longest(scene_of(teleport + "", {"motion.cuts=[2]", "integrator.settle_after_cut=0.5"}));
+        widest_and_longest(scene_of(teleport, {"motion.cuts=[2]"}));
     std::printf(
         "a cut of 15 m and a quarter turn: edges at most %.3f of rest, tips up to %.2f m/s and %.2f m from "
         "the head\n",
@@ -223,11 +226,24 @@ TEST(Characters, at_a_cut_each_strand_is_carried_with_its_root) {
     EXPECT_GT(norm(room.pose[0].translation), 2);
 }
 
-TEST(Characters, what_looks_like_a_cut_is_said) {
-    const std::string said = said_by([] { scene_of(teleport); });
-    for (const char* part : {"15.3 m", "frame 1 to frame 2", "cuts = [2]", "[motion]"})
+TEST(Characters, what_looks_like_a_cut_is_one_and_is_said) {
+    const std::string said = said_by([] {
+        EXPECT_EQ(scene_of(teleport).cuts.frames, std::vector<int>{2});
+        // However few frames follow.
+        EXPECT_EQ(scene_of(teleport, {"frames=2"}).cuts.frames, std::vector<int>{2});
+        EXPECT_TRUE(scene_of(teleport, {"frames=1"}).cuts.frames.empty());
+    });
+    for (const char* part : {"15.3 m", "frame 1 to frame 2", "guessed", "cuts = [2]", "[motion]"})
         EXPECT_NE(said.find(part), std::string::npos) << said;
-    EXPECT_EQ(said_by([] { scene_of(teleport + "cuts = [2]\n"); }).find("cuts ="), std::string::npos);
+    EXPECT_EQ(farthest(after(scene_of(teleport), 4).positions,
+                       after(scene_of(teleport + "cuts = [2]\n"), 4).positions),
+              0);
+    EXPECT_EQ(said_by([] { scene_of(teleport + "cuts = [2]\n"); }).find("cuts"), std::string::npos);
+    EXPECT_EQ(
+        said_by([] { EXPECT_TRUE(scene_of(teleport + "cuts = []\n").cuts.frames.empty()); }).find("cuts"),
+        std::string::npos);
+    EXPECT_NE(said_by([] { scene_of(teleport + "cuts = [7]\n"); }).find("does not name frame 2"),
+              std::string::npos);
     // A fast swing is none.
     EXPECT_EQ(said_by([] {
                   scene_of(dry_scene + "[motion]\nangle = 90\nperiod = 0.4\nshift = [0.4, 0, 0]\n");
@@ -241,9 +257,11 @@ TEST(Characters, a_solid_that_is_cut_to_elsewhere_strikes_nothing_on_its_way) {
         "[[solid.motion.keyframe]]\ntime = 0.1249\ntranslation = [1, 0, -0.1]\n[solid.motion]\n";
     const Strands still = after(scene_of(dry_scene), 8).positions,
                   cut = after(scene_of(dry_scene + ball + "cuts = [3]\n"), 8).positions,
-                  struck = after(scene_of(dry_scene + ball), 8).positions;
+                  struck = after(scene_of(dry_scene + ball + "cuts = []\n"), 8).positions,
+                  found = after(scene_of(dry_scene + ball), 8).positions;
     ASSERT_GT(farthest(struck, still), 0.01);
     EXPECT_LT(farthest(cut, still), 1e-4);
+    EXPECT_EQ(farthest(found, cut), 0);
 }
 
 // --- preroll
@@ -329,6 +347,70 @@ TEST(Characters, a_body_that_walks_keeps_hair_out_of_it) {
     std::printf("a body that walks 3 m: hair at most %.3g mm in it\n", 1000 * deepest);
     EXPECT_LT(nearest, 2e-3);  // hair lies on it
     EXPECT_LT(deepest, 2e-3);
+}
+
+// --- what is not said
+
+TEST(Characters, hair_on_a_head_that_deforms_rides_on_it_unsaid_and_this_is_said) {
+    const Scratch scratch;
+    const Mesh ball = triangulated(Sphere{0.1}, 24);
+    const Warp aside = [](const Vec3d& x, double time) { return x + Vec3d{0.15 * time, 0, 0}; };
+    const std::string groom = standing(scratch, on_top(), 0.1, 10, "head") + weightless + springs,
+                      unsaid =
+                          [&] {
+                              std::string text = groom;
+                              const size_t at = text.find("scalp = \"head\"\n");
+                              return text.erase(at, text.find('\n', at) + 1 - at);
+                          }(),
+                      head =
+                          "[[solid]]\nname = \"head\"\nattached = \"head\"\nshape = \"mesh\"\nspacing = "
+                          "0.02\n" +
+                          mesh_keyframes(scratch, ball, aside, 1, 2);
+    const std::string said = said_by([&] {
+        const Scene scene = scene_of("frames = 8\n" + unsaid + head);
+        EXPECT_TRUE(scene.riding);
+        // Strands in the order of their file: a scalp lays them on another grid.
+        const auto in_order = [](const Scene& of) {
+            const Strands there = after(of, 8).positions;
+            std::map<int, Vec3f> tips;
+            for (int s = 0; s < there.count; ++s)
+                tips[of.groom.origin[size_t(s)].number] = there.at(s, there.particles - 1);
+            return tips;
+        };
+        const auto tips = in_order(scene), told = in_order(scene_of("frames = 8\n" + groom + head));
+        for (const auto& [number, tip] : tips) EXPECT_LT(norm(tip - told.at(number)), 1e-6f) << number;
+    });
+    for (const char* part : {"guessed", "scalp = \"head\"", "mm from"})
+        EXPECT_NE(said.find(part), std::string::npos) << said;
+    // Apart from a head nothing is guessed, and a finding says what is missing.
+    std::string apart = head;
+    apart.replace(apart.find("attached = \"head\"\n"), 18, "");
+    const Scene scene = scene_of("frames = 8\n" + unsaid + apart);
+    EXPECT_FALSE(scene.riding);
+    const auto findings = findings_of(scene);
+    EXPECT_TRUE(std::any_of(findings.begin(), findings.end(),
+                            [](const Finding& f) { return f.remedy == "scalp = \"head\" in [groom]"; }));
+}
+
+TEST(Characters, findings_name_what_is_wrong_with_a_mesh) {
+    const Scratch scratch;
+    Mesh mesh = triangulated(Sphere{0.1}, 24);
+    const auto once = mesh.triangles;
+    for (const auto& t : once) mesh.triangles.push_back({t[0], t[2], t[1]});
+    const Mesh sheet{{{0, 0, 0}, {0.1f, 0, 0}, {0, 0, 0.1f}, {0.1f, 0.02f, 0.1f}}, {{0, 1, 2}, {1, 3, 2}}};
+    const Scene scene = scene_of(
+        "[groom]\ngrid = [4, 4]\n[stretch]\n[[solid]]\nname = \"skull\"\nspacing = "
+        "0.02\nshape = \"mesh\"\nfile = \"" +
+        scratch.file("skull.obj", obj_of(mesh)) +
+        "\"\n[[solid]]\nname = \"cape\"\nspacing = 0.02\nshape = \"mesh\"\nfile = \"" +
+        scratch.file("cape.obj", obj_of(sheet)) + "\"\n");
+    std::string all;
+    for (const Finding& finding : findings_of(scene)) all += described(finding) + "\n";
+    const std::string counts = std::to_string(once.size()) + " of " + std::to_string(2 * once.size());
+    for (const std::string& part : {std::string("doubled_faces: [[solid]] 'skull'"), counts,
+                                    std::string("no_inside: [[solid]] 'cape'")})
+        EXPECT_NE(all.find(part), std::string::npos) << all;
+    EXPECT_EQ(all.find("no_inside: [[solid]] 'skull'"), std::string::npos) << all;
 }
 
 // --- units and axes
