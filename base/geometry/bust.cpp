@@ -54,8 +54,9 @@ double face(const Vec3d& x, const Vec3d& side) {  // side: |x| in place of x
     d = joined(d, ball(side, {0.030, -0.023, 0.070}, 0.0125), 0.004);
     d = joined(d, cone(x, {0, -0.014, 0.086}, {0, -0.052, 0.104}, 0.0055, 0.0085), 0.010);  // nose
     d = joined(d, ball(side, {0.0095, -0.056, 0.094}, 0.0070), 0.008);
-    d = joined(d, ellipsoid(side - Vec3d{0.006, -0.0785, 0.0845}, {0.019, 0.0048, 0.0085}), 0.005);  // lips
-    d = joined(d, ellipsoid(x - Vec3d{0, -0.0885, 0.0835}, {0.020, 0.0055, 0.0085}), 0.005);
+    d = joined(d, ellipsoid(side - Vec3d{0.005, -0.0770, 0.0790}, {0.017, 0.0055, 0.0085}), 0.006);  // lips
+    d = joined(d, ellipsoid(x - Vec3d{0, -0.0885, 0.0775}, {0.017, 0.0065, 0.0090}), 0.006);
+    d = carved(d, ellipsoid(x - Vec3d{0, -0.0822, 0.0900}, {0.022, 0.0016, 0.0060}), 0.003);  // between them
     return d;
 }
 
@@ -90,7 +91,7 @@ Vec3d gradient(const Vec3d& x) {
 double bust_at(const Vec3d& x, double radius) { return radius / skull * at_usual_size((skull / radius) * x); }
 
 Mesh bust_mesh(double radius, double spacing) {
-    if (spacing == 0) spacing = radius / 27;
+    if (spacing == 0) spacing = radius / 36;
     if (!(radius > 0 && spacing > 0)) throw Error("a bust: radius and spacing must be above 0");
     const double h = spacing * skull / radius;
     const Vec3d low{-0.235, -0.36, -0.145}, high{0.235, 0.115, 0.135};
