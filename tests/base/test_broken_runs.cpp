@@ -188,7 +188,7 @@ TEST(BrokenRun, on_a_full_disk_keeps_its_frames_and_goes_on_when_there_is_room) 
     const pid_t process = fork();
     if (process == 0) {
         signal(SIGXFSZ, SIG_IGN);
-        const rlimit most{60'000, 60'000};
+        const rlimit most{400'000, 400'000};
         setrlimit(RLIMIT_FSIZE, &most);
         int status = 1;
         try {
