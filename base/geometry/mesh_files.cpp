@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "base/geometry/mesh_glb.h"
+#include "base/geometry/polygon_fan.h"
 #include "base/lfs_pointer.h"
 
 namespace wetcurl {
@@ -116,8 +117,12 @@ class MeshBuilder {
             if (c < 0 || c >= (long long)mesh_.vertices.size())
                 fail(where, "vertex index out of range: found number " + std::to_string(c + 1) + " of " +
                                 std::to_string(mesh_.vertices.size()) + " vertices");
-        for (size_t k = 1; k + 1 < corners.size(); ++k) {
-            const std::array<int, 3> t{int(corners[0]), int(corners[k]), int(corners[k + 1])};
+        keys_.clear();
+        for (long long c : corners) keys_.push_back(key_of(mesh_.vertices[size_t(c)]));
+        const size_t start = fans_.start_of(keys_), n = corners.size();
+        for (size_t k = 1; k + 1 < n; ++k) {
+            const std::array<int, 3> t{int(corners[start]), int(corners[(start + k) % n]),
+                                       int(corners[(start + k + 1) % n])};
             // A repeated corner spans no surface.
             if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) mesh_.triangles.push_back(t);
         }
@@ -133,8 +138,17 @@ class MeshBuilder {
 
   private:
     static constexpr double farthest = 1e6;  // [m]; beyond, single precision has no millimetres to spare
+    // Equal for vertices of the same place.
+    static uint64_t key_of(const Vec3f& x) {
+        uint64_t key = 0;
+        for (const float c : {x.x + 0.f, x.y + 0.f, x.z + 0.f})  // -0 is 0
+            key = PolygonFans::mixed(key ^ std::bit_cast<uint32_t>(c));
+        return key;
+    }
     double scale_;
     Mesh mesh_;
+    PolygonFans fans_;
+    std::vector<uint64_t> keys_;  // of a polygon's corners
 };
 
 // "7", "7/1", "7//3", "-1/-1/-1": the vertex, counted from 0.
@@ -145,6 +159,8 @@ long long obj_corner(std::string_view word, long long vertices, const std::strin
 }
 
 Mesh read_obj(std::string_view text, const std::string& path, double scale) {
+    // 3ds Max ends a text with a NUL.
+    while (text.ends_with('\0')) text.remove_suffix(1);
     MeshBuilder mesh(scale);
     Lines lines(text, path);
     std::vector<long long> corners;

@@ -1,6 +1,6 @@
 // Meshes of .glb files: the triangles of all nodes of the scene, placed by the nodes. Khronos, glTF 2.0
-// Specification, sections 3.5 (nodes), 3.6 (accessors), 3.7.2 (meshes), 4.4 (layout of .glb). Skins, morph targets
-// and animations are not read.
+// Specification, sections 3.5 (nodes), 3.6 (accessors), 3.7.2 (meshes), 4.4 (layout of .glb). Skins, morph
+// targets and animations are not read.
 #include "base/geometry/mesh_glb.h"
 
 #include <cmath>
@@ -61,8 +61,7 @@ class Glb {
     Mesh mesh() {
         std::vector<char> is_child(count("nodes"), 0);
         for (size_t n = 0; n < is_child.size(); ++n)
-            for (const json& child : list(at("nodes", n), "children"))
-                is_child.at(child.get<size_t>()) = 1;
+            for (const json& child : list(at("nodes", n), "children")) is_child.at(child.get<size_t>()) = 1;
         if (count("scenes") > 0) {
             for (const json& node : list(at("scenes", root_.value("scene", size_t(0))), "nodes"))
                 add_node(node.get<size_t>(), {});
@@ -142,8 +141,8 @@ class Glb {
             constexpr double farthest = 1e6;  // [m]; beyond, single precision has no millimetres to spare
             for (const double c : {placed.x, placed.y, placed.z})
                 if (!(std::abs(c) <= farthest))
-                    fail("vertex " + std::to_string(k) + ": coordinate " + std::to_string(c) + " m, allowed up to " +
-                         std::to_string(int(farthest)) + " m from the origin");
+                    fail("vertex " + std::to_string(k) + ": coordinate " + std::to_string(c) +
+                         " m, allowed up to " + std::to_string(int(farthest)) + " m from the origin");
             mesh_.vertices.push_back(cast<float>(placed));
         }
         std::vector<size_t> corners;

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <map>
 
+#include "base/geometry/polygon_fan.h"
+
 namespace wetcurl {
 
 namespace {
@@ -94,8 +96,10 @@ class SceneFileFrames final : public MeshFrames {
         for (const size_t k : objects_)
             if (meshes[k].times.size() > times_.size()) times_ = meshes[k].times;
         int first = 0;
+        std::vector<uint64_t> keys;
         for (const size_t k : objects_) {
             const MeshObject& mesh = meshes[k];
+            PolygonFans fans;
             // What is sampled once stays as it is.
             if (mesh.times.size() > 1 && mesh.times != times_)
                 throw Error(path +
@@ -104,8 +108,12 @@ class SceneFileFrames final : public MeshFrames {
                             listed);
             size_t corner = 0;
             for (const int count : mesh.counts) {
+                keys.assign(mesh.corners.begin() + long(corner), mesh.corners.begin() + long(corner) + count);
+                const int start = int(fans.start_of(keys));
                 for (int c = 1; c + 1 < count; ++c) {
-                    const auto at = [&](int which) { return first + mesh.corners[corner + size_t(which)]; };
+                    const auto at = [&](int which) {
+                        return first + mesh.corners[corner + size_t((start + which) % count)];
+                    };
                     const std::array<int, 3> t{at(0), at(c), at(c + 1)};
                     if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles_.push_back(t);
                 }

@@ -233,7 +233,15 @@ void SimulationOf<H>::begin_anew(double time, const std::function<void()>& move)
     hair_.head = head, hair_.first = true;
     hair_.give_state();
     if (surfaces_) surfaces_->hold(time);
-    settle(scene_.integrator.settle_after_cut);
+    // Hair that hangs swings for longer than that: it loses its velocity again and again, and rests at last.
+    constexpr int rests = 8;
+    for (int k = 0; k < rests && scene_.integrator.settle_after_cut > 0; ++k) {
+        settle(scene_.integrator.settle_after_cut / rests);
+        hair_.fetch(), hair_.fetch_history();
+        hair_.state.carry([](size_t) { return Pose{}; });
+        hair_.first = true;
+        hair_.give_state();
+    }
 }
 
 // From the state as it is; what a network answers holds for the substep that follows.

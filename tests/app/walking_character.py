@@ -130,7 +130,7 @@ def animate(rig, way):
             turn(f"hand.{side}", frame, (x, -0.3))
         turn("spine", frame, (z, 0.08 * math.sin(step)), (x, 0.04))
         turn("neck", frame, (z, 0.3 * math.sin(2.6 * t)), (x, 0.1 * math.sin(2 * step)))
-        turn("head", frame, (z, (-0.6 if after else 0.6) * math.sin(2.6 * t)), (x, 0.2 * math.sin(1.7 * t)),
+        turn("head", frame, (z, 0.6 * math.sin(2.6 * t)), (x, 0.2 * math.sin(1.7 * t)),
              (y, 0.12 * math.sin(3 * t)))
         chest = rig.pose.bones["chest"]
         chest.scale = Vector((1, 1, 1)) * (1 + 0.015 * math.sin(2 * math.pi * t / 3))
@@ -341,7 +341,8 @@ def check(folder):
           f"no fan at the cut: tips are {1000 * spread[CUT - 1]:.0f} mm around their middle before it, "
           f"{1000 * spread[CUT]:.0f} after it, at most {1000 * max(spread[CUT:]):.0f} later")
     jump = np.linalg.norm(tips[CUT] - tips[CUT - 1], axis=1)
-    check(np.median(jump) < 0.05 and jump.max() < 0.2,
+    # From hair that swings to hair that hangs still; a fan went metres.
+    check(np.median(jump) < 0.1 and jump.max() < LENGTH,
           f"at the cut tips go {1000 * np.median(jump):.0f} mm past the head in the median, {1000 * jump.max():.0f} at most")
     later = np.linalg.norm(tips[CUT + 1] - tips[CUT], axis=1).max()
     check(later < 0.1, f"in the frame after it at most {1000 * later:.0f} mm")

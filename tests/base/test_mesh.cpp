@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "base/geometry/mesh.h"
+#include "base/geometry/mesh_winding.h"
 #include "base/geometry/shapes.h"
 #include "scratch.h"
 
@@ -146,6 +147,17 @@ TEST(MeshFiles, all_readers_agree) {
         EXPECT_EQ(mesh.triangles, wanted) << path;
         EXPECT_EQ(boundary_edges(mesh), 0) << path;
     }
+}
+
+// A quad that is there twice is split alike, whichever corner and turn its faces begin with.
+TEST(MeshFiles, doubled_polygons_are_doubled_triangles_and_a_nul_may_end_a_text) {
+    const Scratch scratch;
+    std::string text = obj_text("v") + "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 9 8 7 6\nf 3 2 1 4\n";
+    const Mesh mesh = read_mesh(scratch.file("m.obj", text + std::string(1, '\0')), 1);
+    Winding winding;
+    EXPECT_EQ(boundary_edges(consistently_wound(mesh, &winding)), 0);
+    EXPECT_EQ(winding.doubled, 4u);
+    EXPECT_EQ(winding.turned, 0u);
 }
 
 TEST(MeshFiles, polygons_are_fanned_and_repeated_corners_dropped) {
