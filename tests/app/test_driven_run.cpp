@@ -14,7 +14,7 @@ namespace {
 using testing::expect_error;
 
 const std::string hair =
-    "fps = 24\n[groom]\ngrid = [5, 3]\nparticles = 14\nlength_noise = 0.1\n[integrator]\nsubsteps = 4\n"
+    "fps = 24\n[groom]\ngrid = [5, 3]\nparticles = 14\nlength_noise = 0.1\n[integrator]\nsubsteps = 4\nsettle_after_cut = 0\n"
     "[stretch]\n[bend]\n[core]\n";
 const std::string wet = "[wetness]\nlevel = 0.5\n[curl]\n[cohesion]\nradius = 0.03\n";
 const std::string ball = "[[solid]]\nname = \"head\"\nradius = 0.095\nattached = \"head\"\n";
