@@ -14,7 +14,7 @@ import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 from mathutils.bvhtree import BVHTree
 
-FRAMES, CUT = 96, 48            # of the scene: 0 to 96, and the first one after the cut
+FRAMES, CUT = 96, 48            # of the scene: 0 to 95, and the first one after the cut
 STRANDS, POINTS, LENGTH = 150, 40, 0.3
 
 # Parts: ends [m], z up, facing -y, with a radius each; and the bone that moves the skin around them.
@@ -117,7 +117,7 @@ def animate(rig, way):
         bone.rotation_quaternion = own.inverted() @ whole @ own
         bone.keyframe_insert("rotation_quaternion", frame=frame)
     x, y, z = Vector((1, 0, 0)), Vector((0, 1, 0)), Vector((0, 0, 1))
-    for f in range(FRAMES + 1):
+    for f in range(FRAMES):
         t, frame, after = f / 24, f + 1, f >= CUT
         step = 2 * math.pi * t / 1.1
         way.location = (6 - 1.2 * (t - CUT / 24) if after else 0, 9 if after else -1.2 * t, 0.02 * math.cos(2 * step))
@@ -194,7 +194,7 @@ def make(folder):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.render.fps = 24
-    scene.frame_start, scene.frame_end = 1, FRAMES + 1
+    scene.frame_start, scene.frame_end = 1, FRAMES
     body = bpy.data.objects.new("body", body_mesh())
     way = bpy.data.objects.new("way", None)
     for thing in (body, way):
@@ -207,13 +207,13 @@ def make(folder):
     bpy.ops.object.mode_set(mode="OBJECT")
     for thing in bpy.data.objects:
         thing.select_set(thing is body)
-    bpy.ops.wm.alembic_export(filepath=f"{folder}/body.abc", start=1, end=FRAMES + 1, selected=True, uvs=False,
+    bpy.ops.wm.alembic_export(filepath=f"{folder}/body.abc", start=1, end=FRAMES, selected=True, uvs=False,
                               normals=False, vcolors=False, as_background_job=False)
     with open(f"{folder}/rest.obj", "w") as file:
         file.writelines("v %.7f %.7f %.7f\n" % tuple(p) for p in rest)
         file.writelines("f %s\n" % " ".join(str(v + 1) for v in face.vertices) for face in body.data.polygons)
     positions = []
-    for frame in range(1, FRAMES + 2):
+    for frame in range(1, FRAMES + 1):
         scene.frame_set(frame)
         seen = body.evaluated_get(bpy.context.evaluated_depsgraph_get())
         mesh = seen.to_mesh()
@@ -280,7 +280,7 @@ def hair_frames(path):
     bpy.ops.wm.alembic_import(filepath=path, as_background_job=False, set_frame_range=True)
     hair = next(o for o in bpy.data.objects if o.type == "CURVES")
     out = []
-    for frame in range(1, FRAMES + 2):
+    for frame in range(1, FRAMES + 1):
         bpy.context.scene.frame_set(frame)
         data = hair.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         flat = np.empty(3 * len(data.points), dtype=np.float32)
@@ -316,7 +316,7 @@ def check(folder):
     check = Checks()
     body = np.load(f"{folder}/body.npz")
     hair = hair_frames(f"{folder}/hair.abc")
-    check(hair.shape == (FRAMES + 1, STRANDS, POINTS, 3), f"frames, strands and points of the export: {hair.shape}")
+    check(hair.shape == (FRAMES, STRANDS, POINTS, 3), f"frames, strands and points of the export: {hair.shape}")
     positions, triangles = body["positions"], body["triangles"]
     skin = np.einsum("sk,fskx->fsx", body["root_weight"], positions[:, triangles[body["root_triangle"]]])
     moved = np.linalg.norm(skin[1:] - skin[:-1], axis=2).max(1)
@@ -324,7 +324,7 @@ def check(folder):
     away = 1000 * np.linalg.norm(hair[:, :, 0] - skin, axis=2).max()
     check(away < 0.1, f"roots are at most {away:.4f} mm from their place on the skin")
 
-    deep = [1000 * deepest(tree_of(positions[f], triangles), hair[f, :, 2:].reshape(-1, 3)) for f in range(FRAMES + 1)]
+    deep = [1000 * deepest(tree_of(positions[f], triangles), hair[f, :, 2:].reshape(-1, 3)) for f in range(FRAMES)]
     check(max(deep) <= 2, f"hair is at most {max(deep):.2f} mm in the body, at frame {np.argmax(deep)}")
     drawn = np.linalg.norm(np.diff(body["strands"], axis=1), axis=2)
     edges = np.linalg.norm(np.diff(hair, axis=2), axis=3) / drawn.mean(1)[None, :, None]
@@ -333,7 +333,7 @@ def check(folder):
 
     head = body["rest"][:, 1] > 1.6
     tips = []
-    for f in range(FRAMES + 1):
+    for f in range(FRAMES):
         turn, shift = rigid_frame(body["rest"][head], positions[f][head])
         tips.append((hair[f, :, -1] - shift) @ turn)
     spread = [np.linalg.norm((t - t.mean(0))[:, [0, 2]], axis=1).mean() for t in tips]
