@@ -114,7 +114,8 @@ void DrivenRun::for_each_driven(Go go) {
         }
         if (solid.driven) {
             const auto moved = moves_.meshes.find(k);
-            go(*solid.deformation, moved == moves_.meshes.end() ? solid.deformation->at(now).vertices : moved->second);
+            go(*solid.deformation,
+               moved == moves_.meshes.end() ? solid.deformation->at(now).vertices : moved->second);
         }
     }
     if (s.riding)

@@ -19,8 +19,8 @@ class Diverged : public Error {
              const std::string& largest_term);
 };
 
-// Throws Diverged where the longest edge that was looked at is longer than the scene allows; `frame` is the last
-// one, at `time` [s].
+// Throws Diverged where the longest edge that was looked at is longer than the scene allows; `frame` is the
+// last one, at `time` [s].
 void require_bearable(const Simulation& simulation, const FrameWatch& watch, const RunFrame& frame,
                       double time);
 

@@ -1,4 +1,5 @@
-// Where polygons are fanned from: a face that is there twice, in either turn, becomes the same triangles twice.
+// Where polygons are fanned from: a face that is there twice, in either turn, becomes the same triangles
+// twice.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +11,8 @@ namespace wetcurl {
 
 class PolygonFans {
   public:
-    // Of a polygon whose corners have these keys, equal for equal places: the number of the corner to fan it from. 0,
-    // or where the same corners came before, the one that was taken then.
+    // Of a polygon whose corners have these keys, equal for equal places: the number of the corner to fan it
+    // from. 0, or where the same corners came before, the one that was taken then.
     size_t start_of(std::span<const uint64_t> keys) {
         if (keys.size() < 4) return 0;
         uint64_t sum = 0;

@@ -18,6 +18,7 @@ using PoseArray = std::array<double, 7>;
 
 /// Not for use from outside.
 namespace detail {
+/// Throws what wetcurl_error() says where a status is not 0.
 inline void check(int status) {
     if (status != 0) throw std::runtime_error(wetcurl_error());
 }

@@ -172,8 +172,7 @@ void read_mesh_solid(Solid& solid, const Table& t, const SolidTable& read, Hair 
         if (t.has("mesh") || t.has("file"))
             t.fail(t.has("file") ? "file" : "mesh", "the mesh of '" + solid.name + "' comes from the caller");
         solid.driven = true;
-        solid.deformation =
-            std::make_shared<Deformation>(wound(solid, "mesh in memory", mesh->second));
+        solid.deformation = std::make_shared<Deformation>(wound(solid, "mesh in memory", mesh->second));
         return;
     }
     if (!t.has("mesh") && read.file.empty())

@@ -33,7 +33,7 @@ expect 2 '--roots' "'$wetcurl' infer run.h5 --interpolate quad -o out.h5 --roots
 # Settling takes a minute or two, and nothing is kept of it.
 for signal in INT TERM; do
     expect 130 'wetcurl: interrupted' "set -m; '$wetcurl' simulate '$scene' --dry --strands 256 -o run.h5 --set integrator.settle=1000 &
-        sleep 1; kill -$signal \$!; wait \$!"
+        until [[ -e run.h5.partial ]]; do sleep 0.02; done; kill -$signal \$!; wait \$!"
 done
 # Of what takes longer, what was measured is kept.
 expect 130 'of 4 entries are kept in bench.json.partial' "set -m; '$wetcurl' bench --filter 'level set build' --json bench.json >said &

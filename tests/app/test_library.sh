@@ -66,5 +66,5 @@ echo "before cohesion, then Eq 10: $before"
 awk -v a="$before" -v b="$in_c" 'BEGIN { split(a, x, ", "); split(b, y, ", "); d = x[2] - y[2]; exit !(d != 0 && d * d < 0.0004) }'
 # The library shows the functions of its headers and nothing else of its own.
 shown=$(nm -D --defined-only "$(find "$prefix" -name libwetcurl.so)" | awk '$2 == "T" { print $3 }' | sort)
-declared=$(grep -oE 'wetcurl_[a-z_]+\(' "$source"/include/wetcurl/*.h | tr -d '(' | sort -u)
+declared=$(grep -ohE 'wetcurl_[a-z_]+\(' "$source"/include/wetcurl/*.h | tr -d '(' | sort -u)
 [[ -n $shown && $(comm -23 <(echo "$shown") <(echo "$declared")) == "" ]] || { echo "the library shows more than its headers: $shown"; exit 1; }

@@ -161,7 +161,7 @@ TEST(SceneGroom, wrong_keys_and_files_are_named) {
         expect_error<Misuse>([&] { load(file + line, scratch.path()); }, says);
     };
     refused("units = 'inch'\n", {"scene.toml:3", "units", "inch"});
-    refused("up = 'x'\n", {"scene.toml:3", "up"});
+    refused("up = 'w'\n", {"scene.toml:3", "up"});
     refused("particles = 1\n", {"scene.toml:3", "particles"});
     refused("scale = 0\n", {"scene.toml:3", "scale"});
     refused("offset = [0, 1]\n", {"scene.toml:3", "offset"});

@@ -169,7 +169,7 @@ string allowed_value(const TableRow& table, const KeyRow& row) {
     if (row.kind == Kind::words) return "[" + quoted(row.words.front()) + "]";
     if (row.kind == Kind::boolean) return row.fallback != 0 ? "true" : "false";
     if (row.is_vector()) return row.default_text().empty() ? "[0, 0, 0]" : row.default_text();
-    const double usual = row.has_default() ? row.fallback : std::min(0.01, row.maximum);
+    const double usual = row.has_default() ? row.fallback : std::clamp(0.01, row.minimum, row.maximum);
     return row.is_whole() ? std::to_string(long(usual)) : number_text(usual);
 }
 
