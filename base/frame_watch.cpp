@@ -52,9 +52,17 @@ FrameWatch::FrameWatch(const Groom& groom, double fps)
     }
 }
 
+// Whether a root goes farther than any body does: a cut.
+bool FrameWatch::is_cut_to(const std::vector<Vec3f>& x) const {
+    constexpr double fastest = 40;  // [m/s]: a sprinter makes 12
+    for (size_t root = 0; root < x.size(); root += size_t(particles_))
+        if (fps_ * double(norm(x[root] - before_[root])) > fastest) return true;
+    return false;
+}
+
 void FrameWatch::look(int frame, const RunFrame& now) {
     const std::vector<Vec3f>& x = now.positions.points;
-    const bool follows = frame == frame_ + 1;
+    const bool follows = frame == frame_ + 1 && !is_cut_to(x);
     FrameExtreme stretch{0, frame, 0, 0}, speed = stretch;
     float most_stretch = 0, most_way = 0;
     for (int s = 0; s < strands_; ++s) {

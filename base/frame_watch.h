@@ -29,12 +29,13 @@ class FrameWatch {
     const std::optional<FrameExtreme>& stretch() const { return stretch_; }
     // The first edge beyond `warning_stretch`, the longest of its frame.
     const std::optional<FrameExtreme>& overstretched() const { return overstretched_; }
-    // Largest way of a particle from one frame to the next over the time between them [m/s].
+    // Largest way of a particle from one frame to the next over the time between them [m/s], cuts left out.
     const std::optional<FrameExtreme>& speed() const { return speed_; }
     // Largest growth of the energy of all strands from one frame to the next [J]; `value` and `frame` alone.
     const std::optional<FrameExtreme>& energy_growth() const { return energy_growth_; }
 
   private:
+    bool is_cut_to(const std::vector<Vec3f>& x) const;
     int strands_, particles_;
     double fps_;
     std::vector<float> per_square_length_;  // (strand, particle) [1/m²] of the edge after it

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -111,6 +112,21 @@ void add_options(CLI::App& app, ImportOptions& o) {
                    "head mesh in the units of the hair: depth of roots, and the grid laid on it");
 }
 
+// The head of the roots, whose file may have another axis than theirs where neither is told.
+static ScalpMesh scalp_of(const ImportOptions& options, const ImportedStrands& in) {
+    const auto with = [&](const std::string& up) {
+        return ScalpMesh(import_mesh(options.scalp, {options.units, up}));
+    };
+    if (options.up != "auto" || in.up == "y") return with(options.up);
+    ScalpMesh as_said = with("auto"), as_hair = with(in.up);
+    const auto away = [&](const ScalpMesh& scalp) {
+        double sum = 0;
+        for (const Vec3d& root : roots_of(in.strands)) sum += std::abs(scalp.closest(root).height);
+        return sum;
+    };
+    return away(as_hair) < away(as_said) ? std::move(as_hair) : std::move(as_said);
+}
+
 int import_command(const ImportOptions& options) {
     const FileUnits meant{options.units, options.up};
     if (options.resample == 1)
@@ -130,7 +146,7 @@ int import_command(const ImportOptions& options) {
     std::optional<ScalpMesh> scalp;
     std::optional<RootDepth> depth;
     if (!options.scalp.empty()) {
-        scalp.emplace(import_mesh(options.scalp, {options.units, in.up}));
+        scalp.emplace(scalp_of(options, in));
         depth = root_depth(in.strands, *scalp);
     }
     const RootLayout layout = lay_on_grid(roots_of(in.strands), scalp ? &*scalp : nullptr);

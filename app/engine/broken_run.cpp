@@ -13,10 +13,18 @@ namespace wetcurl {
 
 namespace fs = std::filesystem;
 
-bool is_complete(const std::string& output, bool overwrite) {
-    if (overwrite || !fs::exists(output)) return false;
-    log_info(output + ": is complete, nothing to resume");
-    return true;
+std::optional<BrokenRun> whole_run_at(const std::string& output, bool overwrite) {
+    if (overwrite || !fs::exists(output)) return std::nullopt;
+    const RunReader run(output);
+    return BrokenRun{output, run.header(), run.frames(), {}};
+}
+
+void require_whole(const BrokenRun& whole, const RunHeader& header, int frames) {
+    require_same(whole, header);
+    if (whole.frames != frames)
+        throw Error(fmt::format("{}: --resume: is complete with {} frames, now {} are asked for", whole.file,
+                                whole.frames, frames));
+    log_info(whole.file + ": is complete, nothing to resume");
 }
 
 std::optional<BrokenRun> broken_run_at(const OutputFile& place) {
@@ -53,7 +61,7 @@ void require_same(const BrokenRun& broken, const RunHeader& header) {
     const RunHeader& was = broken.header;
     const auto require = [&](const char* what, const std::string& found, const std::string& wanted) {
         if (found != wanted)
-            throw Error(fmt::format("{}: --resume: the broken run has {} {}", broken.file, what,
+            throw Error(fmt::format("{}: --resume: the run that is there has {} {}", broken.file, what,
                                     first_difference(found, wanted)));
     };
     const auto number = [](auto x) { return fmt::format("{}", x); };

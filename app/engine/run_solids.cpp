@@ -16,8 +16,24 @@ static std::shared_ptr<const Scene> scene_of(const RunHeader& header) {
     if (!scene) {
         SceneOptions options;
         options.stride = header.stride;
-        scene = std::make_shared<Scene>(
-            parse_scene(header.scene, scene_name(header), header.scene_folder, options));
+        const auto read = [&] {
+            return std::make_shared<Scene>(
+                parse_scene(header.scene, scene_name(header), header.scene_folder, options));
+        };
+        try {
+            scene = read();
+        } catch (const Error&) {
+            // The file of its hair is gone; the run has it.
+            Brought brought;
+            for (int s = 0; s < header.groom.rest.count; ++s) {
+                const Vec3f* strand = header.groom.rest.strand(s);
+                auto& points = brought.strands.emplace_back();
+                for (int i = 0; i < header.groom.rest.particles; ++i)
+                    points.push_back(cast<double>(strand[i]));
+            }
+            options.brought = &brought, options.stride = 1;
+            scene = read();
+        }
     }
     return scene;
 }

@@ -136,10 +136,11 @@ void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& r
     if (request.reference && (request.resume || !request.from.empty()))
         throw Misuse(std::string("--reference: found with ") + (request.resume ? "--resume" : "--from") +
                      ", allowed in a run that begins at rest");
-    if (request.resume && is_complete(request.output, request.overwrite)) return;
-    OutputFile place(request.output, request.overwrite);
-    std::optional<BrokenRun> broken;
-    if (request.resume) broken = broken_run_at(place);
+    std::optional<BrokenRun> whole, broken;
+    if (request.resume) whole = whole_run_at(request.output, request.overwrite);
+    std::optional<OutputFile> place;
+    if (!whole) place.emplace(request.output, request.overwrite);
+    if (request.resume && place) broken = broken_run_at(*place);
     std::optional<RunStart> start;
     if (!request.from.empty()) {
         start = run_start(request.from);
@@ -148,10 +149,12 @@ void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& r
     std::optional<Reference> reference;
     if (request.reference) reference.emplace(given);
     const bool from_state = broken && has_state(*broken, request.output);
-    SceneRun run(std::move(given), request.device, request.precision, request.threads, !from_state && !start);
+    SceneRun run(std::move(given), request.device, request.precision, request.threads,
+                 !whole && !from_state && !start);
     const Scene& scene = run.scene();
     RunHeader header = run.header();
     if (start) header.start = start->time(), header.inputs = {start->words()};
+    if (whole) return require_whole(*whole, header, scene.frames);
     InterruptGuard guard;
     if (start && !from_state) go_to(run, *start);
     const int at = broken ? resumed(run, *broken, header, request.output) : -1;
@@ -159,7 +162,7 @@ void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& r
     SimulatedFrames simulated(run.simulation(), scene.frames, at, header.start);
     if (broken) look_at(*broken, simulated.watch());
     RunWriter writer =
-        broken ? RunWriter(std::move(place), header, broken->frames) : RunWriter(std::move(place), header);
+        broken ? RunWriter(std::move(*place), header, broken->frames) : RunWriter(std::move(*place), header);
     std::vector<double> errors;
     double reference_seconds = 0;
     // Frames that are there already are computed again, and not written again.

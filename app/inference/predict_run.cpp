@@ -171,10 +171,10 @@ class FramePredictor {
 void predict_run(const Method& method, Scene scene, const std::string& scene_file, LowRun& low,
                  const PredictionRequest& request, ResultFile& results) {
     const double begun = omp_get_wtime();
-    if (request.resume && is_complete(request.output, request.overwrite)) return;
     std::optional<OutputFile> place;
-    std::optional<BrokenRun> broken;
-    if (request.resume) {
+    std::optional<BrokenRun> whole, broken;
+    if (request.resume) whole = whole_run_at(request.output, request.overwrite);
+    if (request.resume && !whole) {
         place.emplace(request.output, request.overwrite);
         broken = broken_run_at(*place);
     }
@@ -195,6 +195,7 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
 
     InterruptGuard guard;
     const RunHeader header = header_of(*predictor, method, scene, low, request.device);
+    if (whole) return require_whole(*whole, header, request.frames);
     if (broken) log_info(fmt::format("{}: going on at frame {}", request.output, broken->frames));
     if (broken) require_same(*broken, header);
     if (!place) place.emplace(request.output, request.overwrite);

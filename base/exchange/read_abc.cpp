@@ -630,8 +630,6 @@ class AbcReader : public SceneReader {
     }
 
     static std::optional<CurveBasis> basis_of(AbcCurveType type, AbcBasis basis) {
-        // Blender writes Catmull-Rom curves as linear ones of that basis.
-        if (type == AbcCurveType::linear && basis == AbcBasis::catmull_rom) return CurveBasis::catmull_rom;
         if (type == AbcCurveType::linear) return CurveBasis::linear;
         if (type != AbcCurveType::cubic) return std::nullopt;
         switch (basis) {
@@ -642,7 +640,9 @@ class AbcReader : public SceneReader {
             case AbcBasis::b_spline:
                 return CurveBasis::b_spline;
             case AbcBasis::catmull_rom:
-                return CurveBasis::catmull_rom;
+                // Such a curve goes through its points, and those of Blender from the first one to the last.
+                // Alembic has no word for that.
+                return CurveBasis::linear;
             default:
                 return std::nullopt;
         }

@@ -158,9 +158,29 @@ long long obj_corner(std::string_view word, long long vertices, const std::strin
     return index > 0 ? index - 1 : vertices + index;
 }
 
+// Lines that a '\' at their end joins; the ends of lines come after them, so that later ones keep their
+// numbers.
+std::string joined_lines(std::string_view text) {
+    std::string out;
+    size_t waiting = 0;
+    for (size_t k = 0; k < text.size(); ++k) {
+        const size_t end = k + 1 < text.size() && text[k + 1] == '\r' ? k + 2 : k + 1;
+        if (text[k] == '\\' && end < text.size() && text[end] == '\n') {
+            out += ' ', ++waiting, k = end;
+            continue;
+        }
+        out += text[k];
+        if (text[k] == '\n') out.append(waiting, '\n'), waiting = 0;
+    }
+    return out;
+}
+
 Mesh read_obj(std::string_view text, const std::string& path, double scale) {
     // 3ds Max ends a text with a NUL.
     while (text.ends_with('\0')) text.remove_suffix(1);
+    std::string joined;
+    if (text.find("\\\n") != text.npos || text.find("\\\r\n") != text.npos)
+        text = joined = joined_lines(text);
     MeshBuilder mesh(scale);
     Lines lines(text, path);
     std::vector<long long> corners;

@@ -69,10 +69,12 @@ RootDepth root_depth(const StrandPoints& strands, const ScalpMesh& scalp) {
 }
 
 std::string described(const RootDepth& depth) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "%d of %d roots lie under the scalp, by %.1f mm in the median, %.1f mm at most",
-                  depth.below, depth.roots, 1e3 * depth.median, 1e3 * depth.deepest);
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "roots lie %.1f mm from the scalp in the median; %d of %d under it, by %.1f mm in the median, "
+        "%.1f mm at most",
+        1e3 * depth.away, depth.below, depth.roots, 1e3 * depth.median, 1e3 * depth.deepest);
     return text;
 }
 

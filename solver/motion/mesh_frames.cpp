@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/geometry/polygon_fan.h"
+#include "base/log.h"
 
 namespace wetcurl {
 
@@ -54,6 +55,17 @@ class NumberedFiles final : public MeshFrames {
             throw Misuse("no file '" + pattern +
                          "': # stands for the digits of a number, as body.####.obj for "
                          "body.0001.obj");
+        std::string missing;
+        long before_it = found.begin()->first;
+        for (const auto& [number, file] : found) {
+            if (number > before_it + 1)
+                missing += (missing.empty() ? "" : ", ") + std::to_string(before_it + 1) +
+                           (number > before_it + 2 ? " to " + std::to_string(number - 1) : "");
+            before_it = number;
+        }
+        if (!missing.empty())
+            log_warning(pattern + ": of its numbers " + missing +
+                        " are missing; the mesh moves evenly from the one before to the one after");
         for (const auto& [number, file] : found) {
             times_.push_back(double(number) / fps);
             files_.push_back(file);

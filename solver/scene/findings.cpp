@@ -65,8 +65,8 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
     for (int s = 0; s < hair.count; ++s) {
         const Vec3d root = cast<double>(hair.at(s, 0)), tip = cast<double>(hair.at(s, hair.particles - 1));
         const double phi = head.distance_to(root);
-        constexpr double clearly = 0.02;  // [m]
-        nearer_tips += std::abs(head.distance_to(tip)) + clearly < std::abs(phi);
+        constexpr double clearly = 0.02;                                 // [m]
+        nearer_tips += std::abs(head.distance_to(tip)) + clearly < phi;  // a root inside it says nothing
         away.push_back(std::abs(phi));
         if (phi < 0) deep.push_back(-phi);
         for (const Vec3d& x : {root, tip}) low = lower(low, x), high = upper(high, x);
@@ -81,18 +81,18 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
         deep.empty() ? ""
                      : ", by " + in_millimetres(*std::max_element(deep.begin(), deep.end())) + " at most");
     const bool tips_first = double(nearer_tips) > 0.5 * hair.count;
-    if (tips_first)
-        out.push_back(
-            {Level::error, "order",
-             fmt::format("{} of {} strands end nearer to the head than they begin", nearer_tips, hair.count),
-             "order = \"tip_first\" in [groom], if the file's strands run from tip to root"});
-    constexpr double far = 0.03, too_far = 0.3;  // [m]
+    constexpr double off = 0.008, far = 0.03, too_far = 0.3;  // [m]
     if (median > too_far)
         out.push_back({Level::error, "roots_off_head", place,
                        "units, up, scale and offset of [groom] or of the [[solid]] that is the head"});
     else if (median > far && !tips_first)
         out.push_back({Level::warning, "roots_off_head", place,
                        "units, up, scale and offset of [groom] or of the [[solid]] that is the head"});
+    else if (median > off && !tips_first)
+        out.push_back(
+            {Level::warning, "roots_off_head", place,
+             "if roots should lie on it: the pose of the groom (rest, first_file_frame, offset), or "
+             "the head exported as it is drawn, with its subdivision"});
     else
         out.push_back({Level::note, "roots_off_head", place, ""});
     const double across = norm(high - low), size = head.size();
@@ -101,6 +101,14 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
         out.push_back({median > too_far || size > ratio * across ? Level::error : Level::warning, "head_size",
                        fmt::format("the head is {:.3g} m across, the hair {:.3g} m", size, across),
                        "units of the [[solid]] that is the head"});
+    const std::string turned =
+        fmt::format("{} of {} strands end nearer to the head than they begin", nearer_tips, hair.count);
+    if (tips_first)
+        out.push_back({Level::error, "order", turned,
+                       "order = \"tip_first\" in [groom], if the file's strands run from tip to root"});
+    else if (double(nearer_tips) > 0.05 * hair.count)
+        out.push_back({Level::warning, "order", turned,
+                       "those strands turned round in their file, if they run from tip to root"});
 }
 
 // Hair that lies on a mesh that deforms, and does not ride on it.

@@ -205,7 +205,8 @@ Scene read_scene(Config config, const SceneOptions& options) {
     for (const auto& [name, mesh] : brought.meshes)
         if (std::ranges::find(solids, name) == solids.end())
             throw Misuse(root.where() + "found a mesh for [[solid]] '" + name + "', which is not there");
-    AroundSolids around{scene.fps, name_of_scalp(g, solids), {}, brought.meshes};
+    AroundSolids around{
+        scene.fps, (scene.frames - 1) / scene.fps, name_of_scalp(g, solids), {}, brought.meshes};
     Solid* scalp = nullptr;
     const auto read_all = [&](const std::vector<Vec3d>& roots) {
         around.roots = roots;

@@ -61,6 +61,25 @@ TEST(FrameWatch, finds_the_fastest_particle_between_frames_that_follow_each_othe
     EXPECT_EQ(watch.energy_growth()->value, 2);
 }
 
+TEST(FrameWatch, a_cut_has_no_speed_and_gives_no_energy) {
+    const Groom groom = straight();
+    FrameWatch watch(groom, 24);
+    RunFrame frame;
+    frame.positions = groom.rest;
+    frame.energy = {1};
+    watch.look(0, frame);
+    for (Vec3f& x : frame.positions.points) x.z += 5;
+    frame.energy = {50};
+    watch.look(1, frame);
+    EXPECT_FALSE(watch.speed());
+    EXPECT_FALSE(watch.energy_growth());
+    for (Vec3f& x : frame.positions.points) x.z += 0.5f;  // 12 m/s
+    frame.energy = {51};
+    watch.look(2, frame);
+    EXPECT_NEAR(watch.speed()->value, 12, 1e-4);
+    EXPECT_NEAR(watch.energy_growth()->value, 1, 1e-9);
+}
+
 TEST(FrameWatch, rounding_does_not_stretch_an_edge_of_no_length) {
     Groom groom = straight();
     groom.rest.at(0, 1) = groom.rest.at(0, 0);

@@ -160,6 +160,17 @@ TEST(MeshFiles, doubled_polygons_are_doubled_triangles_and_a_nul_may_end_a_text)
     EXPECT_EQ(winding.turned, 0u);
 }
 
+TEST(MeshFiles, an_obj_line_goes_on_after_a_backslash_and_later_lines_keep_their_numbers) {
+    const Scratch scratch;
+    for (const char* end : {"\n", "\r\n"}) {
+        const std::string text =
+            std::string("v 0 0 0\nv 1 0 \\") + end + "0\nv 0 1 0\nf 1 \\" + end + "2 \\" + end + "3\n";
+        EXPECT_EQ(read_mesh(scratch.file("m.obj", text), 1).triangles,
+                  (std::vector<std::array<int, 3>>{{0, 1, 2}}));
+        expect_error([&] { read_mesh(scratch.file("n.obj", text + "f 1 2 9\n"), 1); }, {"n.obj:8"});
+    }
+}
+
 TEST(MeshFiles, polygons_are_fanned_and_repeated_corners_dropped) {
     const Scratch scratch;
     const Mesh mesh = read_mesh(

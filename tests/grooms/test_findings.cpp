@@ -73,6 +73,19 @@ TEST_F(Findings, tips_that_come_first_are_seen_and_turned) {
     EXPECT_NO_THROW(scene_of(strands, "", head, true));
 }
 
+TEST_F(Findings, some_strands_that_are_turned_are_seen_and_roots_in_the_head_say_nothing_of_tips) {
+    StrandPoints strands = falling(200);
+    for (size_t s = 0; s < 40; ++s) std::reverse(strands[5 * s].begin(), strands[5 * s].end());
+    EXPECT_TRUE(found(strands).contains("order"));
+    EXPECT_NO_THROW(scene_of(strands, "", head, true));  // a warning
+    // A head that is three times too large.
+    std::string large = head;
+    large.replace(large.find("0.095"), 5, "0.285");
+    const Names names = found(falling(200), "", large);
+    EXPECT_FALSE(names.contains("order"));
+    EXPECT_TRUE(names.contains("roots_off_head"));
+}
+
 TEST_F(Findings, an_axis_that_is_up_is_guessed_by_the_fall_of_hair) {
     const StrandPoints upright = falling(200);
     StrandPoints strands = upright;
