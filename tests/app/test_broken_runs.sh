@@ -179,8 +179,8 @@ done
 cp alone.h5 killed.h5
 expect 0 'is complete, nothing to resume' "'$wetcurl' simulate scene.toml --threads 1 -o killed.h5 --resume"
 
-expect 1 "has scene 'stiffness" "'$wetcurl' simulate scene.toml --threads 1 -o killed.h5 --resume --set stretch.stiffness=60 --quiet"
-expect 1 'is complete with 400 frames, now 20 are asked for' "'$wetcurl' simulate scene.toml --threads 1 -o killed.h5 --resume --frames 20"
+expect 1 "now it is 'stiffness = 60" "'$wetcurl' simulate scene.toml --threads 1 -o killed.h5 --resume --set stretch.stiffness=60 --quiet"
+expect 1 "'frames = 400', now it is 'frames = 20'" "'$wetcurl' simulate scene.toml --threads 1 -o killed.h5 --resume --frames 20"
 
 # ---- a full disk, then room; a signal; another run in its place ----
 

@@ -116,7 +116,8 @@ TEST(Alembic, curves_keep_their_basis_and_objects_their_paths) {
     ASSERT_EQ(file->curves().size(), 4u);
     for (size_t k = 0; k < 4; ++k) {
         EXPECT_EQ(file->curves()[k].path, "/a/" + std::to_string(k) + "/c");
-        EXPECT_EQ(int(file->curves()[k].basis), int(k));
+        // The last ones go through all of their points, which is all that Alembic says of them.
+        EXPECT_EQ(file->curves()[k].basis, k < 3 ? CurveBasis(k) : CurveBasis::linear);
         EXPECT_EQ(file->curves()[k].times.size(), 1u);
         EXPECT_EQ(file->points_of_curves(k, 0)[3].x, float(k));
     }
