@@ -6,6 +6,8 @@
 
 #include <atomic>
 
+#include "base/error.h"
+
 namespace wetcurl {
 
 static volatile std::sig_atomic_t asked_for = 0;
@@ -28,9 +30,14 @@ static bool is_the_same_again() {
     return before != 0 && milliseconds() - before < moment;
 }
 
+// A path that ends with 0; it is there where `removes` is set.
+static char removed_path[4096];
+static volatile std::sig_atomic_t removes = 0;
+
 // Only what a signal handler may call.
 static void end_now(int) {
     if (is_the_same_again()) return;
+    if (removes) unlink(removed_path);
     constexpr char text[] = "\nwetcurl: interrupted\n";
     [[maybe_unused]] const auto written = write(STDERR_FILENO, text, sizeof text - 1);
     _exit(130);
@@ -64,6 +71,14 @@ InterruptGuard::~InterruptGuard() {
     sigaction(SIGTERM, &terminate_before_, nullptr);
 }
 bool InterruptGuard::asked() const { return asked_for; }
+
+RemovedWhenInterrupted::RemovedWhenInterrupted(const std::string& path) {
+    if (path.size() >= sizeof removed_path) throw Error(path + ": the path is too long");
+    path.copy(removed_path, path.size());
+    removed_path[path.size()] = 0;
+    removes = 1;
+}
+RemovedWhenInterrupted::~RemovedWhenInterrupted() { removes = 0; }
 
 void end_when_interrupted() { handle(end_now, nullptr, nullptr); }
 

@@ -3,6 +3,7 @@
 
 #include <csignal>
 #include <stdexcept>
+#include <string>
 
 namespace wetcurl {
 
@@ -29,5 +30,15 @@ class InterruptGuard {
 
 // From now on a signal outside of any guard ends the program with a line on standard error and status 130.
 void end_when_interrupted();
+
+// While alive, a signal that ends the program removes a file, one at a time: one that holds nothing yet.
+// Throws Error for a path of 4096 bytes or more.
+class RemovedWhenInterrupted {
+  public:
+    explicit RemovedWhenInterrupted(const std::string& path);
+    ~RemovedWhenInterrupted();
+    RemovedWhenInterrupted(const RemovedWhenInterrupted&) = delete;
+    RemovedWhenInterrupted& operator=(const RemovedWhenInterrupted&) = delete;
+};
 
 }  // namespace wetcurl

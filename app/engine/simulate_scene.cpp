@@ -141,6 +141,8 @@ void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& r
     std::optional<OutputFile> place;
     if (!whole) place.emplace(request.output, request.overwrite);
     if (request.resume && place) broken = broken_run_at(*place);
+    std::optional<RemovedWhenInterrupted> still_empty;
+    if (place && !broken) still_empty.emplace(place->partial());
     std::optional<RunStart> start;
     if (!request.from.empty()) {
         start = run_start(request.from);
@@ -156,6 +158,7 @@ void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& r
     if (start) header.start = start->time(), header.inputs = {start->words()};
     if (whole) return require_whole(*whole, header, scene.frames);
     InterruptGuard guard;
+    still_empty.reset();
     if (start && !from_state) go_to(run, *start);
     const int at = broken ? resumed(run, *broken, header, request.output) : -1;
     StateKeeper keeper(request.output, facts_of(header, run.precision()), broken.has_value());

@@ -6,7 +6,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$1/scripts/reference" "$1/include" "$folder/reference"
-grep -q wetcurl_open "$folder/reference/wetcurl_8h.html"
+grep -q wetcurl_open "$folder/reference/learned_8h.html"
 cp -r "$1/include" "$folder/include"
 echo 'WETCURL_API int wetcurl_uncommented(void);' >>"$folder/include/wetcurl/wetcurl.h"
 expect 1 wetcurl_uncommented "'$1/scripts/reference' '$folder/include' '$folder/other'"
