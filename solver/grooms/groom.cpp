@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/median.h"
 #include "solver/grooms/procedural.h"
 
 namespace wetcurl {
@@ -42,12 +43,6 @@ std::vector<Vec3d> roots_of(const StrandPoints& strands) {
     return roots;
 }
 
-static double middle(std::vector<double> numbers) {
-    if (numbers.empty()) return 0;
-    std::nth_element(numbers.begin(), numbers.begin() + long(numbers.size() / 2), numbers.end());
-    return numbers[numbers.size() / 2];
-}
-
 RootDepth root_depth(const StrandPoints& strands, const ScalpMesh& scalp) {
     RootDepth out;
     out.roots = int(strands.size());
@@ -59,8 +54,8 @@ RootDepth root_depth(const StrandPoints& strands, const ScalpMesh& scalp) {
         out.deepest = std::max(out.deepest, -height);
     }
     out.below = int(depths.size());
-    out.median = middle(depths);
-    out.away = middle(distances);
+    out.median = median(depths);
+    out.away = median(distances);
     constexpr double too_far = 0.03;  // [m]
     if (out.away > too_far)
         log_warning("roots lie " + std::to_string(out.away) +

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/geometry/file_frame.h"
+#include "base/median.h"
 #include "solver/grooms/root_grid.h"
 
 namespace wetcurl {
@@ -17,12 +18,6 @@ std::string text_of(const char* format, Values... values) {
     char text[160];
     std::snprintf(text, sizeof text, format, values...);
     return text;
-}
-
-double median(std::vector<double> numbers) {
-    const auto middle = numbers.begin() + long(numbers.size() / 2);
-    std::nth_element(numbers.begin(), middle, numbers.end());
-    return *middle;
 }
 
 }  // namespace

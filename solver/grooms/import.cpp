@@ -146,15 +146,6 @@ std::vector<T> picked(const std::vector<T>& from, const std::vector<size_t>& num
     return out;
 }
 
-// "3, 7, 9 and 12 more"
-std::string listed(const std::vector<size_t>& numbers) {
-    constexpr size_t most = 12;
-    std::string text;
-    for (size_t k = 0; k < std::min(numbers.size(), most); ++k)
-        text += (k ? ", " : "") + std::to_string(numbers[k]);
-    return text + (numbers.size() > most ? " and " + std::to_string(numbers.size() - most) + " more" : "");
-}
-
 bool are_widths(const StrandWidths& widths) {
     for (const auto& strand : widths)
         for (float width : strand)
@@ -216,7 +207,7 @@ ImportedStrands taken(const std::string& what, const StrandFile& file, const ToM
                     " strands: " + std::to_string(out.no_points) + " without points, " +
                     std::to_string(out.one_point) + " of one point, " + std::to_string(out.no_length) +
                     " without length (below 0.1 mm); counted from 0, these are " +
-                    listed(out.dropped_numbers));
+                    listed(out.dropped_numbers, 12));
     if (out.repeated_points)
         log_warning(what + ": left out " + std::to_string(out.repeated_points) +
                     " points that repeat the one before");

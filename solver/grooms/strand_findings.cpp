@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/median.h"
+#include "base/number_text.h"
 #include "base/strands.h"
 
 namespace wetcurl {
@@ -14,29 +16,13 @@ using Level = Finding::Level;
 
 namespace {
 
-double middle(std::vector<double> numbers) {
-    if (numbers.empty()) return 0;
-    std::nth_element(numbers.begin(), numbers.begin() + long(numbers.size() / 2), numbers.end());
-    return numbers[numbers.size() / 2];
-}
-
-// "3, 7, 11 and 40 more".
-std::string listed(const std::vector<size_t>& numbers) {
-    constexpr size_t most = 8;
-    std::string text;
-    for (size_t k = 0; k < std::min(most, numbers.size()); ++k)
-        text += (k ? ", " : "") + std::to_string(numbers[k]);
-    if (numbers.size() > most) text += fmt::format(" and {} more", numbers.size() - most);
-    return text;
-}
-
 // From its first point on: the number of the first segment that is `times` longer than the median one of the
 // strand, or that leads to the origin from elsewhere; 0: none.
 size_t stray_segment(const std::vector<Vec3d>& strand) {
     constexpr double times = 20, at_origin = 1e-9, far_from_it = 1e-3;  // [m]
     std::vector<double> lengths;
     for (size_t i = 0; i + 1 < strand.size(); ++i) lengths.push_back(norm(strand[i + 1] - strand[i]));
-    const double usual = middle(lengths);
+    const double usual = median(lengths);
     for (size_t i = 0; i < lengths.size(); ++i) {
         const bool to_origin = norm(strand[i + 1]) < at_origin && norm(strand[i]) > far_from_it;
         if (to_origin || (lengths.size() > 2 && lengths[i] > times * usual)) return i + 1;
@@ -63,7 +49,7 @@ void find_stray_points(std::vector<Finding>& out, const ImportedStrands& in, con
         out.push_back(
             {Level::error, "stray_points",
              fmt::format("{}: {} of {} strands have a point far from the others or at the origin: strand {}",
-                         file, stray.size(), in.strands.size(), listed(stray)),
+                         file, stray.size(), in.strands.size(), listed(stray, 8)),
              "repair = true in [groom], which ends a strand before such a point"});
 }
 
@@ -77,7 +63,7 @@ void find_short_strands(std::vector<Finding>& out, const ImportedStrands& in, co
     if (!numbers.empty())
         out.push_back({Level::warning, "short_strands",
                        fmt::format("{}: {} strands are shorter than {}: strand {}", file, numbers.size(),
-                                   fmt::format("{:.3g} mm", 1e3 * share * length), listed(numbers)),
+                                   fmt::format("{:.3g} mm", 1e3 * share * length), listed(numbers, 8)),
                        ""});
 }
 
@@ -120,7 +106,7 @@ std::vector<Finding> findings_of_strands(const ImportedStrands& in, const std::s
     std::vector<Finding> out;
     std::vector<double> lengths;
     for (const auto& strand : in.strands) lengths.push_back(arc_length(strand.data(), int(strand.size())));
-    const double length = middle(lengths);
+    const double length = median(lengths);
     find_size(out, length, file, in.units);
     find_stray_points(out, in, file);
     find_short_strands(out, in, file, length);

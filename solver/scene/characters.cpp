@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/log.h"
+#include "base/median.h"
 #include "solver/scene/scene.h"
 
 namespace wetcurl {
@@ -134,8 +135,7 @@ Solid* guessed_scalp(Scene& scene, const Groom& full) {
         const MeshDistance surface(solid.deformation->rest());
         std::vector<double> away;
         for (const Vec3d& root : roots) away.push_back(surface.closest(root).distance);
-        std::nth_element(away.begin(), away.begin() + long(away.size() / 2), away.end());
-        const double typical = away[away.size() / 2];
+        const double typical = median(away);
         if (typical > on_it) continue;
         char text[64];
         std::snprintf(text, sizeof text, "roots lie %.1f mm from ", 1000 * typical);

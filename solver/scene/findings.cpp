@@ -7,18 +7,13 @@
 #include <cmath>
 
 #include "base/log.h"
+#include "base/median.h"
 
 namespace wetcurl {
 
 using Level = Finding::Level;
 
 namespace {
-
-double middle(std::vector<double> numbers) {
-    if (numbers.empty()) return 0;
-    std::nth_element(numbers.begin(), numbers.begin() + long(numbers.size() / 2), numbers.end());
-    return numbers[numbers.size() / 2];
-}
 
 std::string in_millimetres(double metres) { return fmt::format("{:.3g} mm", 1e3 * metres); }
 
@@ -73,22 +68,22 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
     }
     const auto farthest = std::max_element(away.begin(), away.end());
     const int strand = int(farthest - away.begin());
-    const double median = middle(away), most = *farthest;
+    const double usual = median(away), most = *farthest;
     const int number = origins_of(scene.groom)[size_t(strand)].number;
     const std::string place = fmt::format(
         "roots lie {} from the head in the median, {} at most (strand {}); {} of {} below its surface{}",
-        in_millimetres(median), in_millimetres(most), number, deep.size(), hair.count,
+        in_millimetres(usual), in_millimetres(most), number, deep.size(), hair.count,
         deep.empty() ? ""
                      : ", by " + in_millimetres(*std::max_element(deep.begin(), deep.end())) + " at most");
     const bool tips_first = double(nearer_tips) > 0.5 * hair.count;
     constexpr double off = 0.008, far = 0.03, too_far = 0.3;  // [m]
-    if (median > too_far)
+    if (usual > too_far)
         out.push_back({Level::error, "roots_off_head", place,
                        "units, up, scale and offset of [groom] or of the [[solid]] that is the head"});
-    else if (median > far && !tips_first)
+    else if (usual > far && !tips_first)
         out.push_back({Level::warning, "roots_off_head", place,
                        "units, up, scale and offset of [groom] or of the [[solid]] that is the head"});
-    else if (median > off && !tips_first)
+    else if (usual > off && !tips_first)
         out.push_back(
             {Level::warning, "roots_off_head", place,
              "if roots should lie on it: the pose of the groom (rest, first_file_frame, offset), or "
@@ -98,7 +93,7 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
     const double across = norm(high - low), size = head.size();
     constexpr double ratio = 12;
     if (size > ratio * across || (size > 0 && size * ratio < across))
-        out.push_back({median > too_far || size > ratio * across ? Level::error : Level::warning, "head_size",
+        out.push_back({usual > too_far || size > ratio * across ? Level::error : Level::warning, "head_size",
                        fmt::format("the head is {:.3g} m across, the hair {:.3g} m", size, across),
                        "units of the [[solid]] that is the head"});
     const std::string turned =
@@ -122,12 +117,12 @@ void find_riding(std::vector<Finding>& out, const Scene& scene) {
         std::vector<double> away;
         for (const Vec3d& root : roots_of(scene.groom.rest))
             away.push_back(surface.closest(pose.inverse(root)).distance);
-        if (middle(away) < on_it)
+        if (median(away) < on_it)
             out.push_back(
                 {Level::warning, "roots_off_head",
                  fmt::format("roots lie {} from [[solid]] '{}' in the median, which deforms, and do "
                              "not move with it",
-                             in_millimetres(middle(away)), solid.name),
+                             in_millimetres(median(away)), solid.name),
                  fmt::format("scalp = \"{}\" in [groom]", solid.name)});
     }
 }

@@ -5,22 +5,9 @@
 #include <thread>
 #include <wetcurl/wetcurl.hpp>
 
+#include "promises.h"
+
 namespace {
-
-void require(bool holds, const char* promise) {
-    if (!holds) throw std::logic_error(std::string("broken: ") + promise);
-}
-
-template <class Act>
-void require_refused(Act act) {
-    try {
-        act();
-    } catch (const std::runtime_error& e) {
-        std::printf("refused: %s\n", e.what());
-        return;
-    }
-    throw std::logic_error("broken: what cannot be is refused");
-}
 
 wetcurl::PoseArray turned(double angle) { return {0, 0, 0, std::cos(angle / 2), 0, std::sin(angle / 2), 0}; }
 

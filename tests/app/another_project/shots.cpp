@@ -4,24 +4,11 @@
 #include <cstdio>
 #include <wetcurl/wetcurl.hpp>
 
+#include "promises.h"
+
 namespace {
 
 const wetcurl::PoseArray still{0, 0, 0, 1, 0, 0, 0};
-
-void require(bool holds, const char* promise) {
-    if (!holds) throw std::logic_error(std::string("broken: ") + promise);
-}
-
-template <class Act>
-void require_refused(Act act) {
-    try {
-        act();
-    } catch (const std::runtime_error& e) {
-        std::printf("refused: %s\n", e.what());
-        return;
-    }
-    throw std::logic_error("broken: what is no position or no pose is refused");
-}
 
 }  // namespace
 
