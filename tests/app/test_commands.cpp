@@ -782,7 +782,10 @@ TEST_F(Commands, an_interrupted_simulation_keeps_what_it_has) {
     SimulateOptions o = simulation("run.h5", 64);
     o.frames = 1000000;
     std::thread hand([&] {
-        while (!fs::exists(o.output + ".partial")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        const fs::path kept = o.output + ".partial";
+        // A signal while it is empty would end this program: there is nothing to keep.
+        while (!fs::exists(kept) || fs::file_size(kept) == 0)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
         kill(getpid(), SIGTERM);
     });
     EXPECT_THROW(simulate_command(o), Interrupted);
