@@ -209,7 +209,8 @@ H5Writer::H5Writer(OutputFile place)
     place_.keep();
     lengthen(place_.partial());
     file_ = H5Fopen(place_.partial().c_str(), H5F_ACC_RDWR, after_a_kill());
-    check(file_ >= 0, path_, "cannot go on with " + place_.partial() + ": it is cut short or damaged");
+    check(file_ >= 0, path_,
+          "cannot go on with " + place_.partial() + ": it is damaged; without --resume the run begins anew");
     // Killed between two flushes, the file says that it ends before its last rows: they must not be
     // overwritten.
     if (H5Fincrement_filesize(file_, 0) >= 0 && H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0 &&
@@ -218,7 +219,8 @@ H5Writer::H5Writer(OutputFile place)
         return;
     }
     H5Fclose(file_);
-    throw Error(path_ + ": cannot go on with " + place_.partial() + " (disk full, or another layout?)");
+    throw Error(path_ + ": cannot go on with " + place_.partial() +
+                ": it is damaged, or the disk is full; without --resume the run begins anew");
 }
 
 H5Writer::~H5Writer() {

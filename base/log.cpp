@@ -4,6 +4,8 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 namespace wetcurl {
 
 static spdlog::logger& logger() {
@@ -20,6 +22,11 @@ void set_log_level(LogLevel level) {
                                                  spdlog::level::warn, spdlog::level::err, spdlog::level::off};
     logger().set_level(map[int(level)]);
 }
+QuietLog::QuietLog() : before_(logger().level()) {
+    logger().set_level(std::max(logger().level(), spdlog::level::err));
+}
+QuietLog::~QuietLog() { logger().set_level(spdlog::level::level_enum(before_)); }
+
 void log_debug(const std::string& text) { logger().debug(text); }
 void log_info(const std::string& text) { logger().info(text); }
 void log_warning(const std::string& text) { logger().warn(text); }

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "app/engine/run_of_scene.h"
 #include "app/engine/run_solids.h"
 #include "app/exchange/guides.h"
 #include "app/files/results.h"
@@ -39,11 +40,6 @@ constexpr Target targets[] = {
     {"", 1, false, false},        {"blender", 1, false, false}, {"houdini", 1, false, false},
     {"maya", 0.01, false, false}, {"unreal", 0.01, true, true},
 };
-
-bool is_scene_file(const std::string& path) {
-    const std::string ending = fs::path(path).extension().string();
-    return ending == ".abc" || ending == ".usda";
-}
 
 // From the run's metres, Y up.
 class Axes {
@@ -169,11 +165,9 @@ struct OfScene {
     ShotCuts cuts;  // across which nothing has a velocity
 };
 OfScene of_scene(const RunHeader& header) {
-    SceneOptions options;
-    options.stride = header.stride;
-    const Scene scene = parse_scene(header.scene, scene_name(header), header.scene_folder, options);
-    const double width = std::sqrt(4 * scene.linear_density / (std::numbers::pi * scene.volume_density));
-    return {width, scene.cuts};
+    const auto scene = scene_of_run(header);
+    const double width = std::sqrt(4 * scene->linear_density / (std::numbers::pi * scene->volume_density));
+    return {width, scene->cuts};
 }
 
 // Frames of the run that are written.

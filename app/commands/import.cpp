@@ -101,12 +101,31 @@ void print(const ImportOptions& options, const ImportedStrands& in, const Extent
 void add_options(CLI::App& app, ImportOptions& o) {
     app.add_option("input", o.input, readable_endings())->required();
     app.add_option("output", o.output, writable_endings() + "; none: report only");
-    app.add_option("--units", o.units, "of the file")
+    app.add_option("--units", o.groom.units, "of the file")
         ->check(CLI::IsMember({"m", "cm", "mm", "auto"}))
         ->capture_default_str();
-    app.add_option("--up", o.up, "axis that points up; auto: as the file says, else y")
+    app.add_option("--up", o.groom.up, "axis that points up; auto: as the file says, else y")
         ->check(CLI::IsMember({"x", "-x", "y", "-y", "z", "-z", "auto"}))
         ->capture_default_str();
+    const auto three = [&](const char* name, Vec3d& x, const char* about) {
+        app.add_option_function<std::array<double, 3>>(
+               name,
+               [&x](const std::array<double, 3>& values) {
+                   x = {values[0], values[1], values[2]};
+               },
+               about)
+            ->type_name("X Y Z");
+    };
+    three("--rotation", o.groom.rotation, "of the strands about x, then y, then z [degrees]");
+    app.add_option("--scale", o.groom.scale, "factor of the strands")
+        ->check(CLI::Range(1e-6, 1e6))
+        ->capture_default_str();
+    three("--offset", o.groom.offset, "of the strands, after rotation and scale [m]");
+    app.add_option("--order", o.order, "where strands of the file begin")
+        ->check(CLI::IsMember(
+            std::vector<std::string>(std::begin(GroomTable::orders), std::end(GroomTable::orders))))
+        ->capture_default_str();
+    app.add_flag("--repair", o.groom.repair, "end strands before a stray point");
     app.add_option("--resample", o.resample, "particles a strand; 0: as it is")->check(CLI::Range(0, 100000));
     app.add_option("--scalp", o.scalp,
                    "head mesh in the units of the hair: depth of roots, and the grid laid on it");
@@ -115,9 +134,9 @@ void add_options(CLI::App& app, ImportOptions& o) {
 // The head of the roots, whose file may have another axis than theirs where neither is told.
 static ScalpMesh scalp_of(const ImportOptions& options, const ImportedStrands& in) {
     const auto with = [&](const std::string& up) {
-        return ScalpMesh(import_mesh(options.scalp, {options.units, up}));
+        return ScalpMesh(import_mesh(options.scalp, {options.groom.units, up}));
     };
-    if (options.up != "auto" || in.up == "y") return with(options.up);
+    if (options.groom.up != "auto" || in.up == "y") return with(options.groom.up);
     ScalpMesh as_said = with("auto"), as_hair = with(in.up);
     const auto away = [&](const ScalpMesh& scalp) {
         double sum = 0;
@@ -128,7 +147,6 @@ static ScalpMesh scalp_of(const ImportOptions& options, const ImportedStrands& i
 }
 
 int import_command(const ImportOptions& options) {
-    const FileUnits meant{options.units, options.up};
     if (options.resample == 1)
         throw Misuse("--resample: found 1, allowed 0 (as it is) or 2 particles and more");
     const bool writes = !options.output.empty();
@@ -137,7 +155,10 @@ int import_command(const ImportOptions& options) {
     check_files(options, options.output, {options.input, options.scalp});
     if (writes) require_writable(options.output, options.overwrite);
     ResultFile results(options);
-    ImportedStrands in = import_strands(options.input, meant);
+    GroomTable groom = options.groom;
+    groom.file = options.input;
+    groom.tip_first = options.order == "tip_first";
+    ImportedStrands in = import_strands(groom);
     if (options.resample) {
         in.widths = resampled_widths(in.strands, in.widths, options.resample);
         in.strands = resampled_strands(in.strands, options.resample);

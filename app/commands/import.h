@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/options/common_options.h"
+#include "solver/grooms/procedural.h"
 
 namespace CLI {
 class App;
@@ -13,8 +14,9 @@ struct ImportOptions : CommonOptions {
     static constexpr const char *command = "import",
                                 *summary = "read a hair file, report on it, write it in another format";
     static constexpr bool reads_scene = false, uses_device = false;
-    std::string input, output, units = "auto", up = "auto", scalp;
-    int resample = 0;  // 0: as it is
+    std::string input, output, order = "root_first", scalp;
+    int resample = 0;    // 0: as it is
+    GroomTable groom{};  // units, axes and place of the strands
 };
 
 void add_options(CLI::App& app, ImportOptions& o);

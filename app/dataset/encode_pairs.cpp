@@ -68,9 +68,7 @@ Strands shape_of(const RunHeader& header) {
     const bool curls =
         Config::parse(header.scene, scene_name(header), header.scene_folder).root().table("curl").present();
     if (!curls) return header.groom.rest;
-    SceneOptions options;
-    options.stride = header.stride;
-    return shape_at_rest(parse_scene(header.scene, scene_name(header), header.scene_folder, options));
+    return shape_at_rest(*scene_of_run(header));
 }
 
 Json encode_pairs(const PairsRequest& o, Codec codec) {

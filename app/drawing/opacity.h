@@ -37,16 +37,26 @@ class Opacity {
     }
 
     // After the last deposit: areas become optical depths, summed from the light downwards; a cell counts
-    // half of what is its own.
-    void accumulate() {
+    // half of what is its own. `wide`: the light is no ray but a cone, and a shadow spreads on its way.
+    void accumulate(bool wide = false) {
         const size_t layer = size_t(na_) * nb_;
         std::vector<float> above(layer, 0.f);
-        for (int k = nc_ - 1; k >= 0; --k)
+        for (int k = nc_ - 1; k >= 0; --k) {
             for (size_t i = 0; i < layer; ++i) {
                 float own = depth_[k * layer + i];
                 depth_[k * layer + i] = above[i] + 0.5f * own;
                 above[i] += own;
             }
+            if (wide) blur(above.data());
+        }
+    }
+    // After that: surfaces, which let nothing through, have a soft edge some cells wide in place of the
+    // cells'.
+    void soften() {
+        is_share_ = true;
+        for (float& depth : depth_) depth = std::exp(-depth);
+        for (int k = 0; k < nc_; ++k)
+            for (int pass = 0; pass < 3; ++pass) blur(depth_.data() + size_t(k) * na_ * nb_);
     }
 
     // Share of the light that reaches x.
@@ -54,9 +64,9 @@ class Opacity {
         Place p = place(x);
         if (!p.inside || p.k + 1 >= nc_) return 1;
         if (p.k < 0) p.k = 0, p.w = 0;
-        float depth = 0;
-        for (int d = 0; d < 8; ++d) depth += depth_[index(p, d)] * weight(p, d);
-        return std::exp(-depth);
+        float sum = 0;
+        for (int d = 0; d < 8; ++d) sum += depth_[index(p, d)] * weight(p, d);
+        return is_share_ ? sum : std::exp(-sum);
     }
 
     float cell() const { return cell_; }
@@ -87,10 +97,33 @@ class Opacity {
         return (d & 1 ? p.u : 1 - p.u) * (d & 2 ? p.v : 1 - p.v) * (d & 4 ? p.w : 1 - p.w);
     }
 
+    // A layer of cells: each becomes the mean of itself and its neighbours, along its row and along its
+    // column.
+    void blur(float* layer) {
+        const size_t n = size_t(na_);
+        std::vector<float> line(n + 2), above(n);
+        for (int j = 0; j < nb_; ++j) {
+            float* row = layer + j * n;
+            std::copy(row, row + n, line.begin() + 1);
+            line.front() = row[0], line.back() = row[n - 1];
+            for (size_t i = 0; i < n; ++i) row[i] = (line[i] + line[i + 1] + line[i + 2]) / 3;
+        }
+        std::copy(layer, layer + n, above.begin());
+        for (int j = 0; j < nb_; ++j) {
+            float *row = layer + j * n, *below = j + 1 < nb_ ? row + n : row;
+            for (size_t i = 0; i < n; ++i) {
+                const float own = row[i];
+                row[i] = (above[i] + own + below[i]) / 3;
+                above[i] = own;
+            }
+        }
+    }
+
     float cell_;
     Vec3f a_, b_, c_, origin_;
     int na_, nb_, nc_;
-    std::vector<float> depth_;
+    std::vector<float> depth_;  // optical; where `is_share_`, the share of the light
+    bool is_share_ = false;
 };
 
 }  // namespace wetcurl

@@ -199,9 +199,6 @@ struct Shadows {
           front(around, camera.back, cell),
           solid_key(around, lights.key.direction, cell),
           solid_rim(around, lights.rim.direction, cell) {}
-
-    std::array<Opacity*, 4> hair() { return {&key, &rim, &sky, &front}; }
-    std::array<Opacity*, 2> solid() { return {&solid_key, &solid_rim}; }
 };
 
 // Light at a point, after shadows.
@@ -339,6 +336,11 @@ Shadows Scene::make_shadows(const Panel& panel) const {
     const float cell = std::max(diagonal_of(corners) / 128, 1e-5f);
     Shadows shadows(corners, lights_, camera_, cell);
 
+    struct Blocker {
+        Vec3f at;
+        float area;  // [m^2]
+    };
+    std::vector<Blocker> hair, surface;
     Curve curve;
     for (const StrandLayer& layer : panel.layers) {
         const Strands& strands = *layer.strands;
@@ -349,12 +351,7 @@ Shadows Scene::make_shadows(const Panel& panel) const {
             subdivide(p, strands.particles, pieces, curve);
             for (size_t i = 0; i + 1 < curve.points.size(); ++i) {
                 const Vec3f step = curve.points[i + 1] - curve.points[i];
-                const Vec3f middle = curve.points[i] + 0.5f * step;
-                const float length = norm(step);
-                shadows.key.deposit(middle, 0.8f * width * length);
-                shadows.rim.deposit(middle, 0.8f * width * length);
-                shadows.sky.deposit(middle, 0.5f * width * length);
-                shadows.front.deposit(middle, 0.5f * width * length);
+                hair.push_back({curve.points[i] + 0.5f * step, width * norm(step)});
             }
         }
     }
@@ -367,13 +364,26 @@ Shadows Scene::make_shadows(const Panel& panel) const {
             const float share = 0.5f * norm(cross(e, f)) / (0.5f * steps * (steps + 1));
             for (int i = 0; i < steps; ++i)
                 for (int j = 0; i + j < steps; ++j)
-                    for (Opacity* o : shadows.solid())
-                        o->deposit(v[t[0]] + ((i + 0.33f) / steps) * e + ((j + 0.33f) / steps) * f,
-                                   8 * share);
+                    surface.push_back(
+                        {v[t[0]] + ((i + 0.33f) / steps) * e + ((j + 0.33f) / steps) * f, share});
         }
     }
-    for (Opacity* o : shadows.hair()) o->accumulate();
-    for (Opacity* o : shadows.solid()) o->accumulate();
+    struct Filling {
+        Opacity* opacity;
+        const std::vector<Blocker>& blockers;
+        float share;  // of their area that counts
+        bool wide;
+    };
+    const Filling fillings[] = {
+        {&shadows.key, hair, 0.8f, false},       {&shadows.rim, hair, 0.8f, false},
+        {&shadows.sky, hair, 0.5f, true},        {&shadows.front, hair, 0.5f, true},
+        {&shadows.solid_key, surface, 8, false}, {&shadows.solid_rim, surface, 8, false}};
+#pragma omp parallel for schedule(dynamic, 1)
+    for (const Filling& f : fillings) {
+        for (const Blocker& b : f.blockers) f.opacity->deposit(b.at, f.share * b.area);
+        f.opacity->accumulate(f.wide);
+        if (&f.blockers == &surface) f.opacity->soften();
+    }
     return shadows;
 }
 

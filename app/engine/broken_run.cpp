@@ -45,16 +45,18 @@ std::optional<BrokenRun> broken_run_at(const OutputFile& place) {
     return BrokenRun{place.partial(), run->header(), run->frames(), run->seconds()};
 }
 
-// The first line that differs, of texts that do.
+// The first line that differs, of texts that do; of a TOML text the table that it stands in.
 static std::string first_difference(const std::string& found, const std::string& wanted) {
     std::istringstream a(found), b(wanted);
-    std::string line_a, line_b;
+    std::string line_a, line_b, table;
     for (bool more_a = true, more_b = true; more_a || more_b;) {
         line_a.clear(), line_b.clear();
         more_a = bool(std::getline(a, line_a)), more_b = bool(std::getline(b, line_b));
         if (line_a != line_b) break;
+        if (line_a.starts_with('[')) table = line_a + " ";
     }
-    return fmt::format("'{}', now it is '{}'", line_a, line_b);
+    const auto said = [](const std::string& line) { return line.empty() ? "nothing" : "'" + line + "'"; };
+    return fmt::format("{}{}, now it is {}", table, said(line_a), said(line_b));
 }
 
 void require_same(const BrokenRun& broken, const RunHeader& header) {

@@ -134,7 +134,8 @@ void DrivenRun::advance(double seconds) {
     for_each_driven([end](auto& body, auto to) { body.go_to(end, std::move(to)); });
     run_.simulation().advance_by(seconds);
     ++frames_;
-    if (const auto divergence = run_.simulation().divergence()) throw Diverged(frames_, *divergence);
+    if (const auto divergence = run_.simulation().divergence())
+        throw Diverged(run_.scene(), frames_, *divergence);
     look();
 }
 

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <map>
+
+#include "base/log.h"
 #include "solver/chain/scene_checks.h"
 
 namespace wetcurl {
@@ -31,6 +34,35 @@ Scene scene_of_file(const std::string& path, const SceneOptions& options) {
     const RunReader run(path);
     Scene scene = parse_scene(run.header().scene, path, run.header().scene_folder, options);
     scene.files.push_back(path);
+    return scene;
+}
+
+std::shared_ptr<const Scene> scene_of_run(const RunHeader& header) {
+    static std::map<std::pair<std::string, int>, std::shared_ptr<const Scene>> known;  // of text and stride
+    auto& scene = known[{header.scene, header.stride}];
+    if (!scene) {
+        const QuietLog quiet;
+        SceneOptions options;
+        options.stride = header.stride;
+        const auto read = [&] {
+            return std::make_shared<Scene>(
+                parse_scene(header.scene, scene_name(header), header.scene_folder, options));
+        };
+        try {
+            scene = read();
+        } catch (const Error&) {
+            // The file of its hair is gone; the run has it.
+            Brought brought;
+            for (int s = 0; s < header.groom.rest.count; ++s) {
+                const Vec3f* strand = header.groom.rest.strand(s);
+                auto& points = brought.strands.emplace_back();
+                for (int i = 0; i < header.groom.rest.particles; ++i)
+                    points.push_back(cast<double>(strand[i]));
+            }
+            options.brought = &brought, options.stride = 1;
+            scene = read();
+        }
+    }
     return scene;
 }
 

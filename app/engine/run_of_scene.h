@@ -1,6 +1,8 @@
 // Between scenes and run caches.
 #pragma once
 
+#include <memory>
+
 #include "base/run_cache.h"
 #include "solver/run/simulation.h"
 
@@ -12,6 +14,10 @@ RunHeader header_of(const Scene& scene, const Simulation& simulation, const std:
 // The scene of a file: TOML, or that of a run (.h5), with its relative paths where they were. Throws as
 // load_scene and RunReader do.
 Scene scene_of_file(const std::string& path, const SceneOptions& options);
+
+// The scene that a run was made of, read once for each run and without the words that were said then. Its
+// hair comes from the run where its file is gone. Throws as parse_scene does.
+std::shared_ptr<const Scene> scene_of_run(const RunHeader& header);
 
 // Of a frame of the run's scene.
 int substeps_of(const RunHeader& run);

@@ -2,45 +2,16 @@
 #include "app/engine/run_solids.h"
 
 #include <algorithm>
-#include <map>
 #include <memory>
 
+#include "app/engine/run_of_scene.h"
 #include "solver/solids/deforming_solids.h"
 
 namespace wetcurl {
 
-// A run's scene, read once for each text (rendering asks for every frame).
-static std::shared_ptr<const Scene> scene_of(const RunHeader& header) {
-    static std::map<std::string, std::shared_ptr<const Scene>> known;
-    auto& scene = known[header.scene];
-    if (!scene) {
-        SceneOptions options;
-        options.stride = header.stride;
-        const auto read = [&] {
-            return std::make_shared<Scene>(
-                parse_scene(header.scene, scene_name(header), header.scene_folder, options));
-        };
-        try {
-            scene = read();
-        } catch (const Error&) {
-            // The file of its hair is gone; the run has it.
-            Brought brought;
-            for (int s = 0; s < header.groom.rest.count; ++s) {
-                const Vec3f* strand = header.groom.rest.strand(s);
-                auto& points = brought.strands.emplace_back();
-                for (int i = 0; i < header.groom.rest.particles; ++i)
-                    points.push_back(cast<double>(strand[i]));
-            }
-            options.brought = &brought, options.stride = 1;
-            scene = read();
-        }
-    }
-    return scene;
-}
-
 std::vector<PosedMesh> solids_of(const RunHeader& header, const RunFrame& frame, double time) {
     std::vector<PosedMesh> out;
-    for (const auto& solid : scene_of(header)->solids)
+    for (const auto& solid : scene_of_run(header)->solids)
         out.push_back({solid.deformation ? solid.deformation->at(time) : triangulated(solid.shape),
                        solid.at(time, frame.head)});
     return out;
@@ -48,7 +19,7 @@ std::vector<PosedMesh> solids_of(const RunHeader& header, const RunFrame& frame,
 
 std::function<float(const Vec3f&, const Pose&, double)> solid_distance_of(const RunHeader& header,
                                                                           bool loose) {
-    const auto scene = scene_of(header);
+    const auto scene = scene_of_run(header);
     const auto counts = [loose](const Solid& solid) { return !(loose && solid.attached); };
     if (std::none_of(scene->solids.begin(), scene->solids.end(), counts)) return {};
     std::shared_ptr<DeformingSolids> surfaces;

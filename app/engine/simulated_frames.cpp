@@ -7,18 +7,24 @@
 
 namespace wetcurl {
 
-Diverged::Diverged(int frame, const Divergence& divergence)
-    : Error(fmt::format("the run diverged at frame {}, strand {}, largest term '{}'; more [integrator] "
-                        "substeps, or less stiffness, may help",
-                        frame, divergence.strand, divergence.largest_term)) {}
+// What may keep a run of the scene together.
+static std::string remedies(const Scene& scene) {
+    return std::string("more [integrator] substeps, ") +
+           (scene.air ? "less stiffness, or in [air] a slower wind or less drag," : "or less stiffness,") +
+           " may help";
+}
 
-Diverged::Diverged(const FrameExtreme& stretch, const std::string& where, double allowed,
+Diverged::Diverged(const Scene& scene, int frame, const Divergence& divergence)
+    : Error(fmt::format("the run diverged at frame {}, strand {}, largest term '{}'; {}", frame,
+                        divergence.strand, divergence.largest_term, remedies(scene))) {}
+
+Diverged::Diverged(const Scene& scene, const FrameExtreme& stretch, const std::string& where,
                    const std::string& largest_term)
     : Error(fmt::format(
           "the run diverged at frame {}, strand {}, particle {}: found an edge of {:.3g} times its "
-          "rest length{}, allowed are {:g} ([integrator] allow_stretch), largest term '{}'; more "
-          "[integrator] substeps, or less stiffness, may help",
-          stretch.frame, stretch.strand, stretch.particle, stretch.value, where, allowed, largest_term)) {}
+          "rest length{}, allowed are {:g} ([integrator] allow_stretch), largest term '{}'; {}",
+          stretch.frame, stretch.strand, stretch.particle, stretch.value, where,
+          scene.integrator.allow_stretch, largest_term, remedies(scene))) {}
 
 // The solid that lies over a strand's root at `time` [s], and so stretches the strand; "" where none does.
 // What is attached to the head lets hair lie in it as it is drawn.
@@ -36,11 +42,10 @@ static std::string over_root(const Scene& scene, const RunFrame& frame, int stra
 void require_bearable(const Simulation& simulation, const FrameWatch& watch, const RunFrame& frame,
                       double time) {
     const Scene& scene = simulation.scene();
-    const double allowed = scene.integrator.allow_stretch;
     const FrameExtreme& longest = *watch.stretch();
-    if (!(longest.value > allowed)) return;
+    if (!(longest.value > scene.integrator.allow_stretch)) return;
     const std::vector<double> energy(frame.energy.begin(), frame.energy.end());
-    throw Diverged(longest, over_root(scene, frame, longest.strand, time), allowed,
+    throw Diverged(scene, longest, over_root(scene, frame, longest.strand, time),
                    simulation.energy_kinds[largest_energy(energy)]);
 }
 
@@ -55,7 +60,8 @@ bool SimulatedFrames::advance(bool shown) {
     // Nothing is computed for frame 0.
     if (++index_ > 0) simulation_.advance(shown);
     if (!shown) return true;
-    if (const auto divergence = simulation_.divergence()) throw Diverged(index_, *divergence);
+    if (const auto divergence = simulation_.divergence())
+        throw Diverged(simulation_.scene(), index_, *divergence);
     return true;
 }
 

@@ -12,10 +12,9 @@ namespace wetcurl {
 // A strand is not finite any more, has left the scene, or has an edge far beyond its rest length.
 class Diverged : public Error {
   public:
-    Diverged(int frame, const Divergence& divergence);
-    // `where`: what its root lies in, or ""; `allowed`: times its rest length; of all strands together the
-    // term of most energy.
-    Diverged(const FrameExtreme& stretch, const std::string& where, double allowed,
+    Diverged(const Scene& scene, int frame, const Divergence& divergence);
+    // `where`: what its root lies in, or ""; of all strands together the term of most energy.
+    Diverged(const Scene& scene, const FrameExtreme& stretch, const std::string& where,
              const std::string& largest_term);
 };
 

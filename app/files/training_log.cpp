@@ -12,7 +12,7 @@
 
 namespace wetcurl {
 
-using Json = nlohmann::json;
+using LogLine = nlohmann::json;
 
 double TrainingLog::least(const std::string& series_name) const {
     double least = std::numeric_limits<double>::infinity();
@@ -27,10 +27,10 @@ bool is_training_log(const std::string& path) { return path.ends_with(".jsonl");
 TrainingLog read_training_log(const std::string& path) {
     std::ifstream file(path);
     if (!file) throw Error(path + ": cannot be read; allowed is what train leaves beside its model");
-    std::vector<Json> lines;
+    std::vector<LogLine> lines;
     for (std::string line; std::getline(file, line);) {
-        lines.push_back(Json::parse(line, nullptr, /*allow_exceptions=*/false));
-        const Json& l = lines.back();
+        lines.push_back(LogLine::parse(line, nullptr, /*allow_exceptions=*/false));
+        const LogLine& l = lines.back();
         if (!l.is_object() || !l.contains("loss") || !l["loss"].is_number())
             throw Error(path + ":" + std::to_string(lines.size()) +
                         ": found no line of a training's log, allowed is what train leaves beside its model");
@@ -40,7 +40,7 @@ TrainingLog read_training_log(const std::string& path) {
                     " epochs, two or more are needed for a curve");
     auto any = [&](const char* key) {
         return std::any_of(lines.begin(), lines.end(),
-                           [&](const Json& l) { return l.contains(key) && l[key].is_number(); });
+                           [&](const LogLine& l) { return l.contains(key) && l[key].is_number(); });
     };
     TrainingLog log;
     log.path = path;
@@ -62,7 +62,7 @@ TrainingLog read_training_log(const std::string& path) {
         for (size_t l = 0; l < lines.size(); ++l) {
             const auto found = lines[l].find(keys[k]);
             if (found == lines[l].end() || !found->is_number()) continue;
-            const Json epoch = lines[l].value("epoch", Json());
+            const LogLine epoch = lines[l].value("epoch", LogLine());
             s.epoch.push_back(epoch.is_number() ? epoch.get<double>() : double(l + 1));
             s.value.push_back(k == 0 && root_of_loss ? std::sqrt(found->get<double>())
                                                      : found->get<double>());

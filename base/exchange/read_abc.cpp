@@ -11,6 +11,7 @@
 #include "base/exchange/abc_layout.h"
 #include "base/exchange/alembic.h"
 #include "base/exchange/ogawa.h"
+#include "base/exchange/row_matrix.h"
 #include "base/log.h"
 
 namespace wetcurl {
@@ -52,44 +53,14 @@ struct Sampling {
     }
 };
 
-// A row vector's map: p' = p M.
-struct Matrix {
-    double m[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
-    bool operator==(const Matrix&) const = default;
-    friend Matrix operator*(const Matrix& a, const Matrix& b) {
-        Matrix out;
-        for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j) {
-                out.m[i][j] = 0;
-                for (int k = 0; k < 4; ++k) out.m[i][j] += a.m[i][k] * b.m[k][j];
-            }
-        return out;
-    }
-    Vec3f operator()(const Vec3f& p) const {
-        const auto at = [&](int j) { return float(p.x * m[0][j] + p.y * m[1][j] + p.z * m[2][j] + m[3][j]); };
-        return {at(0), at(1), at(2)};
-    }
-    bool mirrors() const {
-        const auto row = [&](int i) { return Vec3d{m[i][0], m[i][1], m[i][2]}; };
-        return dot(cross(row(0), row(1)), row(2)) < 0;
-    }
-};
-
-Matrix rotation(Vec3d axis, double degrees) {
-    if (const double length = norm(axis); length > 0) axis = (1 / length) * axis;
-    const double angle = degrees * 3.14159265358979323846 / 180, s = std::sin(angle), c = std::cos(angle);
-    const double a[3] = {axis.x, axis.y, axis.z};
-    Matrix out;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) out.m[i][j] = (i == j ? c : 0) + (1 - c) * a[i] * a[j];
-    out.m[0][1] += s * a[2], out.m[1][0] -= s * a[2];
-    out.m[1][2] += s * a[0], out.m[2][1] -= s * a[0];
-    out.m[2][0] += s * a[1], out.m[0][2] -= s * a[1];
-    return out;
+RowMatrix rotation(const Vec3d& axis, double degrees) {
+    constexpr double degree = 3.14159265358979323846 / 180;
+    const double length = norm(axis);
+    return length > 0 ? row_matrix_of(rotation_about((1 / length) * axis, degrees * degree)) : RowMatrix{};
 }
 
-Matrix matrix_of(AbcXformOp op, const double* channels) {
-    Matrix out;
+RowMatrix matrix_of(AbcXformOp op, const double* channels) {
+    RowMatrix out;
     switch (op) {
         case AbcXformOp::scale:
             for (int i = 0; i < 3; ++i) out.m[i][i] = channels[i];
@@ -612,7 +583,7 @@ class AbcReader : public SceneReader {
             if (corner < 0 || size_t(corner) >= object.points)
                 file().fail(source->topology[1].where, "the point " + std::to_string(corner),
                             "points of its " + std::to_string(object.points));
-        const bool turn = !placement(above, object.times[0]).mirrors();
+        const bool turn = placement(above, object.times[0]).determinant() >= 0;
         size_t first = 0;
         for (int count : object.counts) {
             if (count < 0 || size_t(count) > object.corners.size() - first)
@@ -716,13 +687,13 @@ class AbcReader : public SceneReader {
     }
 
     // All transforms above an object at a time.
-    Matrix placement(int transform, double time) const {
-        Matrix out;
+    RowMatrix placement(int transform, double time) const {
+        RowMatrix out;
         for (int t = transform; t >= 0; t = transforms_[size_t(t)].above) {
             const Transform& from = transforms_[size_t(t)];
             if (from.channels) {
                 const std::vector<double> channels = archive_.numbers_at<double>(*from.channels, time);
-                Matrix own;
+                RowMatrix own;
                 size_t at = 0;
                 for (AbcXformOp op : from.ops) {
                     if (channels.size() < at + channels_of_xform_op[size_t(op)])
@@ -757,13 +728,13 @@ class AbcReader : public SceneReader {
             file().fail(where + ", " + std::to_string(time) + " s",
                         std::to_string(numbers.size() / 3) + " points",
                         std::to_string(source.points) + ", as in the first sample");
-        const Matrix place = placement(source.transform, time);
-        const bool moves = place != Matrix{};
+        const RowMatrix place = placement(source.transform, time);
+        const bool moves = place != RowMatrix{};
         std::vector<Vec3f> points(source.points);
         for (size_t i = 0; i < points.size(); ++i) {
             Vec3f& x = points[i];
             x = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
-            if (moves) x = place(x);
+            if (moves) x = cast<float>(place(cast<double>(x)));
             if (!std::isfinite(x.x) || !std::isfinite(x.y) || !std::isfinite(x.z))
                 file().fail(where + ", " + std::to_string(time) + " s",
                             "the point " + std::to_string(i) + ", which is not finite", "finite numbers");

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/exchange/row_matrix.h"
 #include "base/exchange/usda.h"
 #include "base/exchange/usda_text.h"
 #include "base/lfs_pointer.h"
@@ -15,60 +16,15 @@
 namespace wetcurl {
 namespace {
 
-// ---- transforms, as USD writes them: p' = p M, rows of four, points as rows
-
-struct Matrix {
-    double m[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
-};
-
-// First a, then b.
-Matrix then(const Matrix& a, const Matrix& b) {
-    Matrix out;
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) {
-            out.m[i][j] = 0;
-            for (int k = 0; k < 4; ++k) out.m[i][j] += a.m[i][k] * b.m[k][j];
-        }
-    return out;
-}
-
-Vec3d row(const Matrix& a, int i) { return {a.m[i][0], a.m[i][1], a.m[i][2]}; }
-void set_row(Matrix& a, int i, const Vec3d& x) { a.m[i][0] = x.x, a.m[i][1] = x.y, a.m[i][2] = x.z; }
-double determinant(const Matrix& a) { return dot(row(a, 0), cross(row(a, 1), row(a, 2))); }
-
-Vec3d applied(const Matrix& a, const Vec3d& p) {
-    return p.x * row(a, 0) + p.y * row(a, 1) + p.z * row(a, 2) + row(a, 3);
-}
-
-// Of an affine one whose determinant is not 0.
-Matrix inverse(const Matrix& a) {
-    const double scale = 1 / determinant(a);
-    const Vec3d columns[3] = {cross(row(a, 1), row(a, 2)), cross(row(a, 2), row(a, 0)),
-                              cross(row(a, 0), row(a, 1))};
-    Matrix out;
-    for (int j = 0; j < 3; ++j) {
-        out.m[0][j] = scale * columns[j].x, out.m[1][j] = scale * columns[j].y;
-        out.m[2][j] = scale * columns[j].z;
-    }
-    set_row(out, 3, -applied(out, row(a, 3)));
-    return out;
-}
-
-Matrix rotation(const Quatd& q) {
-    Matrix out;
-    set_row(out, 0, rotate(q, Vec3d{1, 0, 0}));
-    set_row(out, 1, rotate(q, Vec3d{0, 1, 0}));
-    set_row(out, 2, rotate(q, Vec3d{0, 0, 1}));
-    return out;
-}
+// ---- transforms
 
 double& component(Vec3d& x, int axis) { return axis == 0 ? x.x : axis == 1 ? x.y : x.z; }
 
 // Degrees.
-Matrix rotation_about_axis(int axis, double angle) {
+RowMatrix rotation_about_axis(int axis, double angle) {
     Vec3d direction{0, 0, 0};
     component(direction, axis) = 1;
-    return rotation(rotation_about(direction, angle * std::acos(-1.0) / 180));
+    return row_matrix_of(rotation_about(direction, angle * std::acos(-1.0) / 180));
 }
 
 // One of an object's transforms over time.
@@ -80,12 +36,12 @@ struct XformOp {
     std::vector<double> times;  // [time code]; empty: one value for all times
     std::vector<std::vector<double>> values;
 
-    Matrix at(double time) const;
-    Matrix of(const std::vector<double>& v) const;
+    RowMatrix at(double time) const;
+    RowMatrix of(const std::vector<double>& v) const;
 };
 
-Matrix XformOp::of(const std::vector<double>& v) const {
-    Matrix out;
+RowMatrix XformOp::of(const std::vector<double>& v) const {
+    RowMatrix out;
     switch (kind) {
         case Kind::translate:
             for (size_t k = 0; k < axes.size(); ++k) out.m[3][axes[k]] = v[k];
@@ -96,15 +52,15 @@ Matrix XformOp::of(const std::vector<double>& v) const {
         case Kind::rotate:
             // "(x, y, z)" stay in this order whatever the order of turning.
             for (int axis : axes)
-                out = then(out, rotation_about_axis(axis, v[axes.size() == 1 ? 0 : size_t(axis)]));
+                out = out * rotation_about_axis(axis, v[axes.size() == 1 ? 0 : size_t(axis)]);
             break;
         case Kind::orient:
-            out = rotation(normalized(Quatd{v[0], v[1], v[2], v[3]}));
+            out = row_matrix_of(normalized(Quatd{v[0], v[1], v[2], v[3]}));
             break;
         case Kind::matrix:
             for (size_t k = 0; k < 16; ++k) out.m[k / 4][k % 4] = v[k];
     }
-    return inverse ? wetcurl::inverse(out) : out;
+    return inverse ? out.inverse() : out;
 }
 
 // The samples on both sides of a time, and how far it lies from the first to the second; one where it is a
@@ -127,7 +83,7 @@ Between between(size_t count, TimeOf time_of, double time) {
     return {before, after, (time - time_of(before)) / (time_of(after) - time_of(before))};
 }
 
-Matrix XformOp::at(double time) const {
+RowMatrix XformOp::at(double time) const {
     if (times.empty()) return of(values[0]);
     const Between at = between(
         times.size(), [&](size_t k) { return times[k]; }, time);
@@ -281,7 +237,7 @@ class UsdaReader : public SceneReader {
     }
     std::vector<std::array<float, 3>> stored_points(const Source& source, double time) const;
     std::vector<Vec3f> points_of(const Source& source, const std::string& object, size_t sample) const;
-    Matrix world_of(size_t node, double time) const;
+    RowMatrix world_of(size_t node, double time) const;
 
     TextFile file_;
     UsdaScanner in_;
@@ -299,9 +255,11 @@ void UsdaReader::refuse_other_kinds() {
     std::string start(64, '\0');
     start.resize(file_.read(0, start.data(), start.size()));
     refuse_lfs_pointer(start, file_.path());
-    const std::string convert = "`usdcat " + file_.path() + " -o " +
-                                file_.path().substr(0, file_.path().find_last_of('.')) +
-                                ".usda` turns it into text, which is read";
+    const size_t dot = file_.path().find_last_of('.');
+    // Not onto itself.
+    const char* text = file_.path().substr(dot) == ".usda" ? "_text.usda" : ".usda";
+    const std::string convert = "`usdcat " + file_.path() + " -o " + file_.path().substr(0, dot) + text +
+                                "` turns it into text, which is read";
     if (start.starts_with("PXR-USDC")) throw Error(file_.path() + ": found binary USD; " + convert);
     if (start.starts_with("PK\x03\x04")) throw Error(file_.path() + ": found a package (.usdz); " + convert);
     std::string first = in_.line_text();
@@ -551,7 +509,7 @@ std::vector<XformOp> UsdaReader::read_ops(const Attributes& attributes, bool& re
             if (op.inverse) {
                 XformOp forward = op;
                 forward.inverse = false;
-                if (determinant(forward.of(v)) == 0)
+                if (forward.of(v).determinant() == 0)
                     file_.fail(span.line, "'" + name + "' without an inverse", "one, for it is inverted");
             }
             op.values.push_back(std::move(v));
@@ -781,11 +739,11 @@ void UsdaReader::add_mesh(size_t node, const Attributes& attributes) {
 
 // ---- once all is known
 
-Matrix UsdaReader::world_of(size_t node, double time) const {
-    Matrix world;
+RowMatrix UsdaReader::world_of(size_t node, double time) const {
+    RowMatrix world;
     for (int at = int(node); at >= 0; at = nodes_[size_t(at)].parent) {
         const Node& n = nodes_[size_t(at)];
-        for (auto op = n.ops.rbegin(); op != n.ops.rend(); ++op) world = then(world, op->at(time));
+        for (auto op = n.ops.rbegin(); op != n.ops.rend(); ++op) world = world * op->at(time);
         if (n.resets) break;
     }
     return world;
@@ -818,7 +776,7 @@ void UsdaReader::finish() {
     for (size_t k = 0; k < meshes_.size(); ++k) {
         MeshObject& mesh = meshes_[k];
         mesh.times = times_of(of_meshes_[k]);
-        const bool mirrored = determinant(world_of(of_meshes_[k].node, of_meshes_[k].codes[0])) < 0;
+        const bool mirrored = world_of(of_meshes_[k].node, of_meshes_[k].codes[0]).determinant() < 0;
         if (mirrored == left_handed_[k]) continue;
         size_t begin = 0;
         for (int count : mesh.counts) {
@@ -873,11 +831,11 @@ std::vector<Vec3f> UsdaReader::points_of(const Source& source, const std::string
                 ": found that its points are joined in another way than in the first sample, expected "
                 "the same throughout");
     const auto stored = stored_points(source, time);
-    const Matrix world = world_of(source.node, time);
+    const RowMatrix world = world_of(source.node, time);
     std::vector<Vec3f> out;
     out.reserve(stored.size());
     for (const auto& x : stored) {
-        out.push_back(cast<float>(applied(world, {double(x[0]), double(x[1]), double(x[2])})));
+        out.push_back(cast<float>(world(Vec3d{double(x[0]), double(x[1]), double(x[2])})));
         const Vec3f& p = out.back();
         if (!(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
             throw Error(where(object) + ", sample " + std::to_string(sample) + ", point " +

@@ -63,6 +63,9 @@ class SceneReader {
     virtual std::vector<Vec3f> points_of_mesh(size_t object, size_t sample) const = 0;
 };
 
+// Whether the ending is one of Alembic or USD.
+bool is_scene_file(const std::string& path);
+
 // By the file's ending, .abc or .usda. Throws Misuse for another ending, Error for a file that is missing,
 // cut short, foreign, or of a kind that is not read (HDF5 Alembic, .usd and .usdc: the text says what to
 // run).

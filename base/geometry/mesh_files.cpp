@@ -11,6 +11,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "base/file_ending.h"
 #include "base/geometry/mesh_glb.h"
 #include "base/geometry/polygon_fan.h"
 #include "base/lfs_pointer.h"
@@ -400,8 +401,7 @@ Mesh read_ply(std::string_view text, const std::string& path, double scale) {
 Mesh read_mesh(const std::string& path, double scale_to_metres) {
     if (!(scale_to_metres > 0) || !std::isfinite(scale_to_metres))
         fail(path, "a scale of " + std::to_string(scale_to_metres) + ", allowed above 0");
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = ending_of(path);
     if (extension != ".obj" && extension != ".ply" && extension != ".glb")
         fail(path, "mesh format " + shown(extension) + ", allowed .obj, .ply, .glb");
     const std::string text = whole_file(path);

@@ -1,6 +1,8 @@
 // Presence, stiffness and precision of a scene.
 #include "solver/chain/scene_checks.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "solver/scene/rest_state.h"
@@ -9,7 +11,7 @@ namespace wetcurl {
 
 Presence presence_of(const Scene& scene) {
     Presence p;
-    auto note = [&](bool there, const char* name) { (there ? p.present : p.absent).push_back(name); };
+    auto note = [&](bool there, const char* name) { (there ? p.present : p.absent).emplace_back(name); };
     std::apply(
         [&](const auto&... term) { (note(term.has_value(), std::decay_t<decltype(*term)>::name), ...); },
         scene.chain);
@@ -23,9 +25,9 @@ Presence presence_of(const Scene& scene) {
     note(scene.strand_contact.has_value(), StrandContact::name);
     note(!scene.adhesion_model.empty(), "adhesion network");
     for_each_present(scene.baselines, [&](const auto& method) {
-        p.present.push_back(std::string("baseline ") + method.name);
+        p.present.push_back(fmt::format("baseline {}", method.name));
     });
-    if (!scene.names_baseline()) p.absent.push_back("baseline");
+    if (!scene.names_baseline()) p.absent.emplace_back("baseline");
     return p;
 }
 

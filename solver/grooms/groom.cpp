@@ -81,10 +81,25 @@ static std::vector<Vec3f> normals_at(const std::vector<Vec3d>& roots, const Scal
     return normals;
 }
 
-static void move(StrandPoints& strands, const GroomTable& groom) {
+// As the table says.
+static void arrange(ImportedStrands& in, const GroomTable& groom, const std::string& file) {
+    if (groom.tip_first) {
+        for (auto& strand : in.strands) std::reverse(strand.begin(), strand.end());
+        for (auto& widths : in.widths) std::reverse(widths.begin(), widths.end());
+    }
     const Quatd turn = rotation_of(groom.rotation);
-    for (auto& strand : strands)
+    for (auto& strand : in.strands)
         for (auto& x : strand) x = groom.scale * rotate(turn, x) + groom.offset;
+    for (auto& widths : in.widths)
+        for (float& width : widths) width *= float(groom.scale);
+    if (groom.repair)
+        log_info(file + ": " + std::to_string(repair(in)) + " strands end before a stray point");
+}
+
+ImportedStrands import_strands(const GroomTable& groom) {
+    ImportedStrands in = import_strands(groom.file, groom.hair_units());
+    arrange(in, groom, groom.file);
+    return in;
 }
 
 // The grid asked for, or {0, 0} for the finest there is. One with fewer pixels than the file has strands is a
@@ -131,14 +146,9 @@ static Groom groom_of_strands(const Table& table, const GroomTable& groom, const
     const std::string file = brought.empty() ? groom.file : "strands in memory";
     const int particles = groom.particles;
     rest_procedural_keys(table, file);
-    ImportedStrands in =
-        brought.empty() ? import_strands(file, groom.hair_units()) : taken_whole(brought, file);
-    StrandPoints& strands = in.strands;
-    if (groom.tip_first)
-        for (auto& strand : strands) std::reverse(strand.begin(), strand.end());
-    move(strands, groom);
-    if (groom.repair)
-        log_info(file + ": " + std::to_string(repair(in)) + " strands end before a stray point");
+    ImportedStrands in = brought.empty() ? import_strands(groom) : taken_whole(brought, file);
+    if (!brought.empty()) arrange(in, groom, file);
+    const StrandPoints& strands = in.strands;
     if (findings) *findings = findings_of_strands(in, file);
     const std::vector<Vec3d> roots = roots_of(strands);
     const auto scalp = read_scalp(groom, of_solid ? of_solid(roots) : nullptr, in.up);

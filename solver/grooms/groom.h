@@ -12,6 +12,8 @@
 
 namespace wetcurl {
 
+struct GroomTable;
+
 // The scalp that is a solid of the scene, null where none is; roots (strand) [m] of a file's hair, else
 // empty.
 using ScalpOfSolid = std::function<std::shared_ptr<const ScalpMesh>(const std::vector<Vec3d>& roots)>;
@@ -25,6 +27,10 @@ using ScalpOfSolid = std::function<std::shared_ptr<const ScalpMesh>(const std::v
 // file's, none of which may be degenerate. Throws Misuse for keys and values, Error for bad files.
 Groom load_groom(const Table& table, unsigned long long seed, const ScalpOfSolid& of_solid = {},
                  std::vector<Finding>* findings = nullptr, const StrandPoints& brought = {});
+
+// The strands of `groom.file` [m], y up, in the order, at the place and repaired as the table says. Throws as
+// import_strands of a file does.
+ImportedStrands import_strands(const GroomTable& groom);
 
 // The grid of every 1st, 2nd, 4th... root each way: the finest that has at most `at_most` strands, 1 or more.
 // `stride`, where given, receives which. Throws Misuse where at_most < 1, Error where no root is left.

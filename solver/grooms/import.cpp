@@ -2,13 +2,13 @@
 #include "solver/grooms/import.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
 
 #include "base/error.h"
+#include "base/file_ending.h"
 #include "base/geometry/file_frame.h"
 #include "base/geometry/mesh_winding.h"
 #include "base/log.h"
@@ -36,12 +36,6 @@ struct Unit {
     double metres;
 };
 const Unit units[] = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}};
-
-std::string ending_of(const std::string& path) {
-    std::string ending = std::filesystem::path(path).extension().string();
-    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return ending;
-}
 
 [[noreturn]] void unknown_ending(const std::string& path, const std::string& allowed) {
     throw Misuse(path + ": found the ending '" + ending_of(path) + "', allowed " + allowed);
@@ -116,16 +110,21 @@ ToMetres conversion(const std::string& path, const FileUnits& meant, const std::
     return {unit, true, up, up_told};
 }
 
-void widen(Bounds& box, const Vec3d& x) {
-    box.low = {std::min(box.low.x, x.x), std::min(box.low.y, x.y), std::min(box.low.z, x.z)};
-    box.high = {std::max(box.high.x, x.x), std::max(box.high.y, x.y), std::max(box.high.z, x.z)};
-}
-
-Bounds bounds_of(const StrandPoints& strands) {
-    constexpr double far = 1e300;
-    Bounds box{{far, far, far}, {-far, -far, -far}};
-    for (const auto& strand : strands)
-        for (const auto& x : strand) widen(box, x);
+// Where nearly all points lie: a stray one changes no unit.
+Bounds usual_bounds(const StrandPoints& strands) {
+    Bounds box;
+    std::vector<double> values;
+    for (double Vec3d::*axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+        values.clear();
+        for (const auto& strand : strands)
+            for (const Vec3d& x : strand) values.push_back(x.*axis);
+        constexpr double outside = 0.005;  // share of the points, at either end
+        const auto left_out = long(outside * double(values.size()));
+        const auto low = values.begin() + left_out, high = values.end() - 1 - left_out;
+        std::nth_element(values.begin(), low, values.end());
+        std::nth_element(low, high, values.end());
+        box.low.*axis = *low, box.high.*axis = *high;
+    }
     return box;
 }
 
@@ -236,7 +235,7 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
         file.widths.clear();
     }
 
-    ToMetres to_metres = conversion(path, meant, format->units, file.axes, bounds_of(raw));
+    ToMetres to_metres = conversion(path, meant, format->units, file.axes, usual_bounds(raw));
     const Guess up = guessed_up(raw);
     if (!to_metres.up_told) to_metres.up = up.word;
     ImportedStrands out = taken(path, file, to_metres);

@@ -17,7 +17,7 @@ struct Finding {
     static constexpr const char* names[] = {
         "size",           "up",        "order",     "stray_points",  "short_strands",
         "roots_off_head", "head_size", "open_mesh", "doubled_faces", "turned_faces",
-        "no_area",        "no_inside", "dry_water"};
+        "no_area",        "no_inside", "dry_water", "wide_radius"};
 };
 const char* name_of(Finding::Level level);
 // "warning: up: groom.data: from roots to tips the hair runs along -z; up = \"z\" in [groom], if ...".

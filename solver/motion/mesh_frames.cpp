@@ -2,10 +2,11 @@
 #include "solver/motion/mesh_frames.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <map>
 
+#include "base/exchange/scene_file.h"
+#include "base/file_ending.h"
 #include "base/geometry/polygon_fan.h"
 #include "base/log.h"
 
@@ -14,17 +15,6 @@ namespace wetcurl {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string ending_of(const std::string& path) {
-    std::string ending = fs::path(path).extension().string();
-    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return ending;
-}
-
-bool is_scene_file(const std::string& path) {
-    const std::string ending = ending_of(path);
-    return ending == ".abc" || ending == ".usda" || ending == ".usd" || ending == ".usdc";
-}
 
 // body.0012.obj for the 12th of body.####.obj.
 class NumberedFiles final : public MeshFrames {

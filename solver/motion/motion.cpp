@@ -7,6 +7,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "base/log.h"
 #include "solver/motion/spline.h"
 
 namespace wetcurl {
@@ -34,9 +35,14 @@ Motion::Motion(const Table& t) {
     rest_at({});
 }
 
-ShotCuts cuts_of(const Table& motion, double fps) {
+ShotCuts cuts_of(const Table& motion, double fps, double seconds) {
     CutsTable read;
     read_parameters(read, CutsTable::parameters, motion);
+    const int last = int(std::lround(seconds * fps));
+    for (const int frame : read.cuts)
+        if (frame > last)
+            log_warning(motion.where("cuts") + ": frame " + std::to_string(frame) +
+                        " comes after the last, " + std::to_string(last) + ": it cuts nothing");
     return {read.cuts, fps, motion.has("cuts")};
 }
 

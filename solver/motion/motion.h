@@ -49,7 +49,8 @@ struct CutsTable {
          &CutsTable::cuts},
     };
 };
-ShotCuts cuts_of(const Table& motion, double fps);
+// Of a run of so many seconds; warns of cuts after it.
+ShotCuts cuts_of(const Table& motion, double fps, double seconds);
 
 // Of [motion] alone.
 struct Preroll {

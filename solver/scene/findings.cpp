@@ -134,6 +134,56 @@ void find_water(std::vector<Finding>& out, const Scene& scene) {
                        "level, pattern or where of [wetness]; without the table the hair is dry and faster"});
 }
 
+// Distances between particles of different strands at rest: of some to some of all others.
+class Neighbourhood {
+  public:
+    explicit Neighbourhood(const Strands& hair) {
+        const size_t particles = size_t(hair.particles), all = size_t(hair.count) * particles;
+        constexpr size_t most = 24, most_others = 20000;
+        const size_t step = std::max<size_t>(1, all / most),
+                     step_others = std::max<size_t>(1, all / most_others);
+        const auto at = [&](size_t k) { return hair.at(int(k / particles), int(k % particles)); };
+        for (size_t k = 0; k < all; k += step, ++looked_at_)
+            for (size_t other = k % step_others; other < all; other += step_others)
+                if (other / particles != k / particles) distances_.push_back(norm(at(k) - at(other)));
+        std::sort(distances_.begin(), distances_.end());
+        share_ = 1 / double(step_others);
+    }
+    // Of one particle, in the mean, within a radius [m].
+    double within(double radius) const {
+        const auto end = std::upper_bound(distances_.begin(), distances_.end(), float(radius));
+        return double(end - distances_.begin()) / (share_ * double(looked_at_));
+    }
+    // [m] within which there are `count`, fewer than there are in all.
+    double radius_of(double count) const { return distances_[size_t(count * share_ * double(looked_at_))]; }
+
+  private:
+    std::vector<float> distances_;  // [m] rising
+    double share_ = 1;              // of all others that were asked
+    size_t looked_at_ = 0;
+};
+
+// Searches for neighbours that find far more of them than any effect needs: a frame takes minutes.
+void find_wide_radii(std::vector<Finding>& out, const Scene& scene) {
+    std::vector<std::pair<const char*, double>> radii;
+    if (scene.cohesion) radii.emplace_back(Cohesion::table, scene.cohesion->h_c);
+    if (scene.strand_contact) radii.emplace_back(StrandContact::table, scene.strand_contact->radius);
+    if (const auto& lin = scene.baseline<Lin2015>()) radii.emplace_back(Lin2015::table, lin->h);
+    if (const auto& kim = scene.baseline<Kim2016>()) radii.emplace_back(Kim2016::table, kim->h);
+    if (radii.empty()) return;
+    const Neighbourhood around(scene.groom.rest);
+    constexpr double too_many = 2000, plenty = 100;
+    for (const auto& [table, radius] : radii)
+        if (const double found = around.within(radius); found > too_many)
+            out.push_back(
+                {Level::warning, "wide_radius",
+                 fmt::format("a particle has {:.0f} of other strands within the radius of [{}], {}, and a "
+                             "frame takes a time that grows with them",
+                             found, table, in_millimetres(radius)),
+                 fmt::format("radius = {:.2g} in [{}], which holds {:g}", around.radius_of(plenty), table,
+                             plenty)});
+}
+
 }  // namespace
 
 std::vector<Finding> findings_of(const Scene& scene) {
@@ -143,6 +193,7 @@ std::vector<Finding> findings_of(const Scene& scene) {
     for (const auto& solid : scene.solids)
         out.insert(out.end(), solid.findings.begin(), solid.findings.end());
     find_water(out, scene);
+    find_wide_radii(out, scene);
     return out;
 }
 

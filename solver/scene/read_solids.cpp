@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "base/exchange/scene_file.h"
 #include "base/geometry/bust.h"
 #include "base/log.h"
 #include "solver/grooms/guesses.h"
@@ -140,6 +141,10 @@ Mesh rest_of(const Table& t, const SolidTable& read) {
 
 void read_animated(Solid& solid, const Table& t, const SolidTable& read, Hair hair,
                    const AroundSolids& around) {
+    if (t.has("file_fps") && is_scene_file(read.file) && !t.has("first_file_frame"))
+        t.fail("file_fps", read.file +
+                               " tells the times of its frames; of such a file it counts those of "
+                               "first_file_frame alone");
     const double fps = read.file_fps.value_or(around.fps);
     std::unique_ptr<MeshFrames> frames;
     try {
@@ -228,7 +233,7 @@ Solid read_solid(const Table& t, size_t index, const AroundSolids& around) {
         t.fail("motion", "a solid that is attached to the head moves with it");
     if (!solid.attached) {
         solid.motion = Motion(t.table("motion"));
-        solid.cuts = cuts_of(t.table("motion"), around.fps);
+        solid.cuts = cuts_of(t.table("motion"), around.fps, around.seconds);
     }
     if (read.shape != "mesh" && around.brought.contains(solid.name))
         t.fail("shape", "found '" + read.shape + "' for a mesh that the caller brings, allowed is mesh");

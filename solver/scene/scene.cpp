@@ -1,6 +1,9 @@
 // Reading scenes.
 #include "solver/scene/scene.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -140,6 +143,11 @@ std::string name_of_scalp(const Table& groom, const std::vector<std::string>& na
     const auto& row = *std::ranges::find(GroomTable::parameters, std::string_view("scalp"),
                                          [](const KeyRow& r) { return std::string_view(r.key); });
     const std::string name = groom.name_in_place_of(row, names);
+    if (name.empty() && groom.has("scalp"))
+        if (const std::string file = groom.text(row); !std::filesystem::exists(file))
+            groom.fail("scalp", fmt::format("found no file '{}' and no [[solid]] of that name{}{}", file,
+                                            names.empty() ? "" : "; solids of the scene are ",
+                                            fmt::join(names, ", ")));
     if (name.empty()) return "";
     if (std::count(names.begin(), names.end(), name) > 1)
         groom.fail("scalp", "'" + name +
@@ -175,7 +183,7 @@ std::shared_ptr<const ScalpMesh> scalp_of(const Solid& solid) {
 
 void read_head(Scene& scene, const Table& t) {
     scene.motion = Motion(t);
-    scene.cuts = cuts_of(t, scene.fps);
+    scene.cuts = cuts_of(t, scene.fps, (scene.frames - 1) / scene.fps);
     Preroll preroll;
     read_parameters(preroll, Preroll::parameters, t);
     scene.preroll = preroll.seconds;

@@ -191,7 +191,7 @@ cp full.h5.partial other.h5.partial
 cp full.h5.state other.h5.state
 expect 0 '' "'$wetcurl' $run -o full.h5 --resume"
 same 'a run that found a full disk' alone.h5 full.h5
-expect 1 "has scene 'period = 1', now it is 'period = 2.0'" "'$wetcurl' $run --set motion.period=2.0 -o other.h5 --resume"
+expect 1 "has scene [motion] 'period = 1', now it is 'period = 2.0'" "'$wetcurl' $run --set motion.period=2.0 -o other.h5 --resume"
 expect 1 'the state is of precision float, now it is double' "'$wetcurl' $run --precision double -o other.h5 --resume"
 cp other.h5.partial cut.h5.partial
 truncate -s -9000 cut.h5.partial

@@ -2,9 +2,7 @@
 
     alembic_with_alembic.py SCENE_FILE_TOOL FOLDER
 """
-import json
 import math
-import subprocess
 import sys
 
 import imath
@@ -12,32 +10,7 @@ from alembic3d.Abc import *
 from alembic3d.AbcCoreAbstract import *
 from alembic3d.AbcGeom import *
 
-tool, folder = sys.argv[1:]
-failures = 0
-
-
-def check(ok, what):
-    global failures
-    print("ok:" if ok else "FAILED:", what)
-    failures += not ok
-
-
-def near(a, b, tolerance=1e-5):
-    """Whether two nestings of numbers agree. 1e-5: some roundings of numbers of size 10 in single precision."""
-    if isinstance(a, (int, float)) and isinstance(b, (int, float)):
-        return abs(a - b) <= tolerance
-    return len(a) == len(b) and all(near(x, y, tolerance) for x, y in zip(a, b))
-
-
-def run(*arguments):
-    return subprocess.run([tool, *arguments], capture_output=True, text=True)
-
-
-def read(path):
-    done = run("print", path)
-    if done.returncode:
-        sys.exit(f"{path}: {done.stderr}")
-    return json.loads(done.stdout)
+from scene_files import check, finish, folder, near, read, run
 
 
 def numbers(array):
@@ -337,4 +310,4 @@ we_write()
 they_write()
 they_write_other_numbers()
 they_write_many()
-sys.exit(failures > 0)
+finish()

@@ -2,32 +2,9 @@
 
     alembic_with_blender.py SCENE_FILE_TOOL FOLDER
 """
-import json
-import subprocess
-import sys
-
 import bpy
 
-tool, folder = sys.argv[1:]
-failures = 0
-
-
-def check(ok, what):
-    global failures
-    print("ok:" if ok else "FAILED:", what)
-    failures += not ok
-
-
-def near(a, b, tolerance=1e-5):
-    """Whether lists of points agree. 1e-5: some roundings of numbers of size 10 in single precision."""
-    return len(a) == len(b) > 0 and all(abs(x - y) <= tolerance for p, q in zip(a, b) for x, y in zip(p, q))
-
-
-def read(path):
-    done = subprocess.run([tool, "print", path], capture_output=True, text=True)
-    if done.returncode:
-        sys.exit(f"{path}: {done.stderr}")
-    return json.loads(done.stdout)
+from scene_files import check, finish, folder, near, read, run
 
 
 def y_up(point):
@@ -50,7 +27,7 @@ def mesh_points(thing):
 
 def blender_imports():
     path = folder + "/ours.abc"
-    subprocess.run([tool, "write", path], check=True)
+    run("write", path)
     ours = read(path)
     strands, mesh = ours["curves"][0], ours["meshes"][0]
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -147,4 +124,4 @@ def blender_exports():
 print("Blender", bpy.app.version_string)
 blender_imports()
 blender_exports()
-sys.exit(failures > 0)
+finish()

@@ -1,5 +1,5 @@
 // Alembic files: what is written comes back to the bit, what stays the same is stored once, and every damage
-// is an Error that names the file. Files of other programs: test_alembic_with_others.sh.
+// is an Error that names the file. Files of other programs: test_scene_files.sh.
 #include <malloc.h>
 
 #include <cmath>

@@ -34,7 +34,7 @@ TEST(Interrupt, a_signal_that_comes_twice_within_a_moment_asks_once) {
         std::raise(SIGTERM);  // what was asked for is being said
         std::_Exit(42);
     };
-    EXPECT_EXIT(stopped(), testing::ExitedWithCode(42), "");
+    EXPECT_EXIT(stopped(), ::testing::ExitedWithCode(42), "");
 }
 
 TEST(Interrupt, the_second_signal_and_one_outside_of_a_guard_end_the_program) {
@@ -44,13 +44,13 @@ TEST(Interrupt, the_second_signal_and_one_outside_of_a_guard_end_the_program) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // more than the moment
         std::raise(SIGTERM);
     };
-    EXPECT_EXIT(twice(), testing::ExitedWithCode(130), "wetcurl: interrupted");
+    EXPECT_EXIT(twice(), ::testing::ExitedWithCode(130), "wetcurl: interrupted");
     const auto after = [] {
         end_when_interrupted();
         { const InterruptGuard guard; }
         std::raise(SIGTERM);
     };
-    EXPECT_EXIT(after(), testing::ExitedWithCode(130), "wetcurl: interrupted");
+    EXPECT_EXIT(after(), ::testing::ExitedWithCode(130), "wetcurl: interrupted");
 }
 
 }  // namespace

@@ -161,6 +161,34 @@ TEST_F(Findings, water_that_wets_nothing_is_seen) {
     EXPECT_EQ(found(falling(50), "", std::string(head) + "[wetness]\nlevel = 0\n"), Names{"dry_water"});
 }
 
+TEST_F(Findings, searches_that_find_far_too_much_are_seen_and_a_radius_is_named) {
+    const StrandPoints strands = falling(300);
+    const auto wet = [&](const std::string& radius) {
+        return scene_of(strands, "", std::string(head) + "[wetness]\n[cohesion]\nradius = " + radius + "\n");
+    };
+    const auto wide = [](const Scene& scene) {
+        std::vector<Finding> out = findings_of(scene);
+        std::erase_if(out, [](const Finding& f) { return f.name != std::string("wide_radius"); });
+        return out;
+    };
+    EXPECT_TRUE(wide(wet("0.016")).empty());
+    const auto found = wide(wet("0.8"));
+    ASSERT_EQ(found.size(), 1u);
+    // 299 other strands of 12 particles.
+    EXPECT_NE(found[0].text.find("3588 of other strands"), std::string::npos) << found[0].text;
+    // What it names holds the number that it says.
+    double radius = 0;
+    ASSERT_EQ(std::sscanf(found[0].remedy.c_str(), "radius = %lf", &radius), 1) << found[0].remedy;
+    const Strands hair = wet("0.016").groom.rest;
+    double near = 0;
+    for (int s = 0; s < hair.count; ++s)
+        for (int i = 0; i < hair.particles; ++i)
+            for (int t = 0; t < hair.count; ++t)
+                for (int j = 0; j < hair.particles; ++j)
+                    near += s != t && norm(hair.at(s, i) - hair.at(t, j)) < radius;
+    EXPECT_NEAR(near / (hair.count * hair.particles), 100, 35);
+}
+
 TEST_F(Findings, every_name_is_one_that_allow_takes) {
     for (const char* name : Finding::names) {
         above = std::string("allow = [\"") + name + "\"]\n";

@@ -225,7 +225,7 @@ TEST(ImportCommand, reports_and_converts) {
     o.input = scratch.file("hair.data", data_file(strands));
     o.output = scratch.path("out.hair");
     o.scalp = ball_file(scratch, 0.105);
-    o.units = "cm";
+    o.groom.units = "cm";
     o.resample = 16;
     o.json = scratch.path("report.json");
     ::testing::internal::CaptureStdout();
@@ -252,6 +252,32 @@ TEST(ImportCommand, reports_and_converts) {
     expect_error([&] { import_command(o); }, {"out.hair", "--overwrite"});
     o.overwrite = true, o.output = o.input;
     expect_error<Misuse>([&] { import_command(o); }, {"destroy the input"});
+}
+
+TEST(Import, a_stray_point_changes_no_unit) {
+    Scratch scratch;
+    StrandPoints strands = hedgehog(300, 11);
+    strands[17].back() = {0, 400, 0};
+    EXPECT_EQ(import_strands(scratch.file("hair.data", data_file(strands)), {}).units, "m");
+}
+
+TEST(ImportCommand, turns_moves_and_repairs_strands_as_a_scene_does) {
+    Scratch scratch;
+    StrandPoints strands = hedgehog(40, 9);
+    for (auto& strand : strands) std::reverse(strand.begin(), strand.end());
+    strands[3].front() = {0, 50, 0};  // a stray tip
+    ImportOptions o;
+    o.input = scratch.file("hair.data", data_file(strands));
+    o.output = scratch.path("out.data");
+    o.groom.units = "m", o.groom.up = "y";
+    o.order = "tip_first", o.groom.repair = true;
+    o.groom.rotation = {0, 0, 90}, o.groom.scale = 2, o.groom.offset = {0, 1, 0};
+    EXPECT_EQ(import_command(o), 0);
+    const StrandPoints found = import_strands(o.output, {"m", "y"}).strands;
+    ASSERT_EQ(found.size(), strands.size());
+    EXPECT_EQ(found[3].size(), 8u);
+    const Vec3d root = strands[5].back();
+    EXPECT_LT(norm(found[5][0] - Vec3d{-2 * root.y, 1 + 2 * root.x, 2 * root.z}), 1e-5);
 }
 
 TEST(ImportCommand, leaves_no_output_where_the_input_is_bad) {

@@ -149,6 +149,13 @@ TEST(Characters, says_what_is_wrong_with_their_files) {
     refuses(file("head.####.obj"), {"scene.toml:6", "head.####.obj", "#"});
     refuses(file("none.abc"), {"scene.toml:6", "none.abc"});
     refuses(file("body.0001.obj") + "object = \"/body/skin\"\n", {"scene.toml:7", "object", "animated"});
+    refuses(file("body.usda") + "file_fps = 12\n", {"scene.toml:7", "file_fps", "first_file_frame"});
+    expect_error(
+        [&] {
+            scene_of("[groom]\nscalp = \"bodi\"\n[stretch]\n[[solid]]\nname = \"body\"\nshape = \"mesh\"\n" +
+                     file("body.usda"));
+        },
+        {"scene.toml:2", "bodi", "[[solid]]", "are body"});
     scratch.file("body.0002.obj", obj_of(triangulated(Sphere{0.1}, 16)));
     refuses(file("body.####.obj") + "spacing = 0.02\n", {"body.0002.obj", "triangles", "body.0001.obj"});
 }
@@ -244,6 +251,9 @@ TEST(Characters, what_looks_like_a_cut_is_one_and_is_said) {
         std::string::npos);
     EXPECT_NE(said_by([] { scene_of(teleport + "cuts = [7]\n"); }).find("does not name frame 2"),
               std::string::npos);
+    EXPECT_NE(
+        said_by([] { scene_of(teleport + "cuts = [2, 12]\n"); }).find("frame 12 comes after the last, 11"),
+        std::string::npos);
     // A fast swing is none.
     EXPECT_EQ(said_by([] {
                   scene_of(dry_scene + "[motion]\nangle = 90\nperiod = 0.4\nshift = [0.4, 0, 0]\n");

@@ -1,29 +1,19 @@
-"""USD text of usda_probe beside usd-core and tinyusdz. Run by test_usda.sh.
+"""USD text of scene_file_tool beside usd-core and tinyusdz.
 
-check_usda.py USDA_PROBE SCRATCH_FOLDER
+    usda_with_others.py SCENE_FILE_TOOL FOLDER
 """
 import json
 import math
 import os
 import random
-import subprocess
-import sys
 
 import tinyusdz
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
-probe, scratch = sys.argv[1:]
-failures = 0
+from scene_files import check, finish, folder, read, run
 
 
-def check(holds, what):
-    global failures
-    if not holds:
-        failures += 1
-        print("FAILED:", what)
-
-
-def near(a, b, tolerance, what):
+def agree(a, b, tolerance, what):
     """Numbers, nested alike, to a tolerance that is relative above 1."""
     flat_a, flat_b = flat(a), flat(b)
     if len(flat_a) != len(flat_b):
@@ -42,11 +32,7 @@ def flat(x):
 
 
 def path_of(name):
-    return os.path.join(scratch, name)
-
-
-def run(*words):
-    return subprocess.run([probe, *words], capture_output=True, text=True)
+    return os.path.join(folder, name)
 
 
 # ---- what we write, as usd-core reads it
@@ -63,7 +49,7 @@ def strand_points(frame):
 
 def check_ours(up, metres):
     name = path_of(f"ours_{up}.usda")
-    done = run("write", name, up, str(metres))
+    done = run("strands", name, up, str(metres))
     check(done.returncode == 0, f"write: {done.stderr}")
     stage = Usd.Stage.Open(name)
     check(stage is not None, "usd-core opens it")
@@ -79,13 +65,13 @@ def check_ours(up, metres):
     check(list(curves.GetCurveVertexCountsAttr().Get()) == counts, "counts")
     check(curves.GetPointsAttr().GetTimeSamples() == list(frames), "times of points")
     for frame in frames:
-        near(curves.GetPointsAttr().Get(frame), strand_points(frame), 1e-6, f"points at {frame}")
-        near(curves.GetVelocitiesAttr().Get(frame), [(0.025, 0, frame - 1001)] * 16, 1e-6, f"velocities at {frame}")
+        agree(curves.GetPointsAttr().Get(frame), strand_points(frame), 1e-6, f"points at {frame}")
+        agree(curves.GetVelocitiesAttr().Get(frame), [(0.025, 0, frame - 1001)] * 16, 1e-6, f"velocities at {frame}")
         # Curves are as wide as their widest point wherever they are.
         found, computed = curves.GetExtentAttr().Get(frame), UsdGeom.Boundable.ComputeExtentFromPlugins(curves, frame)
-        near(found, computed, 1e-6, f"extent at {frame}")
+        agree(found, computed, 1e-6, f"extent at {frame}")
     widths = [1e-4 - 1e-5 * i for n in counts for i in range(n)]
-    near(curves.GetWidthsAttr().Get(), widths, 1e-9, "widths")
+    agree(curves.GetWidthsAttr().Get(), widths, 1e-9, "widths")
     check(curves.GetWidthsInterpolation() == "vertex", "interpolation of widths")
     api = UsdGeom.PrimvarsAPI(curves)
     for primvar, interpolation, value in (("groom_id", "uniform", [100, 101, 102]),
@@ -93,13 +79,13 @@ def check_ours(up, metres):
                                           ("wetness", "vertex", [0.25] * 16)):
         found = api.GetPrimvar(primvar)
         check(found.GetInterpolation() == interpolation, f"interpolation of {primvar}")
-        near(found.Get(1003), value, 0, primvar)
+        agree(found.Get(1003), value, 0, primvar)
 
     still, moving = (UsdGeom.Mesh.Get(stage, f"/head/{which}") for which in ("scalp", "jaw"))
     corners = [(k, k * k, 0.5) for k in range(5)]
     check(not still.GetPointsAttr().ValueMightBeTimeVarying(), "what does not move has one value")
-    near(still.GetPointsAttr().Get(), corners, 0, "points of the still mesh")
-    near(moving.GetPointsAttr().Get(1003), [(x, y, z + 2) for x, y, z in corners], 0, "points of the moving mesh")
+    agree(still.GetPointsAttr().Get(), corners, 0, "points of the still mesh")
+    agree(moving.GetPointsAttr().Get(1003), [(x, y, z + 2) for x, y, z in corners], 0, "points of the moving mesh")
     check(list(moving.GetFaceVertexIndicesAttr().Get()) == [0, 1, 2, 3, 0, 1, 4], "corners")
     check(moving.GetSubdivisionSchemeAttr().Get() == "none", "no subdivision")
     check(UsdGeom.Mesh.ValidateTopology(moving.GetFaceVertexIndicesAttr().Get(), moving.GetFaceVertexCountsAttr().Get(),
@@ -109,7 +95,7 @@ def check_ours(up, metres):
     # To the bit: what usd-core would write from this stage is the same scene for us.
     again = path_of("again.usda")
     stage.Export(again)
-    ours, theirs = (json.loads(run("print", n).stdout) for n in (name, again))
+    ours, theirs = (read(n) for n in (name, again))
     check(ours == theirs, "usd-core writes what it read, and it reads back to the bit")
 
 
@@ -136,7 +122,7 @@ def check_tinyusdz():
     check("primvars:wetness.timeSamples" in text and "velocities.timeSamples" in text, "tinyusdz keeps all samples")
     with open(theirs, "w") as out:
         out.write(text)
-    check(json.loads(run("print", ours).stdout) == json.loads(run("print", theirs).stdout),
+    check(read(ours) == read(theirs),
           "tinyusdz writes what it read, and it reads back to the bit")
 
 
@@ -246,12 +232,12 @@ def check_theirs(number_of_file):
     check(len(objects) == len(gprims), "all objects are found")
     for gprim in gprims:
         ours = objects[str(gprim.GetPath())]
-        for seconds, points in zip(ours["times"], ours["points"]):
+        for seconds, points in zip(ours["times"], ours["samples"]):
             static = ours["times"] == [0]
             time = Usd.TimeCode.Default() if static else round(seconds * codes_a_second, 6)
-            near(points, points_in_world(gprim, time), 2e-5, f"file {number_of_file}, {gprim.GetPath()} at {time}")
+            agree(points, points_in_world(gprim, time), 2e-5, f"file {number_of_file}, {gprim.GetPath()} at {time}")
         if "widths" in ours:
-            near(ours["widths"], [0.5] * 4 + [0.25] * 7, 0, "uniform widths")
+            agree(ours["widths"], [0.5] * 4 + [0.25] * 7, 0, "uniform widths")
 
 
 def check_pinned_and_primvars():
@@ -270,9 +256,9 @@ def check_pinned_and_primvars():
     st.SetIndices(Vt.IntArray([1, 0]))
     api.CreatePrimvar("id", Sdf.ValueTypeNames.IntArray, "uniform").Set([8, 9])
     stage.GetRootLayer().Save()
-    found = json.loads(run("print", name).stdout)["curves"][0]
+    found = read(name)["curves"][0]
     check(found["counts"] == [4, 5], "pinned curves have two points more")
-    near(found["points"][0][:4], [(-1, 0, 0), (0, 0, 0), (1, 0, 0), (2, 0, 0)], 1e-6, "of the first")
+    agree(found["samples"][0][:4], [(-1, 0, 0), (0, 0, 0), (1, 0, 0), (2, 0, 0)], 1e-6, "of the first")
     check(found["widths"] == [0.5] * 9 and found["ids"] == [8, 9], "widths and ids")
     check(found["root_uv"] == [[0.75, 1], [0.25, 0.5]], "uv of roots")
 
@@ -301,5 +287,5 @@ for k in range(40):
     check_theirs(k)
 check_pinned_and_primvars()
 check_elsewhere()
-print("usd-core", ".".join(map(str, Usd.GetVersion())), "and tinyusdz", tinyusdz.__version__, "-", failures, "failures")
-sys.exit(failures > 0)
+print("usd-core", ".".join(map(str, Usd.GetVersion())), "and tinyusdz", tinyusdz.__version__)
+finish()
