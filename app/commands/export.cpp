@@ -16,6 +16,7 @@
 #include "app/files/run_file.h"
 #include "app/options/input_file.h"
 #include "base/exchange/scene_file.h"
+#include "base/file_ending.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
@@ -45,8 +46,7 @@ constexpr Target targets[] = {
 class Axes {
   public:
     Axes(const Target& target, const std::string& path)
-        : scale_(float(1 / target.metres)),
-          swap_(target.swaps_y_and_z && fs::path(path).extension() == ".abc") {}
+        : scale_(float(1 / target.metres)), swap_(target.swaps_y_and_z && ending_of(path) == ".abc") {}
     Vec3f operator()(const Vec3f& x) const { return scale_ * (swap_ ? Vec3f{x.x, x.z, x.y} : x); }
     float length(double metres) const { return float(metres) * scale_; }
 
@@ -230,13 +230,17 @@ class AnimatedExport {
           some_(o.guides ? &strands.guides().strands : nullptr),
           file_(create_scene_file(o.output, o.overwrite,
                                   settings_of(o, target, run.header().fps, frames.front()))) {
-        animated_ = file_->add_curves(strands.layout(some_ ? "/hair/guides" : "/hair/strands", axes_, some_));
+        CurvesObject animated = strands.layout(some_ ? "/hair/guides" : "/hair/strands", axes_, some_);
+        if (some_) animated.is_guide.assign(some_->size(), 1);
+        animated_ = file_->add_curves(animated);
         if (!some_) return;
-        // All strands as they are at first, with the guides that they follow, by their numbers among the
-        // guides.
+        // All strands as they are at first, with the guides that they follow: by their numbers among the
+        // guides, for Unreal by their ids.
         CurvesObject all = strands.layout("/hair/strands", axes_);
+        all.is_guide.assign(strands.count(), 0);
         std::vector<int> guide_of(strands.count(), -1);
-        for (size_t g = 0; g < some_->size(); ++g) guide_of[size_t((*some_)[g])] = int(g);
+        for (size_t g = 0; g < some_->size(); ++g)
+            guide_of[size_t((*some_)[g])] = target.for_unreal ? animated.ids[g] : int(g);
         all.guides = strands.guides().nearest, all.weights = strands.guides().weights;
         for (auto& nearest : all.guides)
             for (int& guide : nearest) guide = guide_of[size_t(guide)];
@@ -245,8 +249,10 @@ class AnimatedExport {
     }
 
     void append(int f) {
-        const int before = cuts_.at(f) ? f : std::max(f - 1, 0),
-                  after = cuts_.at(f + 1) ? f : std::min(f + 1, run_.frames() - 1);
+        // Cuts count the frames of the scene, of which the run may be a later part.
+        const int in_scene = f + int(std::lround(run_.header().start * run_.header().fps));
+        const int before = cuts_.at(in_scene) ? f : std::max(f - 1, 0),
+                  after = cuts_.at(in_scene + 1) ? f : std::min(f + 1, run_.frames() - 1);
         const std::vector<Vec3f>& now = at(f);
         CurvesFrame frame{chosen(converted(now)), {}, chosen(strands_.wetness(f))};
         if (run_.frames() > 1) {
@@ -329,7 +335,7 @@ class SolidsExport {
 
   private:
     std::vector<PosedMesh> at(int f) const {
-        return solids_of(run_.header(), run_.frame(f), f / run_.header().fps);
+        return solids_of(run_.header(), run_.frame(f), run_.header().time(f));
     }
 
     const RunReader& run_;
@@ -350,7 +356,8 @@ void write_frame(const ExportOptions& o, const ExportedStrands& strands, const T
             out[s][i] = cast<double>(axes(points[s * size_t(n) + i]));
             widths[s][i] = layout.widths[s * size_t(n) + i];
         }
-    write_strands(numbered(o.output, o.first_number + f), out, o.overwrite, widths);
+    write_strands(numbered(o.output, o.first_number + f), out, o.overwrite, widths,
+                  target.metres == 1 ? "metres" : "centimetres");
 }
 
 void check(const ExportOptions& o) {
@@ -370,7 +377,7 @@ void check(const ExportOptions& o) {
     if (o.guides)
         throw Misuse("--guides: goes with .abc and .usda, which hold them beside the rest; found " +
                      o.output);
-    const std::string ending = fs::path(o.output).extension().string();
+    const std::string ending = ending_of(o.output);
     if ((" " + writable_endings() + " ").find(" " + ending + " ") == std::string::npos)
         throw Misuse("export: found the output '" + o.output + "', allowed endings .abc .usda " +
                      writable_endings());
@@ -421,6 +428,8 @@ int export_command(const ExportOptions& given) {
         throw Misuse("export: found " + std::to_string(frames.size()) + " frames for one file " + o.output +
                      "; write NAME.####" + fs::path(o.output).extension().string() +
                      " for a file a frame, or choose one by --frames");
+    if (!animated)
+        for (const int f : frames) require_place(numbered(o.output, o.first_number + f), o.overwrite);
     const Target& target = target_named(o.target);
     ExportedStrands strands(run, o);
     const OfScene scene = of_scene(run.header());

@@ -104,7 +104,8 @@ void add_options(CLI::App& app, ImportOptions& o) {
     app.add_option("--units", o.groom.units, "of the file")
         ->check(CLI::IsMember({"m", "cm", "mm", "auto"}))
         ->capture_default_str();
-    app.add_option("--up", o.groom.up, "axis that points up; auto: as the file says, else y")
+    app.add_option("--up", o.groom.up,
+                   "axis that points up; auto: as the file says, else y, or a guess by how hair falls")
         ->check(CLI::IsMember({"x", "-x", "y", "-y", "z", "-z", "auto"}))
         ->capture_default_str();
     const auto three = [&](const char* name, Vec3d& x, const char* about) {

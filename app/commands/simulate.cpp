@@ -52,8 +52,10 @@ int simulate_command(const SimulateOptions& o) {
     options.strands = o.strands;
     options.seed = o.seed;
     options.groom = o.groom;
+    std::optional<RunStart> start;
+    if (!o.from.empty()) start = run_start(o.from), options.start = start->time();
     Scene scene = scene_of_file(o.scene, options);
-    if (!o.from.empty()) scene.files.push_back(o.from.substr(0, o.from.rfind('@')));
+    if (start) scene.files.push_back(start->file);
     check_files(o, o.output, scene.files);
     ResultFile results(o);
     if (o.dry) make_dry(scene);
@@ -73,7 +75,7 @@ int simulate_command(const SimulateOptions& o) {
                     .overwrite = o.overwrite,
                     .reference = o.reference,
                     .resume = o.resume,
-                    .from = o.from,
+                    .from = std::move(start),
                     .keep_state = o.keep_state},
                    results);
     return 0;

@@ -12,6 +12,7 @@
 #include "app/engine/simulated_frames.h"
 #include "learn/codec/encode_runs.h"
 #include "solver/chain/scene_checks.h"
+#include "solver/scene/findings.h"
 #include "solver/scene/rest_state.h"
 
 namespace wetcurl {
@@ -27,6 +28,7 @@ Scene scene_of(const DatasetRecipe& recipe, const DatasetMember& m) {
                      "neither the scene that it starts from nor what was picked and drawn for it names one");
     try {
         Scene scene = parse_scene(config);
+        act_on(findings_of(scene), scene, scene.title);
         if (scene.flow) throw Misuse("its water moves ([wetness.flow]), allowed is wetness that stays");
         if (!scene.adhesion_model.empty())
             throw Misuse(

@@ -269,9 +269,9 @@ float drawn_width(int strands) {
     return std::clamp(0.80e-3f * std::sqrt(1000.f / std::max(strands, 1)), 0.07e-3f, 1.1e-3f);
 }
 
-class Scene {
+class PanelScene {
   public:
-    Scene(const Panel& panel, const Camera& camera, bool rainbow)
+    PanelScene(const Panel& panel, const Camera& camera, bool rainbow)
         : camera_(camera), lights_(camera, panel), rainbow_(rainbow), shadows_(make_shadows(panel)) {
         for (const PosedMesh& solid : panel.solids) add_solid(solid);
         for (const StrandLayer& layer : panel.layers) add_layer(layer);
@@ -294,8 +294,8 @@ class Scene {
     }
 
     using TileLists = std::vector<std::vector<uint32_t>>;
-    template <class Box>
-    TileLists in_tiles(size_t count, Box box) const;
+    template <class BoxOf>
+    TileLists in_tiles(size_t count, BoxOf box) const;
     void draw_tile(int tile, const std::vector<uint32_t>& triangles, std::vector<uint32_t>& segments,
                    Image& image) const;
 
@@ -324,7 +324,7 @@ int pieces_of(const Strands& strands, const Camera& camera) {
     return std::clamp(int(std::lround(subpixels / 3)), 1, 12);
 }
 
-Shadows Scene::make_shadows(const Panel& panel) const {
+Shadows PanelScene::make_shadows(const Panel& panel) const {
     Extent around;
     for (const StrandLayer& layer : panel.layers) around.add(*layer.strands);
     for (const PosedMesh& solid : panel.solids) around.add(solid);
@@ -387,7 +387,7 @@ Shadows Scene::make_shadows(const Panel& panel) const {
     return shadows;
 }
 
-void Scene::add_solid(const PosedMesh& solid) {
+void PanelScene::add_solid(const PosedMesh& solid) {
     const std::vector<Vec3f> v = world_vertices(solid);
     std::vector<Vec3f> normal(v.size(), Vec3f{0, 0, 0});
     for (const auto& t : solid.mesh.triangles) {
@@ -408,7 +408,7 @@ void Scene::add_solid(const PosedMesh& solid) {
 }
 
 // Keeps what lies in front of the eye, cut at the nearest plane.
-void Scene::add_triangle(const Triangle& t) {
+void PanelScene::add_triangle(const Triangle& t) {
     std::vector<std::pair<Vec3f, Vec3f>> corners;
     auto in_front = [&](int k) { return -dot(t.world[k] - camera_.eye, camera_.back) - nearest; };
     for (int k = 0; k < 3; ++k) {
@@ -431,7 +431,7 @@ void Scene::add_triangle(const Triangle& t) {
     }
 }
 
-HairMaterial Scene::material(const StrandLayer& layer, int s, float along) const {
+HairMaterial PanelScene::material(const StrandLayer& layer, int s, float along) const {
     float wet = 0;
     if (layer.saturation && !layer.saturation->empty()) {
         const float* row = layer.saturation->data() + size_t(s) * layer.strands->particles;
@@ -446,7 +446,7 @@ HairMaterial Scene::material(const StrandLayer& layer, int s, float along) const
     return {(1 - 0.45f * wet) * power(dry, 1 + 0.12f * wet), wet};
 }
 
-Vec3f Scene::shade_strand(const HairMaterial& m, const Vec3f& x, const Vec3f& tangent) const {
+Vec3f PanelScene::shade_strand(const HairMaterial& m, const Vec3f& x, const Vec3f& tangent) const {
     const Vec3f view = normalized(camera_.eye - x, camera_.back);
     const Received r = light_at(shadows_, lights_, x, x);
     // Light that comes through other hairs takes their colour.
@@ -462,7 +462,7 @@ Vec3f Scene::shade_strand(const HairMaterial& m, const Vec3f& x, const Vec3f& ta
            0.55f * facing * times(around, m.color);
 }
 
-Vec3f Scene::shade_solid(const Vec3f& x, Vec3f n) const {
+Vec3f PanelScene::shade_solid(const Vec3f& x, Vec3f n) const {
     const Vec3f view = normalized(camera_.eye - x, camera_.back);
     if (dot(n, view) < 0) n = -n;  // open meshes are seen from within too
     const Vec3f lifted = x + 1.5f * shadows_.key.cell() * n;
@@ -473,7 +473,7 @@ Vec3f Scene::shade_solid(const Vec3f& x, Vec3f n) const {
            0.45f * times(around, skin);
 }
 
-void Scene::add_layer(const StrandLayer& layer) {
+void PanelScene::add_layer(const StrandLayer& layer) {
     const Strands& strands = *layer.strands;
     const int n = strands.particles;
     if (n < 2 || strands.count == 0) return;
@@ -520,20 +520,20 @@ void Scene::add_layer(const StrandLayer& layer) {
 
 // ---------------------------------------------------------------- tiles
 
-struct Box {
+struct TileBox {
     float left, top, right, bottom;  // subpixels
 };
 
 // For each tile the numbers of the things whose box touches it, in order.
 template <class BoxOf>
-Scene::TileLists Scene::in_tiles(size_t count, BoxOf box) const {
+PanelScene::TileLists PanelScene::in_tiles(size_t count, BoxOf box) const {
     const int across = tiles_across(), down = tiles_down();
     TileLists lists(size_t(across) * down);
     auto tile = [](float x, int last) {
         return int(std::clamp(std::floor(x / tile_edge), -1.f, float(last + 1)));
     };
     for (size_t i = 0; i < count; ++i) {
-        const Box b = box(i);
+        const TileBox b = box(i);
         for (int r = std::max(0, tile(b.top, down - 1)); r <= std::min(down - 1, tile(b.bottom, down - 1));
              ++r)
             for (int c = std::max(0, tile(b.left, across - 1));
@@ -543,17 +543,17 @@ Scene::TileLists Scene::in_tiles(size_t count, BoxOf box) const {
     return lists;
 }
 
-Image Scene::draw() const {
+Image PanelScene::draw() const {
     const TileLists triangles = in_tiles(triangles_.size(), [&](size_t i) {
         const auto& p = triangles_[i].seen;
-        return Box{std::min({p[0].x, p[1].x, p[2].x}), std::min({p[0].y, p[1].y, p[2].y}),
-                   std::max({p[0].x, p[1].x, p[2].x}), std::max({p[0].y, p[1].y, p[2].y})};
+        return TileBox{std::min({p[0].x, p[1].x, p[2].x}), std::min({p[0].y, p[1].y, p[2].y}),
+                       std::max({p[0].x, p[1].x, p[2].x}), std::max({p[0].y, p[1].y, p[2].y})};
     });
     TileLists segments = in_tiles(segments_.size(), [&](size_t i) {
         const StrandVertex &a = vertices_[segments_[i]], &b = vertices_[segments_[i] + 1];
         const float w = std::max(a.half_width, b.half_width) + 1;
-        return Box{std::min(a.column, b.column) - w, std::min(a.row, b.row) - w,
-                   std::max(a.column, b.column) + w, std::max(a.row, b.row) + w};
+        return TileBox{std::min(a.column, b.column) - w, std::min(a.row, b.row) - w,
+                       std::max(a.column, b.column) + w, std::max(a.row, b.row) + w};
     });
     Image image(camera_.width, camera_.height);
 #pragma omp parallel for schedule(dynamic, 1)
@@ -562,7 +562,7 @@ Image Scene::draw() const {
     return image;
 }
 
-Vec3f Scene::background(float column, float row) const {
+Vec3f PanelScene::background(float column, float row) const {
     const float x = column / camera_.width - 0.5f, y = row / camera_.height - 0.42f;
     const float fall = std::min(1.f, 1.5f * (x * x + y * y));
     return lerp(bright_back, dim_back, fall);
@@ -636,8 +636,8 @@ void draw_segment(const StrandVertex& a, const StrandVertex& b, Canvas& canvas) 
         }
 }
 
-void Scene::draw_tile(int tile, const std::vector<uint32_t>& triangles, std::vector<uint32_t>& segments,
-                      Image& image) const {
+void PanelScene::draw_tile(int tile, const std::vector<uint32_t>& triangles, std::vector<uint32_t>& segments,
+                           Image& image) const {
     Canvas canvas;
     canvas.left = tile % tiles_across() * tile_edge;
     canvas.top = tile / tiles_across() * tile_edge;
@@ -681,7 +681,7 @@ void Scene::draw_tile(int tile, const std::vector<uint32_t>& triangles, std::vec
 }  // namespace
 
 Image draw_panel(const Panel& panel, const Camera& camera, bool rainbow) {
-    return Scene(panel, camera, rainbow).draw();
+    return PanelScene(panel, camera, rainbow).draw();
 }
 
 Image side_by_side(const std::vector<Image>& images) {

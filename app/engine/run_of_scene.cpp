@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "solver/chain/scene_checks.h"
+#include "solver/scene/findings.h"
 
 namespace wetcurl {
 
@@ -33,6 +34,7 @@ Scene scene_of_file(const std::string& path, const SceneOptions& options) {
     if (!path.ends_with(".h5") && !is_hdf5(path)) return load_scene(path, options);
     const RunReader run(path);
     Scene scene = parse_scene(run.header().scene, path, run.header().scene_folder, options);
+    if (options.findings_stop) act_on(findings_of(scene), scene, path);
     scene.files.push_back(path);
     return scene;
 }
@@ -43,7 +45,7 @@ std::shared_ptr<const Scene> scene_of_run(const RunHeader& header) {
     if (!scene) {
         const QuietLog quiet;
         SceneOptions options;
-        options.stride = header.stride;
+        options.stride = header.stride, options.start = header.start;
         const auto read = [&] {
             return std::make_shared<Scene>(
                 parse_scene(header.scene, scene_name(header), header.scene_folder, options));

@@ -11,7 +11,6 @@
 
 #include "app/engine/broken_run.h"
 #include "app/engine/reference.h"
-#include "app/engine/run_start.h"
 #include "app/engine/scene_run.h"
 #include "app/engine/state_file.h"
 #include "app/files/watch_results.h"
@@ -133,7 +132,7 @@ int resumed(SceneRun& run, const BrokenRun& broken, const RunHeader& header, con
 }  // namespace
 
 void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& results) {
-    if (request.reference && (request.resume || !request.from.empty()))
+    if (request.reference && (request.resume || request.from))
         throw Misuse(std::string("--reference: found with ") + (request.resume ? "--resume" : "--from") +
                      ", allowed in a run that begins at rest");
     std::optional<BrokenRun> whole, broken;
@@ -143,11 +142,8 @@ void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& r
     if (request.resume && place) broken = broken_run_at(*place);
     std::optional<RemovedWhenInterrupted> still_empty;
     if (place && !broken) still_empty.emplace(place->partial());
-    std::optional<RunStart> start;
-    if (!request.from.empty()) {
-        start = run_start(request.from);
-        take_wetness(given, *start);
-    }
+    const std::optional<RunStart>& start = request.from;
+    if (start) take_wetness(given, *start);
     std::optional<Reference> reference;
     if (request.reference) reference.emplace(given);
     const bool from_state = broken && has_state(*broken, request.output);

@@ -1,20 +1,23 @@
 // A scene's whole simulation into a run file, with its results as JSON and a summary.
 #pragma once
 
+#include <optional>
+
+#include "app/engine/run_start.h"
 #include "app/files/results.h"
 #include "solver/scene/scene.h"
 
 namespace wetcurl {
 
 struct SimulationRequest {
-    std::string output;             // run file
-    std::string device, precision;  // as of SceneRun
-    int threads;                    // of an adhesion network
-    bool overwrite = false;         // an output that is there
-    bool reference = false;         // also runs a Reference and reports the distance
-    bool resume = false;            // goes on with what a broken run left at the output
-    std::string from = "";          // "RUN.h5@N": begins at frame N of that run; "": at the scene's own
-    bool keep_state = false;        // the state of the last frame stays in OUTPUT.state
+    std::string output;                 // run file
+    std::string device, precision;      // as of SceneRun
+    int threads;                        // of an adhesion network
+    bool overwrite = false;             // an output that is there
+    bool reference = false;             // also runs a Reference and reports the distance
+    bool resume = false;                // goes on with what a broken run left at the output
+    std::optional<RunStart> from = {};  // begins there, not at the scene's own frame 0
+    bool keep_state = false;            // the state of the last frame stays in OUTPUT.state
 };
 
 // Simulates all frames of the scene. Throws Error where the simulation diverges and Interrupted after a

@@ -146,7 +146,7 @@ wetcurl_simulation* wetcurl_simulate(const wetcurl_setup* setup, const char* dev
         const int count = threads_of(threads, function);
         const Threads own(count);
         SceneOptions options = setup->options;
-        options.brought = &setup->brought;
+        options.brought = &setup->brought, options.endless = true;
         Scene scene;
         if (setup->file.empty()) {
             scene = parse_scene(setup->text, "scene", setup->folder, options);

@@ -161,9 +161,9 @@ bool same_pose(const Pose& a, const Pose& b, double tolerance) {
 }
 
 // What one run shows by itself, frame after frame.
-class Shape {
+class RunShape {
   public:
-    explicit Shape(const RunReader& run) : groom_(run.header().groom), link_(clump_link(groom_)) {}
+    explicit RunShape(const RunReader& run) : groom_(run.header().groom), link_(clump_link(groom_)) {}
 
     void add(const Strands& p, const Pose& head, bool sampled) {
         for (float r : curl_radii(p)) curl_.add(r);
@@ -332,7 +332,7 @@ void add_distance(const Strands& a, const Strands& b, Mean& mean) {
     for (size_t k = 0; k < a.points.size(); ++k) mean.add(norm(b.points[k] - a.points[k]));
 }
 
-void add_velocity(const Shape& a, const Shape& b, double fps, Mean& error) {
+void add_velocity(const RunShape& a, const RunShape& b, double fps, Mean& error) {
     for (size_t k = 0; k < a.frame(0).points.size(); ++k) {
         const Vec3f d =
             (b.frame(0).points[k] - b.frame(1).points[k]) - (a.frame(0).points[k] - a.frame(1).points[k]);
@@ -454,7 +454,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
     out.kind = kind_of(other.header());
     out.frames = end - first_frame;
 
-    Shape shape_a(reference), shape_b(other);
+    RunShape shape_a(reference), shape_b(other);
     PositionError position(groom);
     SolidError solid_error(solid, groom, other.frame(0).head);
     Mean curvature_error, curvature, velocity, strands;

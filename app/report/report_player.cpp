@@ -26,7 +26,7 @@ std::vector<int> particles_kept(int count, int kept) {
     return out;
 }
 
-struct Box {
+struct Extremes {
     Vec3f low{1e9f, 1e9f, 1e9f}, high{-1e9f, -1e9f, -1e9f};
     void add(const Vec3f& x) {
         low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
@@ -35,8 +35,8 @@ struct Box {
     float diagonal() const { return norm(high - low); }
 };
 
-Box box_of(const std::vector<Vec3f>& points) {
-    Box box;
+Extremes box_of(const std::vector<Vec3f>& points) {
+    Extremes box;
     for (const Vec3f& x : points) box.add(x);
     return box;
 }
@@ -56,7 +56,7 @@ std::vector<Vec3f> outermost(const std::vector<Vec3f>& points) {
     return out;
 }
 
-std::string quantised(const std::vector<Vec3f>& points, const Box& box) {
+std::string quantised(const std::vector<Vec3f>& points, const Extremes& box) {
     std::vector<uint8_t> bytes;
     bytes.reserve(6 * points.size());
     const auto put = [&](float x, float low, float high) {
@@ -125,7 +125,7 @@ Json player_of(const std::vector<std::string>& paths, const std::vector<std::str
     const auto strands = strands_kept(rest.count, kept.strands),
                particles = particles_kept(rest.particles, kept.particles);
 
-    Box box;
+    Extremes box;
     std::vector<std::vector<Vec3f>> positions(runs.size()), solids;
     std::vector<std::vector<uint8_t>> saturation(runs.size());
     for (int k = 0; k < kept.frames; ++k) {

@@ -557,6 +557,7 @@ class AbcReader : public SceneReader {
             for (size_t s = 0; s < strands; ++s) std::memcpy(&to[s], &values[s * step], sizeof(Element));
         };
         of_strands("groom_id", object.ids);
+        if (object.ids.empty()) of_strands("id", object.ids);  // Houdini's name
         of_strands("groom_group_id", object.groups);
         of_strands("groom_root_uv", object.root_uv);
         of_strands("groom_guide", object.is_guide);

@@ -12,7 +12,7 @@ namespace wetcurl {
 // exact distance. Those are a LevelSet's, of the mesh.
 double bust_at(const Vec3d& x, double radius = 0.095);
 
-// The surface where bust_at is 0, closed, triangles outward; vertices about `spacing` [m] apart, 0: a 27th of
+// The surface where bust_at is 0, closed, triangles outward; vertices about `spacing` [m] apart, 0: a 36th of
 // the radius. Throws Error for a radius or a spacing below 0, and for a spacing too fine for memory.
 Mesh bust_mesh(double radius = 0.095, double spacing = 0);
 

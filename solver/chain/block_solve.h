@@ -65,14 +65,14 @@ WETCURL_HD Mat3<S> transposed_product(const Mat3<S>& u, const Mat3<S>& q) {
 // A row of the system and its couplings to the one and the two rows that are eliminated after it. Taken off
 // them it becomes the row of the substitution: x = r - u1 x_1 - u2 x_2.
 template <class S>
-struct Row {
+struct BlockRow {
     const Sym3<S>& diagonal;
     Mat3<S>*u1, *u2;  // null: that row is not there, or (u2) no term couples so far
     Vec3<S>& r;
 };
 // `diagonal1`, `r1`, `u11` (its coupling to row 2), `diagonal2`, `r2` of the rows after it.
 template <class S>
-WETCURL_HD void eliminate(const Row<S>& row, Sym3<S>* diagonal1, Vec3<S>* r1, Mat3<S>* u11,
+WETCURL_HD void eliminate(const BlockRow<S>& row, Sym3<S>* diagonal1, Vec3<S>* r1, Mat3<S>* u11,
                           Sym3<S>* diagonal2, Vec3<S>* r2) {
     const Factor3<S> f(row.diagonal);
     const Vec3<S> y = f.solve(row.r);
@@ -98,8 +98,8 @@ WETCURL_HD void eliminate(const Row<S>& row, Sym3<S>* diagonal1, Vec3<S>* r1, Ma
 // i, i+1 and i+2.
 template <bool Penta, class S>
 WETCURL_HD void eliminate_row(int i, int n, Sym3<S>* diagonal, Mat3<S>* upper1, Mat3<S>* upper2, Vec3<S>* r) {
-    const Row<S> row{diagonal[0], i + 1 < n ? &upper1[i] : nullptr, Penta && i + 2 < n ? &upper2[i] : nullptr,
-                     r[i]};
+    const BlockRow<S> row{diagonal[0], i + 1 < n ? &upper1[i] : nullptr,
+                          Penta && i + 2 < n ? &upper2[i] : nullptr, r[i]};
     eliminate(row, diagonal + 1, &r[i + 1], &upper1[i + 1], diagonal + 2, &r[i + 2]);
 }
 template <bool Penta, class S>

@@ -170,7 +170,7 @@ static Groom groom_of_strands(const Table& table, const GroomTable& groom, const
         origin.number = origin.id = int(in.numbers[s]);
         if (!in.ids.empty()) origin.id = in.ids[s];
         if (!in.groups.empty()) origin.group = in.groups[s];
-        if (!in.widths.empty()) origin.width = float(in.widths[s].front() * groom.scale);
+        if (!in.widths.empty()) origin.width = in.widths[s].front();
         if (!in.root_uv.empty()) std::copy_n(in.root_uv[s].begin(), 2, origin.uv);
     }
     return coarsened(full, 1);  // strands in the order of their pixels

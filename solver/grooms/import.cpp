@@ -270,13 +270,10 @@ static const Writer& writer_for(const std::string& path) {
 void require_writable(const std::string& path, bool overwrite) {
     writer_for(path);
     require_place(path, overwrite);
-    const auto folder = std::filesystem::path(target_of(path)).parent_path();
-    if (!folder.empty() && !std::filesystem::is_directory(folder))
-        throw Error(path + ": its folder is not there");
 }
 
 void write_strands(const std::string& path, const StrandPoints& strands, bool overwrite,
-                   const StrandWidths& widths) {
+                   const StrandWidths& widths, const std::string& unit) {
     require_writable(path, overwrite);
     if (!widths.empty() && widths.size() != strands.size())
         throw Error(path + ": found widths of " + std::to_string(widths.size()) +
@@ -292,7 +289,7 @@ void write_strands(const std::string& path, const StrandPoints& strands, bool ov
     }
     OutputFile file(path, overwrite);
     ByteWriter out(file);
-    writer_for(path).write(out, {path, strands, widths});
+    writer_for(path).write(out, {path, strands, widths, unit});
     out.flush();
     file.commit();
 }

@@ -61,10 +61,10 @@ Mesh import_mesh(const std::string& path, const FileUnits& meant);
 // Throws Misuse where the ending of `path` is none that write_strands knows, Error where the file exists and
 // `overwrite` is not given: to be found out before the work is done.
 void require_writable(const std::string& path, bool overwrite);
-// Writes metres, Y up, by the ending of `path`, as an OutputFile. `widths` [m]: one a point, or empty.
-// Throws as above; Error where writing fails, a strand has fewer than two points or more than the format
-// holds, or widths do not fit the strands.
+// Writes strands, Y up, by the ending of `path`, as an OutputFile. `widths`: one a point, or empty. `unit`:
+// of both. Throws as above; Error where writing fails, a strand has fewer than two points or more than the
+// format holds, or widths do not fit the strands.
 void write_strands(const std::string& path, const StrandPoints& strands, bool overwrite,
-                   const StrandWidths& widths = {});
+                   const StrandWidths& widths = {}, const std::string& unit = "metres");
 
 }  // namespace wetcurl

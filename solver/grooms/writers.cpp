@@ -57,7 +57,8 @@ void write_hair(ByteWriter& out, const StrandsOut& in) {
                            segments_and_points + (in.widths.empty() ? 0 : thickness), 0u})
         out.put(value);
     for (float value : {usual_width, 0.0f, 0.4f, 0.3f, 0.2f}) out.put(value);
-    char text[88] = "wetcurl: metres, Y up";
+    char text[88] = {};
+    ("wetcurl: " + in.unit + ", Y up").copy(text, sizeof text - 1);
     out.put(text);
     for (const auto& strand : in.strands) out.put(uint16_t(strand.size() - 1));
     for (const auto& strand : in.strands) put_points(out, strand);
@@ -67,7 +68,8 @@ void write_hair(ByteWriter& out, const StrandsOut& in) {
 
 void write_ply(ByteWriter& out, const StrandsOut& in) {
     const uint32_t points = total_points(in);
-    out.text("ply\nformat binary_little_endian 1.0\ncomment wetcurl: strands, metres, Y up, root first\n");
+    out.text("ply\nformat binary_little_endian 1.0\ncomment wetcurl: strands, " + in.unit +
+             ", Y up, root first\n");
     out.text("element vertex " + std::to_string(points) +
              "\nproperty float x\nproperty float y\nproperty float z\nproperty float width\n");
     out.text("element edge " + std::to_string(points - uint32_t(in.strands.size())) +
@@ -89,7 +91,7 @@ void write_ply(ByteWriter& out, const StrandsOut& in) {
 
 void write_obj(ByteWriter& out, const StrandsOut& in) {
     total_points(in);
-    out.text("# wetcurl: strands, metres, Y up, root first\n");
+    out.text("# wetcurl: strands, " + in.unit + ", Y up, root first\n");
     std::string text;
     for (const auto& strand : in.strands)
         for (const auto& x : strand) {
@@ -147,7 +149,7 @@ void write_tfx(ByteWriter& out, const StrandsOut& in) {
 
 // Pieces between points, with the tangents of a uniform Catmull-Rom spline.
 void write_pbrt(ByteWriter& out, const StrandsOut& in) {
-    out.text("# wetcurl: strands, metres, Y up, root first; widths are diameters\n");
+    out.text("# wetcurl: strands, " + in.unit + ", Y up, root first; widths are diameters\n");
     std::string text;
     for (size_t s = 0; s < in.strands.size(); ++s) {
         const auto& p = in.strands[s];

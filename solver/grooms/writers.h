@@ -1,4 +1,4 @@
-// Writers of strand files: one frame of strands for other programs, in metres, Y up.
+// Writers of strand files: one frame of strands for other programs, Y up.
 #pragma once
 
 #include <string>
@@ -35,11 +35,12 @@ class ByteWriter {
     std::string waiting_;
 };
 
-// What a writer writes. `widths` [m] are empty or one a point.
+// What a writer writes. `widths` are empty or one a point.
 struct StrandsOut {
     std::string path;  // for messages
     const StrandPoints& strands;
     const StrandWidths& widths;
+    std::string unit;  // of both, as a file says it that can
     float width(size_t strand, size_t point) const {
         return widths.empty() ? usual_width : widths[strand][point];
     }

@@ -38,11 +38,10 @@ Motion::Motion(const Table& t) {
 ShotCuts cuts_of(const Table& motion, double fps, double seconds) {
     CutsTable read;
     read_parameters(read, CutsTable::parameters, motion);
-    const int last = int(std::lround(seconds * fps));
     for (const int frame : read.cuts)
-        if (frame > last)
+        if (const double last = std::round(seconds * fps); frame > last)
             log_warning(motion.where("cuts") + ": frame " + std::to_string(frame) +
-                        " comes after the last, " + std::to_string(last) + ": it cuts nothing");
+                        " comes after the last, " + std::to_string(int(last)) + ": it cuts nothing");
     return {read.cuts, fps, motion.has("cuts")};
 }
 

@@ -49,7 +49,7 @@ struct CutsTable {
          &CutsTable::cuts},
     };
 };
-// Of a run of so many seconds; warns of cuts after it.
+// Warns of cuts after `seconds`, at which the last frame is shown; infinite: there is none.
 ShotCuts cuts_of(const Table& motion, double fps, double seconds);
 
 // Of [motion] alone.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 
 #include "base/log.h"
 #include "base/median.h"
@@ -24,16 +25,27 @@ struct Track {
     std::string what, key;      // "the roots of the hair", "[motion]"
     ShotCuts cuts;              // those known
     std::vector<Vec3d> places;  // (frame) [m], one beyond the last
+    std::vector<Quatd> turns;   // (frame)
+
+    void add(const Pose& pose, const Vec3d& point) {
+        places.push_back(pose(point));
+        turns.push_back(pose.rotation);
+    }
 
     // Frames at which it jumps farther than any body moves.
     std::vector<int> jumps() const {
-        // A sprinter makes 12 m/s, a head in a crash 40; and no body starts and stops within a frame.
-        constexpr double fastest = 40, fast = 4, least = 0.2, times_the_neighbours = 8;  // [m/s], [m]
+        // A sprinter makes 12 m/s, a head in a crash 40; and no body starts and stops within a frame, nor
+        // turns by a right angle in one while it hardly turns in those around.
+        constexpr double fastest = 40, fast = 4, least = 0.2, most_turn = 1.5,  // [m/s], [m], [rad]
+            times_the_neighbours = 8;
         std::vector<int> out;
         for (size_t f = 1; f + 1 < places.size(); ++f) {
             const double way = way_to(f), speed = way * cuts.fps,
                          around = std::max(f > 1 ? way_to(f - 1) : 0, way_to(f + 1));
-            if (speed > fastest || (speed > fast && way > least && way > times_the_neighbours * around))
+            const double turn = turn_to(f),
+                         turn_around = std::max(f > 1 ? turn_to(f - 1) : 0, turn_to(f + 1));
+            if (speed > fastest || (speed > fast && way > least && way > times_the_neighbours * around) ||
+                (turn > most_turn && turn > times_the_neighbours * turn_around))
                 if (!cuts.at(int(f))) out.push_back(int(f));
         }
         return out;
@@ -45,9 +57,10 @@ struct Track {
         std::string frames;
         for (const int f : found) frames += (frames.empty() ? "" : ", ") + std::to_string(f);
         const size_t first = size_t(found[0]);
-        char far[96];
-        std::snprintf(far, sizeof far, "by %.3g m from frame %zu to frame %zu (%.3g m/s)", way_to(first),
-                      first - 1, first, way_to(first) * cuts.fps);
+        char far[128];
+        std::snprintf(far, sizeof far, "by %.3g m and %.0f degrees from frame %zu to frame %zu (%.3g m/s)",
+                      way_to(first), turn_to(first) * 180 / std::numbers::pi, first - 1, first,
+                      way_to(first) * cuts.fps);
         const std::string text = what + " move " + far + ", which no body does";
         if (cuts.said) {
             log_warning(text + ", and cuts of " + key + " does not name frame " + frames);
@@ -60,6 +73,11 @@ struct Track {
 
   private:
     double way_to(size_t frame) const { return norm(places[frame] - places[frame - 1]); }
+    // [rad]
+    double turn_to(size_t frame) const {
+        const Quatd q = turns[frame] * conjugate(turns[frame - 1]);
+        return 2 * std::atan2(norm(Vec3d{q.x, q.y, q.z}), std::abs(q.w));
+    }
 };
 
 // A share of the way from rest to a pose: the turn about one axis.
@@ -149,38 +167,38 @@ Solid* guessed_scalp(Scene& scene, const Groom& full) {
 }
 
 void survey(Scene& scene, const Groom& full) {
-    const double end = scene.frames / scene.fps;
     const auto goes_alone = [](const Solid& solid) {
         return !solid.attached && !solid.carries_roots && solid.motion.moves();
     };
     std::vector<Track> tracks;
     if (scene.riding || scene.motion.moves())
-        tracks.push_back({"the roots of the hair", "[motion]", scene.cuts, {}});
+        tracks.push_back({"the roots of the hair", "[motion]", scene.cuts, {}, {}});
     const size_t of_solids = tracks.size();
     for (Solid& solid : scene.solids) {
         if (solid.driven)
             solid.region = with_room(solid.deformation->box(), 0.25);
         else if (solid.deformation && !scene.riding)
-            solid.region =
-                solid.deformation->reads_frames() ? solid.deformation->box(0, end) : solid.deformation->box();
+            solid.region = solid.deformation->reads_frames() ? solid.deformation->box(0, scene.end)
+                                                             : solid.deformation->box();
         else
             solid.region = nothing();
         if (goes_alone(solid))
-            tracks.push_back({"points of [[solid]] '" + solid.name + "'", "[solid.motion]", {}, {}});
+            tracks.push_back({"points of [[solid]] '" + solid.name + "'", "[solid.motion]", {}, {}, {}});
     }
     const std::vector<Vec3d> roots = roots_of(full.rest);
     Vec3d middle{0, 0, 0};
     for (const Vec3d& root : roots) middle += (1 / double(roots.size())) * root;
     RidingRoots::Room room;
     std::vector<Vec3f> vertices;
-    for (int f = 0; f <= scene.frames + 1 && !tracks.empty(); ++f) {
+    const int frames = int(std::lround(scene.end * scene.fps));
+    for (int f = 0; f <= frames + 1 && !tracks.empty(); ++f) {
         const double time = f / scene.fps;
         const Pose head = scene.head_at(time, room);
-        if (of_solids) tracks[0].places.push_back(head(middle));
+        if (of_solids) tracks[0].add(head, middle);
         size_t track = of_solids;
         for (const Solid& solid : scene.solids)
-            if (goes_alone(solid)) tracks[track++].places.push_back(solid.motion.at(time).translation);
-        if (!scene.riding || f > scene.frames) continue;
+            if (goes_alone(solid)) tracks[track++].add(solid.motion.at(time), {0, 0, 0});
+        if (!scene.riding || f > frames) continue;
         scene.root_poses_at(time, room);
         const Strands& hair = scene.groom.rest;
         for (int s = 0; s < hair.count; ++s) {

@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "base/median.h"
+#include "base/number_text.h"
 
 namespace wetcurl {
 
@@ -69,7 +70,8 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
     const auto farthest = std::max_element(away.begin(), away.end());
     const int strand = int(farthest - away.begin());
     const double usual = median(away), most = *farthest;
-    const int number = origins_of(scene.groom)[size_t(strand)].number;
+    const std::vector<StrandOrigin> origins = origins_of(scene.groom);
+    const int number = origins[size_t(strand)].number;
     const std::string place = fmt::format(
         "roots lie {} from the head in the median, {} at most (strand {}); {} of {} below its surface{}",
         in_millimetres(usual), in_millimetres(most), number, deep.size(), hair.count,
@@ -77,6 +79,14 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
                      : ", by " + in_millimetres(*std::max_element(deep.begin(), deep.end())) + " at most");
     const bool tips_first = double(nearer_tips) > 0.5 * hair.count;
     constexpr double off = 0.008, far = 0.03, too_far = 0.3;  // [m]
+    std::vector<size_t> lost;
+    for (size_t s = 0; s < away.size(); ++s)
+        if (away[s] > too_far) lost.push_back(size_t(origins[s].number));
+    if (usual <= too_far && !lost.empty())
+        out.push_back({Level::error, "roots_off_head",
+                       fmt::format("{} of {} roots lie more than {} from the head: strands {}", lost.size(),
+                                   hair.count, in_millimetres(too_far), listed(lost, 8)),
+                       "a file without these strands, if they are no hair"});
     if (usual > too_far)
         out.push_back({Level::error, "roots_off_head", place,
                        "units, up, scale and offset of [groom] or of the [[solid]] that is the head"});

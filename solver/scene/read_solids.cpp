@@ -164,7 +164,8 @@ void read_animated(Solid& solid, const Table& t, const SolidTable& read, Hair ha
     log_info(read.file + ": " + std::to_string(frames->times().size()) + " frames from " +
              std::to_string(frames->times().front()) + " s to " + std::to_string(frames->times().back()) +
              " s; the scene begins at " + std::to_string(begin) + " s of it");
-    if (const double end = frames->times().back() - begin; end < around.seconds - 0.5 / around.fps)
+    if (const double end = frames->times().back() - begin;
+        std::isfinite(around.seconds) && end < around.seconds - 0.5 / around.fps)
         log_warning(
             fmt::format("{}: ends at frame {} of the scene, which has {}; the mesh stands still from "
                         "there on (first_file_frame, file_fps, or fewer frames mend it)",

@@ -93,7 +93,7 @@ struct SolidTable {
 
 // What the reading of solids sees of the scene.
 struct AroundSolids {
-    double fps, seconds;                         // of the run
+    double fps, seconds;                         // of the run, until its last frame; no end: infinite
     std::string scalp;                           // name of the solid that hair grows on; "": none
     std::vector<Vec3d> roots;                    // [m]; empty: not known yet
     const std::map<std::string, Mesh>& brought;  // meshes by name of solid [m], which a caller drives

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 
 #include "base/log.h"
 #include "solver/grooms/groom.h"
@@ -181,9 +182,9 @@ std::shared_ptr<const ScalpMesh> scalp_of(const Solid& solid) {
                                                                : level_set_of(solid)->mesh());
 }
 
-void read_head(Scene& scene, const Table& t) {
+void read_head(Scene& scene, const Table& t, double last) {
     scene.motion = Motion(t);
-    scene.cuts = cuts_of(t, scene.fps, (scene.frames - 1) / scene.fps);
+    scene.cuts = cuts_of(t, scene.fps, last);
     Preroll preroll;
     read_parameters(preroll, Preroll::parameters, t);
     scene.preroll = preroll.seconds;
@@ -206,15 +207,16 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_integrator(scene, root.table("integrator"));
     const Table g = root.table("groom");
     read_parameters(scene, Scene::groom_parameters, g);
-    read_head(scene, root.table("motion"));
+    const double last = options.endless ? std::numeric_limits<double>::infinity()
+                                        : options.start + (scene.frames - 1) / scene.fps;
+    read_head(scene, root.table("motion"), last);
     const std::vector<std::string> solids = names_of_solids(root);
     static const Brought nothing;
     const Brought& brought = options.brought ? *options.brought : nothing;
     for (const auto& [name, mesh] : brought.meshes)
         if (std::ranges::find(solids, name) == solids.end())
             throw Misuse(root.where() + "found a mesh for [[solid]] '" + name + "', which is not there");
-    AroundSolids around{
-        scene.fps, (scene.frames - 1) / scene.fps, name_of_scalp(g, solids), {}, brought.meshes};
+    AroundSolids around{scene.fps, last, name_of_scalp(g, solids), {}, brought.meshes};
     Solid* scalp = nullptr;
     const auto read_all = [&](const std::vector<Vec3d>& roots) {
         around.roots = roots;
@@ -256,6 +258,10 @@ Scene read_scene(Config config, const SceneOptions& options) {
     scene.groom = coarsened(full, scene.stride, &kept);
     if (!scalp) scalp = guessed_scalp(scene, full);
     if (scalp && scalp->deformation) ride(scene, *scalp, full, kept);
+    scene.end = options.start + scene.frames / scene.fps;
+    if (options.endless)
+        for (const Solid& solid : scene.solids)
+            if (solid.deformation) scene.end = std::max(scene.end, solid.deformation->times().back());
     survey(scene, full);
     if (const int taken = scene.groom.rest.count; options.strands && taken != *options.strands)
         log_info("--strands " + std::to_string(*options.strands) + ": " + nesting_text(full) + "; " +

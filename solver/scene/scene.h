@@ -141,6 +141,7 @@ struct Scene {
     std::optional<Riding> riding;  // of the groom's roots; none: all move with the head
     ShotCuts cuts;                 // of the shot, at which all that is in it may stand elsewhere
     double preroll = 0;            // [s] before frame 0, from rest to the first pose
+    double end = 0;                // [s] until which what moves is surveyed: no run goes farther
 
     std::vector<std::string> allow;       // findings (solver/scene/findings.h) that do not stop the scene
     std::vector<Finding> groom_findings;  // of the strands' file
@@ -255,6 +256,8 @@ struct SceneOptions {
     std::string groom;  // a hair file in place of the scene's groom
     int stride = 0;     // exactly this stride of the full grid, where above 0
     const Brought* brought = nullptr;
+    double start = 0;           // [s] of its run's frame 0: it goes on with another run
+    bool endless = false;       // its run goes on as long as a caller asks, not for `frames`
     bool findings_stop = true;  // load_scene acts on what looks wrong (solver/scene/findings.h)
 };
 

@@ -112,10 +112,10 @@ StabilityCase limiter_honesty(const Battery& b, double k_over_m) {
     }
     trial.report(c);
     const double weight = trial.weight_length();
-    c.measured.push_back({"sum_over_weight", before / weight});
-    c.measured.push_back({"most_in_a_frame_over_weight", most / weight});
-    c.measured.push_back({"least_in_a_frame_over_weight", least / weight});
-    c.measured.push_back({"limited_edges", double(trial.simulation().limited_edges())});
+    c.measured.emplace_back("sum_over_weight", before / weight);
+    c.measured.emplace_back("most_in_a_frame_over_weight", most / weight);
+    c.measured.emplace_back("least_in_a_frame_over_weight", least / weight);
+    c.measured.emplace_back("limited_edges", double(trial.simulation().limited_edges()));
     // It may take energy; what it gives, S2 must not notice.
     c.passed = c.finite && before <= energy_bound * std::max(trial.scale, 1e-9 * weight);
     return c;

@@ -86,8 +86,8 @@ StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer,
     const double jitter = jitter_of(trial);
     trial.report(c);
     c.kinetic_ratio = trial.finite ? trial.kinetic / trial.weight_length() : unbounded;
-    c.measured.push_back({"jitter_over_segment", jitter});
-    c.measured.push_back({"seconds_to_rest", seconds});
+    c.measured.emplace_back("jitter_over_segment", jitter);
+    c.measured.emplace_back("seconds_to_rest", seconds);
     c.passed = c.finite && c.energy_ratio <= energy_bound && jitter <= jitter_bound;
     return c;
 }

@@ -66,7 +66,7 @@ Cases stiffness_by_step(const Battery& b, double k_over_m) {
             falling.report(c);
             const double allowed = reference > 0 ? 1.1 * reference : 20 * falling.weight_length();
             c.kinetic_ratio = falling.finite ? falling.most_kinetic / allowed : unbounded;
-            c.measured.push_back({"kinetic_over_weight", falling.most_kinetic / falling.weight_length()});
+            c.measured.emplace_back("kinetic_over_weight", falling.most_kinetic / falling.weight_length());
 
             if (!b.method.takes_drag) {
                 c.passed = c.finite && c.kinetic_ratio <= 1;

@@ -41,7 +41,7 @@ StabilityCase stood(const Battery& b, const Ordeal& o) {
     }
     trial.report(c);
     c.kinetic_ratio = trial.finite ? trial.kinetic / trial.weight_length() : unbounded;
-    c.measured.push_back({"most_kinetic_over_weight", trial.most_kinetic / trial.weight_length()});
+    c.measured.emplace_back("most_kinetic_over_weight", trial.most_kinetic / trial.weight_length());
     c.passed = c.finite && c.energy_ratio <= ordeal_bound &&
                (!b.method.takes_drag || c.kinetic_ratio <= settled_bound);
     return c;

@@ -38,13 +38,13 @@ StabilityCase order_in_time(const Battery& b, double k_over_m) {
         const double error = rms_distance(swung(b, k_over_m, steps), exact);
         if (k > 0) {
             const double order = order_between(before, error);
-            c.measured.push_back({"order_at_" + std::to_string(steps) + "_steps", order});
+            c.measured.emplace_back("order_at_" + std::to_string(steps) + "_steps", order);
             least = std::min(least, order);
         }
         before = error;
         c.finite = c.finite && std::isfinite(error);
     }
-    c.measured.push_back({"least_error_m", before});
+    c.measured.emplace_back("least_error_m", before);
     // 1.9 of 2 for BDF2.
     c.passed = c.finite && least >= 0.95 * b.method.order;
     return c;
@@ -68,12 +68,12 @@ StabilityCase order_in_particles(const Battery& b) {
         const double tip = -trial.simulation().state().x.back().y;
         const double ratio = tip / (trial.scene().linear_density * g * std::pow(reach, 4) / (8 * flexural));
         const double error = std::abs(ratio - 1);
-        c.measured.push_back({"ratio_of_" + std::to_string(n), ratio});
+        c.measured.emplace_back("ratio_of_" + std::to_string(n), ratio);
         if (before > 0) least = std::min(least, order_between(before, error));
         before = error;
         c.finite = c.finite && std::isfinite(tip);
     }
-    c.measured.push_back({"order", least});
+    c.measured.emplace_back("order", least);
     c.rest_error = before;
     c.passed = c.finite && least >= 0.9;
     return c;

@@ -145,7 +145,7 @@ double Trial::energy_ratio() const {
 void Trial::report(StabilityCase& result) const {
     result.finite = result.finite && finite;
     result.energy_ratio = energy_ratio();
-    if (promoted_) result.measured.push_back({"in_double", 1});
+    if (promoted_) result.measured.emplace_back("in_double", 1);
 }
 
 double jitter_of(Trial& trial) {

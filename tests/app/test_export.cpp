@@ -11,6 +11,7 @@
 namespace wetcurl {
 namespace {
 
+using testing::bytes_of;
 using testing::expect_error;
 using testing::Scratch;
 
@@ -142,6 +143,17 @@ TEST_F(Export, animates_guides_alone_and_says_who_follows_them) {
             EXPECT_EQ(all.weights[s][0], 1);
         }
     }
+    EXPECT_EQ(guides.is_guide, std::vector<uint8_t>(3, 1));
+    EXPECT_EQ(all.is_guide, std::vector<uint8_t>(strands, 0));
+    // Unreal's table names guides by their ids.
+    ExportOptions unreal = o;
+    unreal.target = "unreal", unreal.output = path("unreal.abc");
+    EXPECT_EQ(export_command(unreal), 0);
+    const auto theirs = open_scene_file(unreal.output);
+    for (const CurvesObject& object : theirs->curves())
+        for (const auto& nearest : object.guides)
+            for (const int id : nearest)
+                EXPECT_NE(std::find(guides.ids.begin(), guides.ids.end(), id), guides.ids.end()) << id;
     // What does not move is kept once.
     const size_t bytes = std::filesystem::file_size(o.output);
     o.overwrite = true, o.frames = "0:1";
@@ -163,6 +175,15 @@ TEST_F(Export, writes_a_file_of_strands_for_each_frame) {
                           1e-5f);
         }
     }
+    // All names are looked at before the first is written.
+    std::filesystem::remove(path("frame.0001.obj"));
+    expect_error([&] { export_command(o); }, {"frame.0002.obj", "--overwrite"});
+    EXPECT_FALSE(std::filesystem::exists(path("frame.0001.obj")));
+    // Folders are made, and what a file says of its unit is so.
+    o.output = path("new/frame.####.obj"), o.target = "maya";
+    EXPECT_EQ(export_command(o), 0);
+    EXPECT_NE(bytes_of(path("new/frame.0001.obj")).find("strands, centimetres, Y up"), std::string::npos);
+    o.target = "";
     o.output = path("one.data"), o.frames = "2";
     EXPECT_EQ(export_command(o), 0);
     EXPECT_TRUE(std::filesystem::exists(o.output));
@@ -175,6 +196,32 @@ TEST_F(Export, writes_the_solids_into_a_file_of_their_own) {
     ASSERT_EQ(file->meshes().size(), 1u);
     EXPECT_EQ(file->meshes()[0].points, 8u);
     EXPECT_NEAR(std::abs(file->points_of_mesh(0, 0)[0].x), 0.1, 1e-6);
+}
+
+// A run that goes on with another one from its frame 2 on.
+TEST_F(Export, of_a_later_part_has_its_solids_and_cuts_where_they_are_then) {
+    RunHeader header = RunReader(o.run).header();
+    header.scene =
+        "fps = 24\n[groom]\ngrid = [3, 2]\nparticles = 5\n[[solid]]\nshape = "
+        "\"box\"\n[[solid.motion.keyframe]]"
+        "\n[[solid.motion.keyframe]]\ntime = 1\ntranslation = [1, 0, 0]\n[motion]\ncuts = [4]\n";
+    header.start = 2 / fps;
+    RunWriter run(path("later.h5"), header, true);
+    for (int f = 0; f < frames; ++f) {
+        RunFrame frame;
+        frame.positions = header.groom.rest;
+        for (Vec3f& x : frame.positions.points) x.x += f < 2 ? 0.f : 10.f;
+        frame.displayed = frame.positions;
+        run.append(frame);
+    }
+    run.commit();
+    o.run = path("later.h5"), o.output = path("later.usda"), o.solids = path("later_solids.usda");
+    const auto hair = exported();
+    const auto solids = open_scene_file(o.solids);
+    EXPECT_NEAR(solids->points_of_mesh(0, 1)[0].x - solids->points_of_mesh(0, 0)[0].x, 1 / fps, 1e-5);
+    EXPECT_NEAR(std::abs(solids->points_of_mesh(0, 0)[0].x - float(2 / fps)), 0.1, 1e-5);
+    // Nothing moves but across the cut, which has no velocity.
+    EXPECT_EQ(bytes_of(o.output).find("240"), std::string::npos);
 }
 
 TEST_F(Export, refuses_what_cannot_be_meant) {

@@ -133,6 +133,14 @@ TEST_F(Findings, hair_that_starts_far_from_its_head_stops_the_scene) {
     EXPECT_EQ(found(falling(100), "offset = [0.1, 0, 0]"), Names{"roots_off_head"});
 }
 
+TEST_F(Findings, single_strands_far_from_the_head_stop_the_scene_and_are_named) {
+    StrandPoints strands = falling(50);
+    for (const size_t s : {7u, 31u})
+        for (auto& x : strands[s]) x.z += 0.9;
+    expect_error([&] { scene_of(strands, "", head, true); },
+                 {"2 of 50 roots", "strands 7, 31", "roots_off_head"});
+}
+
 TEST_F(Findings, a_head_in_another_unit_stops_the_scene) {
     const std::string giant =
         "[[solid]]\nname = \"head\"\nattached = \"head\"\nshape = \"sphere\"\nradius = 9.5\n";

@@ -133,6 +133,24 @@ TEST(Characters, few_frames_of_a_file_are_in_memory_and_each_is_read_once) {
     EXPECT_EQ(counted.read, 60);
 }
 
+TEST(Characters, a_run_that_goes_on_later_sees_the_mesh_where_it_is_then) {
+    const Scratch scratch;
+    const Mesh ball = triangulated(Sphere{0.1}, 12);
+    const auto walks = [](const Vec3d& x, double time) { return x + Vec3d{2 * time, 0, 0}; };
+    write_frames(scratch, ball, walks, 30);
+    const std::string scene =
+        "frames = 4\n[groom]\ngrid = [2, 2]\n[stretch]\n[[solid]]\nshape = \"mesh\"\nfile = \"" +
+        scratch.path("body.####.obj") + "\"\n";
+    const auto farthest = [&](const SceneOptions& options) {
+        return parse_scene(scene, "scene.toml", ".", options).solids[0].region.high.x;
+    };
+    EXPECT_NEAR(farthest({}), 0.1 + 2 * 4 / 24.0, 0.1);
+    SceneOptions later, endless;
+    later.start = 1, endless.endless = true;
+    EXPECT_NEAR(farthest(later), 0.1 + 2 * 28 / 24.0, 0.1);
+    EXPECT_NEAR(farthest(endless), 0.1 + 2 * 29 / 24.0, 0.01);
+}
+
 TEST(Characters, says_what_is_wrong_with_their_files) {
     const Scratch scratch;
     const Mesh ball = triangulated(Sphere{0.1}, 12);
@@ -254,6 +272,14 @@ TEST(Characters, what_looks_like_a_cut_is_one_and_is_said) {
     EXPECT_NE(
         said_by([] { scene_of(teleport + "cuts = [2, 12]\n"); }).find("frame 12 comes after the last, 11"),
         std::string::npos);
+    // A turn on the spot is one too.
+    EXPECT_NE(said_by([] {
+                  scene_of(dry_scene +
+                           "[[motion.keyframe]]\n[[motion.keyframe]]\ntime = 0.125\n"
+                           "[[motion.keyframe]]\ntime = 0.1666667\nrotation = [0, 170, 0]\n"
+                           "[[motion.keyframe]]\ntime = 1\nrotation = [0, 170, 0]\n");
+              }).find("cuts = [4]"),
+              std::string::npos);
     // A fast swing is none.
     EXPECT_EQ(said_by([] {
                   scene_of(dry_scene + "[motion]\nangle = 90\nperiod = 0.4\nshift = [0.4, 0, 0]\n");
