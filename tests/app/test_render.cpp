@@ -15,11 +15,11 @@ namespace {
 namespace fs = std::filesystem;
 
 // A folder of its own for each test, with a run of four strands that fall for three frames beside a sphere.
-class render : public testing::Test {
+class render : public ::testing::Test {
   protected:
     void SetUp() override {
         folder_ = fs::temp_directory_path() / (std::string("wetcurl_render_") +
-                                               testing::UnitTest::GetInstance()->current_test_info()->name());
+                                               ::testing::UnitTest::GetInstance()->current_test_info()->name());
         fs::remove_all(folder_);
         fs::create_directories(folder_);
         write_run("run.h5", 3);
