@@ -145,10 +145,13 @@ std::string name_of_scalp(const Table& groom, const std::vector<std::string>& na
                                          [](const KeyRow& r) { return std::string_view(r.key); });
     const std::string name = groom.name_in_place_of(row, names);
     if (name.empty() && groom.has("scalp"))
-        if (const std::string file = groom.text(row); !std::filesystem::exists(file))
+        if (const std::string file = groom.text(row); !std::filesystem::exists(file)) {
+            GroomTable others;  // whose faults come first
+            read_parameters(others, GroomTable::parameters, groom);
             groom.fail("scalp", fmt::format("found no file '{}' and no [[solid]] of that name{}{}", file,
                                             names.empty() ? "" : "; solids of the scene are ",
                                             fmt::join(names, ", ")));
+        }
     if (name.empty()) return "";
     if (std::count(names.begin(), names.end(), name) > 1)
         groom.fail("scalp", "'" + name +

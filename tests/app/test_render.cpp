@@ -18,8 +18,9 @@ namespace fs = std::filesystem;
 class render : public ::testing::Test {
   protected:
     void SetUp() override {
-        folder_ = fs::temp_directory_path() / (std::string("wetcurl_render_") +
-                                               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        folder_ =
+            fs::temp_directory_path() / (std::string("wetcurl_render_") +
+                                         ::testing::UnitTest::GetInstance()->current_test_info()->name());
         fs::remove_all(folder_);
         fs::create_directories(folder_);
         write_run("run.h5", 3);
