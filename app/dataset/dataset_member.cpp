@@ -28,7 +28,7 @@ Scene scene_of(const DatasetRecipe& recipe, const DatasetMember& m) {
                      "neither the scene that it starts from nor what was picked and drawn for it names one");
     try {
         Scene scene = parse_scene(config);
-        act_on(findings_of(scene), scene, scene.title);
+        act_on(findings_of(scene), scene, "its scene");
         if (scene.flow) throw Misuse("its water moves ([wetness.flow]), allowed is wetness that stays");
         if (!scene.adhesion_model.empty())
             throw Misuse(

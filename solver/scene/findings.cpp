@@ -82,6 +82,7 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
     std::vector<size_t> lost;
     for (size_t s = 0; s < away.size(); ++s)
         if (away[s] > too_far) lost.push_back(size_t(origins[s].number));
+    std::sort(lost.begin(), lost.end());
     if (usual <= too_far && !lost.empty())
         out.push_back({Level::error, "roots_off_head",
                        fmt::format("{} of {} roots lie more than {} from the head: strands {}", lost.size(),
