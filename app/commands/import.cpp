@@ -129,7 +129,8 @@ void add_options(CLI::App& app, ImportOptions& o) {
     app.add_flag("--repair", o.groom.repair, "end strands before a stray point");
     app.add_option("--resample", o.resample, "particles a strand; 0: as it is")->check(CLI::Range(0, 100000));
     app.add_option("--scalp", o.scalp,
-                   "head mesh in the units of the hair: depth of roots, and the grid laid on it");
+                   "head mesh in the units of the hair, which --rotation, --scale and --offset move to it: "
+                   "depth of roots, and the grid laid on it");
 }
 
 // The head of the roots, whose file may have another axis than theirs where neither is told.

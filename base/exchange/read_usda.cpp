@@ -9,6 +9,7 @@
 #include "base/exchange/row_matrix.h"
 #include "base/exchange/usda.h"
 #include "base/exchange/usda_text.h"
+#include "base/file_ending.h"
 #include "base/lfs_pointer.h"
 #include "base/log.h"
 #include "base/number_text.h"
@@ -255,10 +256,10 @@ void UsdaReader::refuse_other_kinds() {
     std::string start(64, '\0');
     start.resize(file_.read(0, start.data(), start.size()));
     refuse_lfs_pointer(start, file_.path());
-    const size_t dot = file_.path().find_last_of('.');
     // Not onto itself.
-    const char* text = file_.path().substr(dot) == ".usda" ? "_text.usda" : ".usda";
-    const std::string convert = "`usdcat " + file_.path() + " -o " + file_.path().substr(0, dot) + text +
+    const std::string text = ending_of(file_.path()) == ".usda" ? "_text.usda" : ".usda";
+    const std::string convert = "`usdcat " + file_.path() + " -o " +
+                                file_.path().substr(0, file_.path().find_last_of('.')) + text +
                                 "` turns it into text, which is read";
     if (start.starts_with("PXR-USDC")) throw Error(file_.path() + ": found binary USD; " + convert);
     if (start.starts_with("PK\x03\x04")) throw Error(file_.path() + ": found a package (.usdz); " + convert);
