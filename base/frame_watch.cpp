@@ -89,6 +89,7 @@ void FrameWatch::look(int frame, const RunFrame& now) {
     if (!overstretched_ && stretch.value > warning_stretch) overstretched_ = stretch;
     speed.value = fps_ * std::sqrt(double(most_way));
     if (follows) take_larger(speed_, speed);
+    if (follows && !overspeed_ && speed.value > warning_speed) overspeed_ = speed;
     before_ = x;
 
     const std::optional<double> energy =

@@ -19,6 +19,8 @@ class FrameWatch {
   public:
     // Of an edge's length over its rest length: beyond this a run warns.
     static constexpr double warning_stretch = 3;
+    // And beyond this way of a particle over time [m/s]: a fall from 500 m in a vacuum makes as much.
+    static constexpr double warning_speed = 100;
 
     FrameWatch(const Groom& groom, double fps);
     // A frame of simulated or predicted positions. Each in turn; after one that was left out, speed and
@@ -31,6 +33,8 @@ class FrameWatch {
     const std::optional<FrameExtreme>& overstretched() const { return overstretched_; }
     // Largest way of a particle from one frame to the next over the time between them [m/s], cuts left out.
     const std::optional<FrameExtreme>& speed() const { return speed_; }
+    // The first frame with a particle beyond `warning_speed`, the fastest of it.
+    const std::optional<FrameExtreme>& overspeed() const { return overspeed_; }
     // Largest growth of the energy of all strands from one frame to the next [J]; `value` and `frame` alone.
     const std::optional<FrameExtreme>& energy_growth() const { return energy_growth_; }
 
@@ -42,7 +46,7 @@ class FrameWatch {
     std::vector<Vec3f> before_;             // (strand, particle) in the frame before
     int frame_ = -2;
     std::optional<double> energy_;
-    std::optional<FrameExtreme> stretch_, overstretched_, speed_, energy_growth_;
+    std::optional<FrameExtreme> stretch_, overstretched_, speed_, overspeed_, energy_growth_;
 };
 
 }  // namespace wetcurl

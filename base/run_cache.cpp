@@ -120,20 +120,30 @@ static void write_origin(H5Writer& f, const Groom& groom) {
     write_member(f, "groom/number", origin, &StrandOrigin::number);
     write_member(f, "groom/id", origin, &StrandOrigin::id);
     write_member(f, "groom/group", origin, &StrandOrigin::group);
-    write_member(f, "groom/width", origin, &StrandOrigin::width);
     std::vector<float> uv;
     for (const auto& strand : origin) uv.insert(uv.end(), strand.uv, strand.uv + 2);
     f.write("groom/root_uv", uv.data(), {origin.size(), 2});
+    if (!groom.width.empty())
+        f.write("groom/width", groom.width.data(), {origin.size(), size_t(groom.rest.particles)});
 }
 static std::vector<StrandOrigin> read_origin(const H5Reader& f, size_t strands) {
     std::vector<StrandOrigin> origin(strands);
     read_member(f, "groom/number", origin, &StrandOrigin::number);
     read_member(f, "groom/id", origin, &StrandOrigin::id);
     read_member(f, "groom/group", origin, &StrandOrigin::group);
-    read_member(f, "groom/width", origin, &StrandOrigin::width);
     const auto uv = f.read<float>("groom/root_uv", {strands, 2});
     for (size_t s = 0; s < strands; ++s) std::copy_n(&uv[2 * s], 2, origin[s].uv);
     return origin;
+}
+
+static std::vector<float> read_width(const H5Reader& f, size_t strands, size_t particles) {
+    if (!f.has("groom/width")) return {};
+    if (f.shape("groom/width").size() > 1) return f.read<float>("groom/width", {strands, particles});
+    // Of a run of before: one a strand, 0 where the file says none.
+    std::vector<float> out;
+    for (const float width : f.read<float>("groom/width", {strands})) out.insert(out.end(), particles, width);
+    if (std::all_of(out.begin(), out.end(), [](float width) { return width == 0; })) out.clear();
+    return out;
 }
 
 RunWriter::RunWriter(OutputFile place, const RunHeader& h)
@@ -245,6 +255,7 @@ RunReader::RunReader(const std::string& named, bool mine)
             throw Error(path + ": dataset 'groom/grid' names strand " + std::to_string(s) +
                         " twice or out of range");
     if (f.has("groom/number")) h.groom.origin = read_origin(f, points[0]);
+    h.groom.width = read_width(f, points[0], points[1]);
     if (f.has("saturation")) {
         h.saturation = f.read<float>("saturation", {points[0], points[1]});
         check_within(h.saturation, f, "saturation", 0, 1, 0);

@@ -70,6 +70,9 @@ Groom coarsened(const Groom& full, int stride, std::vector<int>* kept) {
         std::copy_n(full.rest.strand(from[s]), full.rest.particles, out.rest.strand(int(s)));
         out.normal[s] = full.normal[size_t(from[s])];
         out.origin[s] = origin[size_t(from[s])];
+        if (full.width.empty()) continue;
+        const auto width = full.width.begin() + long(from[s]) * full.rest.particles;
+        out.width.insert(out.width.end(), width, width + full.rest.particles);
     }
     if (kept) *kept = from;
     return out;

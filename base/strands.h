@@ -39,7 +39,6 @@ struct StrandOrigin {
     int number = 0;  // its place in the file, or in the scene's whole groom, from 0
     int id = 0;      // its number where the file says none
     int group = 0;
-    float width = 0;       // diameter [m]; 0: not said
     float uv[2] = {0, 0};  // of its root; its pixel's place on the grid where the file says none
 };
 
@@ -49,6 +48,7 @@ struct Groom {
     std::vector<Vec3f> normal;  // unit, one a strand
     RootGrid grid;
     std::vector<StrandOrigin> origin;  // (strand); empty: as they stand here
+    std::vector<float> width;          // (strand, particle) diameter [m]; empty: the file says none
     std::string hash() const;          // of points and grid: two runs pair only where grooms nest
 };
 

@@ -24,6 +24,13 @@ program_for() {
     echo "$program"
 }
 
+# python_with MODULE: the path of the variable PYTHON or of python3, if it has the module.
+python_with() {
+    local python
+    python=$(command -v "${PYTHON:-python3}") && "$python" -c "import $1" 2>/dev/null || return 1
+    echo "$(cd "$(dirname "$python")" && pwd)/$(basename "$python")"
+}
+
 # Jobs that processors and free memory allow: a file that includes LibTorch takes about 2 GB to compile.
 jobs_that_fit() {
     awk -v cores="$(nproc)" '/^MemAvailable/ { j = int($2 / 2000000) } END { if (j > cores) j = cores; print j < 1 ? 1 : j }' \

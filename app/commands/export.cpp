@@ -85,16 +85,19 @@ class ExportedStrands {
             out.counts.push_back(points_of_each());
             out.ids.push_back(from.id), out.groups.push_back(from.group);
             out.root_uv.push_back({from.uv[0], from.uv[1]});
-            out.widths.insert(out.widths.end(), size_t(points_of_each()), axes.length(width_of(from)));
+            for (int i = 0; i < points_of_each(); ++i)
+                out.widths.push_back(axes.length(width_at(order_[at], i)));
         }
         if (std::all_of(out.groups.begin(), out.groups.end(), [](int group) { return group == 0; }))
             out.groups.clear();
         return out;
     }
-    // [m]
-    double width_of(const StrandOrigin& from) const {
+    // [m] of a strand of the run at one of the points that are written.
+    double width_at(int s, int i) const {
         if (options_.width > 0) return options_.width;
-        return from.width > 0 ? double(from.width) : usual_width_;
+        const std::vector<float>& width = run_.header().groom.width;
+        const double own = width.empty() ? 0 : value_at(&width[size_t(s) * size_t(particles_)], i);
+        return own > 0 ? own : usual_width_;
     }
     void set_usual_width(double metres) { usual_width_ = metres; }
 
@@ -119,18 +122,19 @@ class ExportedStrands {
         if (!has_wetness()) return {};
         const RunFrame read = run_.frame(frame);
         return in_order(read.wetness(run_.header()), [&](const float* strand, float* to) {
-            const int n = points_of_each();
-            for (int i = 0; i < n; ++i) {
-                const double at = double(i) * (particles_ - 1) / (n - 1);
-                const int before = std::min(int(at), particles_ - 2);
-                const float share = float(at - before);
-                to[i] = strand[before] + share * (strand[before + 1] - strand[before]);
-            }
+            for (int i = 0; i < points_of_each(); ++i) to[i] = value_at(strand, i);
         });
     }
 
   private:
     const StrandOrigin& origin(int s) const { return origin_[size_t(s)]; }
+    // At a point that is written, of values at the particles of its strand.
+    float value_at(const float* strand, int i) const {
+        const double at = double(i) * (particles_ - 1) / (points_of_each() - 1);
+        const int before = std::min(int(at), particles_ - 2);
+        const float share = float(at - before);
+        return strand[before] + share * (strand[before + 1] - strand[before]);
+    }
     template <class T, class Write>
     std::vector<T> in_order(const std::vector<T>& from, Write write) const {
         std::vector<T> out(count() * size_t(points_of_each()));

@@ -92,7 +92,8 @@ void print(const ImportOptions& options, const ImportedStrands& in, const Extent
     if (depth) std::printf("scalp     %s\n", described(*depth).c_str());
     std::printf("grid      %s\n", described(layout).c_str());
     for (const Finding& finding : findings_of_strands(in, options.input))
-        std::printf("%s\n", described(finding).c_str());
+        if (finding.level != Finding::Level::note)
+            std::printf("%s: %s\n", name_of(finding.level), described(finding).c_str());
     if (!options.output.empty()) std::printf("written   %s, metres, Y up\n", options.output.c_str());
 }
 

@@ -40,9 +40,8 @@ void show(const InspectOptions& o, const Json& json, const std::string& text) {
     if (!o.json.empty()) return ResultFile(o).write_json(json);
     std::fputs(text.c_str(), stdout);
 }
-// The same, with the text made of the JSON.
-void show(const InspectOptions& o, const Json& json) {
-    if (!o.json.empty()) return ResultFile(o).write_json(json);
+// A line for each key, or for each row of a table.
+std::string lines_of(const Json& json) {
     std::string text;
     for (const auto& [key, value] : json.items()) {
         if (value.is_array() && !value.empty() && value[0].is_object()) {
@@ -62,10 +61,11 @@ void show(const InspectOptions& o, const Json& json) {
                 fmt::format("{}: {}\n", key, value.is_string() ? value.get<std::string>() : json_text(value));
         }
     }
-    std::fputs(text.c_str(), stdout);
+    return text;
 }
+void show(const InspectOptions& o, const Json& json) { show(o, json, lines_of(json)); }
 
-Json scene_json(const InspectOptions& o) {
+void show_scene(const InspectOptions& o) {
     const Scene scene = load_scene(o.file, {.set = o.set,
                                             .frames = {},
                                             .strands = {},
@@ -74,7 +74,9 @@ Json scene_json(const InspectOptions& o) {
                                             .stride = 0,
                                             .findings_stop = false});
     check_files(o, "", scene.files);
-    const auto simulation = make_simulation(scene, "float");
+    Scene at_rest = scene;  // nothing is computed before frame 0
+    at_rest.integrator.settle = at_rest.preroll = 0;
+    const auto simulation = make_simulation(at_rest, "float");
     const Presence p = presence_of(scene);
     Json json{{"title", scene.title},
               {"strands", scene.groom.rest.count},
@@ -91,9 +93,13 @@ Json scene_json(const InspectOptions& o) {
     json["bytes"] = sum;
     json["bytes_per_particle"] = double(sum) / double(scene.groom.rest.points.size());
     json["stiffness_number"] = stiffness_number(scene);
+    std::string text = lines_of(json);
     json["findings"] = Json::array();
-    for (const Finding& finding : findings_of(scene)) json["findings"].push_back(json_of(finding));
-    return json;
+    for (const Finding& finding : findings_of(scene)) {
+        json["findings"].push_back(json_of(finding));
+        text += fmt::format("{}: {}\n", name_of(finding.level), described(finding));
+    }
+    show(o, json, text);
 }
 
 // [s] of each frame but frame 0, a state that nothing was computed for.
@@ -294,7 +300,7 @@ int inspect_command(const InspectOptions& given) {
     if (o.what != "scene") refuse_scene_options(o, "inspect " + o.what);
     refuse_device(o, "inspect");
     check_files(o, "", {needs_file ? o.file : ""});
-    if (o.what == "scene") show(o, scene_json(o));
+    if (o.what == "scene") show_scene(o);
     if (o.what == "run") show(o, run_json(o));
     if (o.what == "pairs") show(o, pairs_json(o));
     if (o.what == "model") show(o, model_json(o));

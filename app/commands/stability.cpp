@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <omp.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <CLI/CLI.hpp>
@@ -118,27 +119,52 @@ double largest_stretch(const Strands& rest, const Strands& now) {
 
 struct StormScene {
     unsigned long long seed;
-    std::string text, ended;  // "whole", "warned", "diverged", "refused" when it was read
-    std::string said;         // why
-    double stretch = 0;       // largest of all frames, times rest
+    std::string text, ended;     // "whole", "warned", "diverged", "refused" when it was read
+    std::string said;            // why
+    double stretch = 0;          // largest of all frames, times rest
+    bool overstretched = false;  // the run says so
     // Whether an edge was longer than what the run must say, and it did not.
     bool silent() const {
         constexpr double rounding = 1e-3;
-        return (ended == "whole" && stretch > (1 + rounding) * FrameWatch::warning_stretch) ||
-               (ended == "warned" && stretch > (1 + rounding) * Integrator().allow_stretch);
+        if (ended != "whole" && ended != "warned") return false;
+        return (!overstretched && stretch > (1 + rounding) * FrameWatch::warning_stretch) ||
+               stretch > (1 + rounding) * Integrator().allow_stretch;
     }
 };
 
-StormScene weathered(unsigned long long seed) {
-    StormScene out{seed, storm_scene(seed), "whole", "", 0};
+// Where meshes of random scenes lie, as long as they are looked at.
+class StormFolder {
+  public:
+    StormFolder()
+        : path_(std::filesystem::temp_directory_path() / fmt::format("wetcurl_storm_{}", getpid())) {
+        std::filesystem::create_directories(path_);
+    }
+    ~StormFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    std::string with(const std::map<std::string, std::string>& files) const {
+        for (const auto& [name, text] : files) std::ofstream(path_ / name) << text;
+        return path_.string();
+    }
+
+  private:
+    std::filesystem::path path_;
+};
+
+StormScene weathered(unsigned long long seed, const StormFolder& folder) {
+    const RandomScene scene = storm_scene(seed);
+    StormScene out{seed, scene.text, "whole", "", 0, false};
     try {
-        SceneRun run(parse_scene(out.text, fmt::format("scene {}", seed), "."), "cpu", "float", 1);
+        SceneRun run(parse_scene(scene.text, fmt::format("scene {}", seed), folder.with(scene.files)), "cpu",
+                     "float", 1);
         SimulatedFrames frames(run.simulation(), run.scene().frames);
         RunFrame frame;
         try {
             while (frames.next(frame))
                 out.stretch = std::max(out.stretch, largest_stretch(run.scene().groom.rest, frame.positions));
-            out.said = warning_of(frames.watch());
+            out.said = warning_of(frames.watch()),
+            out.overstretched = frames.watch().overstretched().has_value();
             if (!out.said.empty()) out.ended = "warned";
         } catch (const Diverged& e) {
             out.ended = "diverged", out.said = e.what();
@@ -155,11 +181,12 @@ bool weather_storm(const StabilityCommandOptions& o, ResultFile& results) {
     std::map<std::string, int> ends{{"whole", 0}, {"warned", 0}, {"diverged", 0}, {"refused", 0}};
     Json json = Json::array();
     int silent = 0;
+    const StormFolder folder;
     Progress progress("storm", o.storm, "scene");
     for (int k = 0; k < o.storm; ++k) {
         if (guard.asked()) throw Interrupted(fmt::format("interrupted after {} of {} scenes", k, o.storm));
         const StormScene scene =
-            weathered((unsigned long long)(o.seed.value_or(1)) + (unsigned long long)(k));
+            weathered((unsigned long long)(o.seed.value_or(1)) + (unsigned long long)(k), folder);
         ++ends[scene.ended];
         silent += scene.silent();
         if ((scene.silent() || scene.ended != "whole") && o.json != "-")

@@ -25,6 +25,7 @@ Json json_of(const FrameWatch& watch) {
     return {{"stretch", json_of(watch.stretch())},
             {"overstretched", json_of(watch.overstretched())},
             {"speed_m_per_s", json_of(watch.speed())},
+            {"overspeed", json_of(watch.overspeed())},
             {"energy_growth_joule",
              growth ? Json{{"value", growth->value}, {"frame", growth->frame}} : Json(nullptr)}};
 }
@@ -35,11 +36,16 @@ std::string stretch_text(const FrameWatch& watch) {
 }
 
 std::string warning_of(const FrameWatch& watch) {
-    const auto& first = watch.overstretched();
-    if (!first) return "";
-    return fmt::format("an edge is {:.3g} times as long as at rest ({}); beyond {:g} times first at {}",
-                       watch.stretch()->value, place_of(*watch.stretch()), FrameWatch::warning_stretch,
-                       place_of(*first));
+    std::string text;
+    if (const auto& first = watch.overstretched())
+        text = fmt::format("an edge is {:.3g} times as long as at rest ({}); beyond {:g} times first at {}",
+                           watch.stretch()->value, place_of(*watch.stretch()), FrameWatch::warning_stretch,
+                           place_of(*first));
+    if (const auto& first = watch.overspeed())
+        text += fmt::format("{}hair goes at {:.3g} m/s ({}); beyond {:g} m/s first at {}",
+                            text.empty() ? "" : "; and ", watch.speed()->value, place_of(*watch.speed()),
+                            FrameWatch::warning_speed, place_of(*first));
+    return text;
 }
 
 }  // namespace wetcurl

@@ -243,7 +243,7 @@ class UsdaReader : public SceneReader {
     TextFile file_;
     UsdaScanner in_;
     FileAxes axes_;
-    std::optional<double> codes_a_second_, frames_a_second_;
+    std::optional<double> codes_a_second_, frames_a_second_, start_code_;
     std::vector<Node> nodes_;
     std::vector<CurvesObject> curves_;
     std::vector<MeshObject> meshes_;
@@ -289,13 +289,14 @@ void UsdaReader::read_metadata(Handle handle) {
 }
 
 void UsdaReader::read_layer() {
-    auto number = [&](const char* what) {
+    auto number = [&](const char* what, bool above_0 = true) {
         const size_t line = in_.line();
         const std::string text = in_.scalar(what);
         double value = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error != std::errc() || end != text.data() + text.size() || !(value > 0) || !std::isfinite(value))
-            file_.fail(line, "'" + text + "'", std::string(what) + " above 0");
+        if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value) ||
+            (above_0 && !(value > 0)))
+            file_.fail(line, "'" + text + "'", std::string(what) + (above_0 ? " above 0" : ""));
         return value;
     };
     if (in_.next_is('('))
@@ -304,6 +305,8 @@ void UsdaReader::read_layer() {
                 axes_.metres_per_unit = number("metersPerUnit");
             } else if (key == "timeCodesPerSecond") {
                 codes_a_second_ = number("timeCodesPerSecond");
+            } else if (key == "startTimeCode") {
+                start_code_ = number("startTimeCode", false);
             } else if (key == "framesPerSecond") {
                 frames_a_second_ = number("framesPerSecond");
             } else if (key == "upAxis") {
@@ -767,6 +770,8 @@ std::vector<double> UsdaReader::codes_of(const Source& source) const {
 
 void UsdaReader::finish() {
     const double a_second = codes_a_second_.value_or(frames_a_second_.value_or(24));
+    axes_.rate = a_second;
+    if (start_code_) axes_.start = *start_code_ / a_second;
     auto times_of = [&](Source& source) {
         source.codes = codes_of(source);
         std::vector<double> times;

@@ -180,7 +180,8 @@ double share_without_sides(const Mesh& mesh, double apart) {
         all += area;
         const auto [outside, inside] = std::minmax({std::abs(surface.winding_number(middle + half)),
                                                     std::abs(surface.winding_number(middle - half))});
-        if (outside > 0.4 || inside < 0.6) unclear += area;
+        // Where parts lie in one another both sides are inside.
+        if (inside < 0.6 || (outside > 0.4 && outside < 0.6)) unclear += area;
     }
     return all > 0 ? unclear / all : 1;
 }

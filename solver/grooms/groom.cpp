@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -146,6 +147,7 @@ static Groom groom_of_strands(const Table& table, const GroomTable& groom, const
     const std::string file = brought.empty() ? groom.file : "strands in memory";
     const int particles = groom.particles;
     rest_procedural_keys(table, file);
+    if (brought.empty() && !std::filesystem::exists(file)) table.fail("file", "no file '" + file + "'");
     ImportedStrands in = brought.empty() ? import_strands(groom) : taken_whole(brought, file);
     if (!brought.empty()) arrange(in, groom, file);
     const StrandPoints& strands = in.strands;
@@ -153,7 +155,7 @@ static Groom groom_of_strands(const Table& table, const GroomTable& groom, const
     const std::vector<Vec3d> roots = roots_of(strands);
     const auto scalp = read_scalp(groom, of_solid ? of_solid(roots) : nullptr, in.up);
     if (scalp) log_info(file + ": " + described(root_depth(strands, *scalp)));
-    warn_of_few_particles(table, turns_of(strands), particles);
+    if (findings) findings->push_back(finding_of_turns(turns_of(strands), particles));
     const RootLayout layout = lay_on_grid(roots, scalp.get(), grid_wanted(table, groom, roots.size()));
     log_info(file + ": " + described(layout));
 
@@ -164,13 +166,14 @@ static Groom groom_of_strands(const Table& table, const GroomTable& groom, const
         for (int i = 0; i < particles; ++i) full.rest.at(s, i) = cast<float>(even[size_t(s)][size_t(i)]);
     full.normal = normals_at(roots, scalp.get());
     full.grid = layout.grid;
+    for (const auto& widths : resampled_widths(strands, in.widths, particles))
+        full.width.insert(full.width.end(), widths.begin(), widths.end());
     full.origin = origins_of(full);  // of pixels
     for (size_t s = 0; s < strands.size(); ++s) {
         StrandOrigin& origin = full.origin[s];
         origin.number = origin.id = int(in.numbers[s]);
         if (!in.ids.empty()) origin.id = in.ids[s];
         if (!in.groups.empty()) origin.group = in.groups[s];
-        if (!in.widths.empty()) origin.width = in.widths[s].front();
         if (!in.root_uv.empty()) std::copy_n(in.root_uv[s].begin(), 2, origin.uv);
     }
     return coarsened(full, 1);  // strands in the order of their pixels
@@ -183,7 +186,7 @@ Groom load_groom(const Table& table, unsigned long long seed, const ScalpOfSolid
     if (!read.file.empty() || !brought.empty())
         return groom_of_strands(table, read, of_solid, findings, brought);
     const ProceduralGroom groom = read_procedural(table, seed, of_solid ? of_solid({}) : nullptr);
-    warn_of_few_particles(table, turns_of(groom), groom.particles);
+    if (findings) findings->push_back(finding_of_turns(turns_of(groom), groom.particles));
     return make_procedural(groom);
 }
 

@@ -23,7 +23,7 @@ using ScalpOfSolid = std::function<std::shared_ptr<const ScalpMesh>(const std::v
 // roots laid on a grid (`grid`, else the finest that they fill), normals from the `scalp` where one is named,
 // else off the middle of the roots. Keys of the built-in groom are then checked and said to rest, since
 // `--groom` lays a file over any scene. `of_solid`: where `scalp` may name a solid. `findings`, where given,
-// receives what looks wrong about the file's strands. `brought` [m], where not empty: strands in place of a
+// receives what looks wrong about the strands. `brought` [m], where not empty: strands in place of a
 // file's, none of which may be degenerate. Throws Misuse for keys and values, Error for bad files.
 Groom load_groom(const Table& table, unsigned long long seed, const ScalpOfSolid& of_solid = {},
                  std::vector<Finding>* findings = nullptr, const StrandPoints& brought = {});

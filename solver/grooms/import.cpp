@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/exchange/scene_mesh.h"
 #include "base/file_ending.h"
 #include "base/geometry/file_frame.h"
 #include "base/geometry/mesh_winding.h"
@@ -247,12 +248,8 @@ ImportedStrands strands_in_metres(const StrandPoints& points, const std::string&
     return taken(what, {points, {}, {}, {}, {}, {}}, {{"m", 1}, false, "y", true});
 }
 
-FileAxes axes_of_mesh(const std::string& path) {
-    return ending_of(path) == ".glb" ? FileAxes{1.0, 'y'} : FileAxes{};
-}
-
 Mesh import_mesh(const std::string& path, const FileUnits& meant) {
-    Mesh mesh = read_mesh(path, 1);
+    Mesh mesh = first_mesh(path);
     const ToMetres to_metres = conversion(path, meant, "", axes_of_mesh(path), bounding_box(mesh));
     for (auto& x : mesh.vertices) x = cast<float>(to_metres(cast<double>(x)));
     Winding winding;

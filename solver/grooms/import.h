@@ -53,9 +53,7 @@ std::string writable_endings();
 ImportedStrands import_strands(const std::string& path, const FileUnits& meant);
 // Strands that are in memory [m], Y up; `what` names them in errors, which are the same.
 ImportedStrands strands_in_metres(const StrandPoints& points, const std::string& what);
-// Unit and axis of a mesh's file, where its format prescribes them: .glb.
-FileAxes axes_of_mesh(const std::string& path);
-// A head or scalp mesh [m], Y up; units as above.
+// A head or scalp mesh [m], Y up, as it first stands in its file; units as above.
 Mesh import_mesh(const std::string& path, const FileUnits& meant);
 
 // Throws Misuse where the ending of `path` is none that write_strands knows, Error where the file exists and

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "base/exchange/scene_mesh.h"
 #include "base/geometry/bust.h"
 
 namespace wetcurl {
@@ -149,7 +150,9 @@ std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom,
                                             const std::shared_ptr<const ScalpMesh>& of_solid,
                                             const std::string& up_of_hair) {
     if (groom.scalp.empty()) return of_solid;
-    return std::make_shared<const ScalpMesh>(import_mesh(groom.scalp, groom.units_of_scalp(up_of_hair)));
+    const bool says_up = axes_of_mesh(groom.scalp).up.has_value();
+    return std::make_shared<const ScalpMesh>(
+        import_mesh(groom.scalp, groom.units_of_scalp(says_up ? "auto" : up_of_hair)));
 }
 
 ProceduralGroom read_procedural(const Table& table, unsigned long long seed,

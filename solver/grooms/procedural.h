@@ -67,9 +67,8 @@ struct GroomTable {
         {KeyRow::integer("particles", 50, 2, 10000, "Particles of each strand."), &GroomTable::particles},
         {KeyRow::path(
              "scalp", "a ball",
-             "Mesh of the head, .obj, .ply or .glb, on which the roots lie; or the name of a [[solid]] of "
-             "the scene "
-             "with shape = \"mesh\", on which they also ride."),
+             "Mesh of the head, .obj, .ply, .glb, .abc or .usda, on which the roots lie; or the name of a "
+             "[[solid]] of the scene with shape = \"mesh\", on which they also ride."),
          &GroomTable::scalp},
         {KeyRow::one_of("scalp_units", unit_words, "", "Unit of the numbers in the scalp's file.", "",
                         {"scalp"})
@@ -158,7 +157,7 @@ ProceduralGroom read_procedural(const Table& table, unsigned long long seed,
 // The mesh in the file that `[groom] scalp` names, else that of the solid; null where it names none.
 std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom,
                                             const std::shared_ptr<const ScalpMesh>& of_solid,
-                                            const std::string& up_of_hair = "y");
+                                            const std::string& up_of_hair = "auto");
 
 // Of a strand of no noise, as its curl winds once it is open.
 CurlTurns turns_of(const ProceduralGroom& groom);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/geometry/file_frame.h"
 #include "base/median.h"
 #include "base/number_text.h"
 #include "base/strands.h"
@@ -31,8 +32,14 @@ size_t stray_segment(const std::vector<Vec3d>& strand) {
 }
 
 void find_size(std::vector<Finding>& out, double length, const std::string& file, const std::string& units) {
-    constexpr double shortest = 1e-3, short_hair = 5e-3, long_hair = 3, longest = 30;  // [m]
-    if (length >= short_hair && length <= long_hair) return;
+    constexpr double shortest = 1e-3, short_hair = 5e-3, long_hair = 3, longest = 10;  // [m]
+    if (length >= short_hair && length <= long_hair) {
+        out.push_back(
+            {Level::note, "size",
+             fmt::format("{}: strands are {:.3g} m long in the median, taken as {}", file, length, units),
+             ""});
+        return;
+    }
     const bool spoils = length < shortest || length > longest;
     out.push_back(
         {spoils ? Level::error : Level::warning, "size",
@@ -67,6 +74,23 @@ void find_short_strands(std::vector<Finding>& out, const ImportedStrands& in, co
                        ""});
 }
 
+// Without a sign of its own for 0.
+double hundredths(double x) { return 0.01 * std::round(100 * x) + 0.0; }
+
+// The axis of the file that points up where hair falls along `way`, as it is when the file is read with `up`
+// up.
+std::string axis_by_fall(const std::string& up, const Vec3d& way) {
+    // upright() is a turn, whose inverse is its transpose.
+    const Vec3d in_file{dot(upright(up, {1, 0, 0}), way), dot(upright(up, {0, 1, 0}), way),
+                        dot(upright(up, {0, 0, 1}), way)};
+    std::string best;
+    double most = -1e300;
+    for (const char* axis : axis_words)
+        if (axis != std::string("auto"))
+            if (const double fall = -upright(axis, in_file).y; fall > most) most = fall, best = axis;
+    return best;
+}
+
 // Hair falls: from roots to tips mostly downward.
 void find_up(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file) {
     if (!in.up_reason.empty()) {
@@ -79,15 +103,21 @@ void find_up(std::vector<Finding>& out, const ImportedStrands& in, const std::st
     double sum = 0;
     for (const auto& strand : in.strands)
         fall += strand.back() - strand.front(), sum += norm(strand.back() - strand.front());
-    if (sum == 0 || norm(fall) < 0.3 * sum) return;  // it goes every way
+    const auto is_well = [&](const std::string& what) {
+        out.push_back({Level::note, "up", fmt::format("{}: {} is up; {}", file, in.up, what), ""});
+    };
+    if (sum == 0 || norm(fall) < 0.3 * sum) return is_well("from roots to tips the hair goes every way");
     const Vec3d way = (1 / norm(fall)) * fall;
-    if (std::abs(way.z) < 0.8 && way.y < 0.8) return;
+    if (std::abs(way.z) < 0.8 && way.y < 0.8)
+        return is_well(fmt::format("from roots to tips the hair runs along ({:.2g}, {:.2g}, {:.2g})",
+                                   hundredths(way.x), hundredths(way.y), hundredths(way.z)));
     const char* along = way.y > 0.8 ? "+y" : way.z < 0 ? "-z" : "+z";
-    out.push_back({Level::warning, "up",
-                   fmt::format("{}: from roots to tips the hair runs along {}", file, along),
-                   way.y > 0.8 ? "up = \"-y\" or order = \"tip_first\" in [groom], if hair should hang down"
-                   : way.z < 0 ? "up = \"z\" in [groom], if the file is drawn so"
-                               : "up = \"-z\" in [groom], if the file is drawn so"});
+    const std::string hangs = "up = \"" + axis_by_fall(in.up, way) + "\"";
+    out.push_back(
+        {Level::warning, "up",
+         fmt::format("{}: read with {} up, the hair runs along {} from roots to tips", file, in.up, along),
+         way.y > 0.8 ? "order = \"tip_first\" or " + hangs + " in [groom], if hair should hang down"
+                     : hangs + " in [groom], if the file is drawn so"});
 }
 
 }  // namespace
@@ -98,8 +128,7 @@ const char* name_of(Finding::Level level) {
 }
 
 std::string described(const Finding& f) {
-    return fmt::format("{}: {}: {}{}", name_of(f.level), f.name, f.text,
-                       f.remedy.empty() ? "" : "; " + f.remedy);
+    return fmt::format("{}: {}{}", f.name, f.text, f.remedy.empty() ? "" : "; " + f.remedy);
 }
 
 std::vector<Finding> findings_of_strands(const ImportedStrands& in, const std::string& file) {
@@ -112,6 +141,23 @@ std::vector<Finding> findings_of_strands(const ImportedStrands& in, const std::s
     find_short_strands(out, in, file, length);
     find_up(out, in, file);
     return out;
+}
+
+Finding finding_of_turns(const CurlTurns& curl, int particles) {
+    if (curl.turns < 1) return {Level::note, "few_particles", "the hair has no curls to show", ""};
+    const double of_a_turn = (particles - 1) / curl.turns;
+    const int enough = enough_particles(curl);
+    const bool few = particles < enough;
+    return {few ? Level::warning : Level::note, "few_particles",
+            fmt::format(
+                "found {} particles a strand for curls of {:.1f} turns and {:.1f} mm radius, {:.1f} a turn{}",
+                particles, curl.turns, 1e3 * curl.radius, of_a_turn,
+                !few                                     ? ""
+                : of_a_turn < fewest_particles_of_a_turn ? ": no such strand shows its curl"
+                                                         : ": they are coarse"),
+            few ? fmt::format("particles = {} in [groom] gives the {:g} that keep their shape", enough,
+                              enough_particles_of_a_turn)
+                : ""};
 }
 
 size_t repair(ImportedStrands& in) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solver/grooms/import.h"
+#include "solver/grooms/turns.h"
 
 namespace wetcurl {
 
@@ -17,14 +18,17 @@ struct Finding {
     static constexpr const char* names[] = {
         "size",           "up",        "order",     "stray_points",  "short_strands",
         "roots_off_head", "head_size", "open_mesh", "doubled_faces", "turned_faces",
-        "no_area",        "no_inside", "dry_water", "wide_radius"};
+        "no_area",        "no_inside", "dry_water", "wide_radius",   "few_particles"};
 };
 const char* name_of(Finding::Level level);
-// "warning: up: groom.data: from roots to tips the hair runs along -z; up = \"z\" in [groom], if ...".
+// "up: groom.data: from roots to tips the hair runs along -z; up = \"z\" in [groom], if ...".
 std::string described(const Finding& finding);
 
 // Of strands as a file gave them [m], before they are resampled. `file`: its name in messages.
 std::vector<Finding> findings_of_strands(const ImportedStrands& in, const std::string& file);
+
+// Of `particles` a strand against the turns of its curl.
+Finding finding_of_turns(const CurlTurns& curl, int particles);
 
 // Ends each strand before a stray point: one at the origin, far from the point before it, or at the end of a
 // segment that is 20 times as long as the strand's median one. Strands of which a single point is left are

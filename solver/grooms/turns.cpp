@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
-#include "base/log.h"
 #include "base/strands.h"
 #include "solver/terms/curl.h"
 
@@ -43,24 +41,6 @@ CurlTurns turns_of(const StrandPoints& strands) {
 
 int enough_particles(const CurlTurns& curl) {
     return int(std::ceil(enough_particles_of_a_turn * curl.turns)) + 1;
-}
-
-std::string advice_on_particles(const CurlTurns& curl, int particles) {
-    if (particles >= enough_particles(curl) || curl.turns < 1) return "";
-    const double found = (particles - 1) / curl.turns;
-    char text[320];
-    std::snprintf(text, sizeof text,
-                  "found %d particles a strand for curls of %.1f turns and %.1f mm radius, %.1f a turn: %s; "
-                  "groom.particles = %d gives the %g that keep their shape",
-                  particles, curl.turns, 1e3 * curl.radius, found,
-                  found < fewest_particles_of_a_turn ? "no such strand shows its curl" : "they are coarse",
-                  enough_particles(curl), enough_particles_of_a_turn);
-    return text;
-}
-
-void warn_of_few_particles(const Table& groom, const CurlTurns& curl, int particles) {
-    const std::string advice = advice_on_particles(curl, particles);
-    if (!advice.empty()) log_warning(groom.where("particles") + ": " + advice);
 }
 
 }  // namespace wetcurl

@@ -1,7 +1,6 @@
-// Turns of curls against the particles that stand for them: told when a groom is loaded.
+// Turns of curls, and how many particles stand for them well.
 #pragma once
 
-#include "base/config.h"
 #include "solver/grooms/readers.h"
 
 namespace wetcurl {
@@ -27,9 +26,5 @@ CurlTurns turns_of(const StrandPoints& strands);
 
 // How many particles of a strand would do.
 int enough_particles(const CurlTurns& curl);
-// What is wrong with `particles` a strand and what would do; "" where they are enough.
-std::string advice_on_particles(const CurlTurns& curl, int particles);
-// The same as a warning that names the place in the scene, `[groom] particles`.
-void warn_of_few_particles(const Table& groom, const CurlTurns& curl, int particles);
 
 }  // namespace wetcurl

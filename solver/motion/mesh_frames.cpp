@@ -5,9 +5,7 @@
 #include <filesystem>
 #include <map>
 
-#include "base/exchange/scene_file.h"
-#include "base/file_ending.h"
-#include "base/geometry/polygon_fan.h"
+#include "base/exchange/scene_mesh.h"
 #include "base/log.h"
 
 namespace wetcurl {
@@ -83,64 +81,17 @@ class NumberedFiles final : public MeshFrames {
 
 class SceneFileFrames final : public MeshFrames {
   public:
-    SceneFileFrames(const std::string& path, const std::string& object)
-        : path_(path), file_(open_scene_file(path)) {
-        axes_ = file_->axes();
-        const auto& meshes = file_->meshes();
-        std::string listed;
-        for (const auto& mesh : meshes) listed += "\n  " + mesh.path;
-        if (meshes.empty()) throw Error(path + ": has no mesh");
-        for (size_t k = 0; k < meshes.size(); ++k)
-            if (object.empty() || meshes[k].path == object || meshes[k].path.starts_with(object + "/"))
-                objects_.push_back(k);
-        if (objects_.empty()) throw Misuse(path + ": found no mesh '" + object + "'; it has" + listed);
-        times_ = meshes[objects_[0]].times;
-        for (const size_t k : objects_)
-            if (meshes[k].times.size() > times_.size()) times_ = meshes[k].times;
-        int first = 0;
-        std::vector<uint64_t> keys;
-        for (const size_t k : objects_) {
-            const MeshObject& mesh = meshes[k];
-            PolygonFans fans;
-            // What is sampled once stays as it is.
-            if (mesh.times.size() > 1 && mesh.times != times_)
-                throw Error(path +
-                            ": the meshes are sampled at different times, so that they cannot be one; "
-                            "object = \"...\" names one of" +
-                            listed);
-            size_t corner = 0;
-            for (const int count : mesh.counts) {
-                keys.assign(mesh.corners.begin() + long(corner), mesh.corners.begin() + long(corner) + count);
-                const int start = int(fans.start_of(keys));
-                for (int c = 1; c + 1 < count; ++c) {
-                    const auto at = [&](int which) {
-                        return first + mesh.corners[corner + size_t((start + which) % count)];
-                    };
-                    const std::array<int, 3> t{at(0), at(c), at(c + 1)};
-                    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles_.push_back(t);
-                }
-                corner += size_t(count);
-            }
-            first += int(mesh.points);
-        }
+    SceneFileFrames(const std::string& path, const std::string& object) : path_(path), mesh_(path, object) {
+        axes_ = mesh_.axes(), times_ = mesh_.times(), triangles_ = mesh_.triangles();
     }
-    std::vector<Vec3f> vertices(size_t frame) const override {
-        std::vector<Vec3f> out;
-        for (const size_t k : objects_) {
-            const size_t sample = file_->meshes()[k].times.size() > 1 ? frame : 0;
-            const std::vector<Vec3f> points = file_->points_of_mesh(k, sample);
-            out.insert(out.end(), points.begin(), points.end());
-        }
-        return out;
-    }
+    std::vector<Vec3f> vertices(size_t frame) const override { return mesh_.vertices(frame); }
     std::string name_of(size_t frame) const override {
         return path_ + " at " + std::to_string(times_[frame]) + " s";
     }
 
   private:
     const std::string path_;
-    std::unique_ptr<SceneReader> file_;
-    std::vector<size_t> objects_;
+    const SceneMesh mesh_;
 };
 
 }  // namespace

@@ -100,7 +100,7 @@ std::vector<Vec3d> roots_of(const Strands& hair) {
     return roots;
 }
 
-static double reach_of_strand(const Strands& hair, int s) {
+double reach_of_strand(const Strands& hair, int s) {
     return 1.25 * arc_length(hair.strand(s), hair.particles);
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/log.h"
 #include "base/median.h"
@@ -24,38 +25,69 @@ class SurfacesOfHead {
     explicit SurfacesOfHead(const Scene& scene) {
         for (const auto& solid : scene.solids) {
             if (!solid.moves_with_roots()) continue;
+            Surface& surface = surfaces_.emplace_back();
+            surface.name = solid.name;
             if (solid.deformation)
-                meshes_.emplace_back(solid.deformation->rest());
+                surface.mesh.emplace(solid.deformation->rest());
             else
-                shapes_.push_back(&solid.shape);
+                surface.shape = &solid.shape;
             const Bounds box =
                 solid.deformation ? bounding_box(solid.deformation->rest()) : bounds_of(solid.shape);
             size_ = std::max(size_, norm(box.high - box.low));
         }
     }
-    bool any() const { return !meshes_.empty() || !shapes_.empty(); }
-    // Signed [m].
+    struct Surface {
+        std::string name;
+        const Shape* shape = nullptr;  // of a rigid one; in its place:
+        std::optional<MeshDistance> mesh;
+        // Signed [m].
+        double distance_to(const Vec3d& x) const {
+            if (shape) return distance(*shape, x).phi;
+            return (mesh->inside(x) ? -1 : 1) * mesh->closest(x).distance;
+        }
+    };
+    const std::vector<Surface>& surfaces() const { return surfaces_; }
+    // From the nearest of them, signed [m].
     double distance_to(const Vec3d& x) const {
         double nearest = 1e300;
-        for (const Shape* shape : shapes_) nearest = std::min(nearest, double(distance(*shape, x).phi));
-        for (const MeshDistance& mesh : meshes_)
-            nearest = std::min(nearest, (mesh.inside(x) ? -1 : 1) * mesh.closest(x).distance);
+        for (const Surface& surface : surfaces_) nearest = std::min(nearest, surface.distance_to(x));
         return nearest;
     }
     // Diagonal of the largest one [m]; 0 where one has no end.
     double size() const { return std::isfinite(size_) ? size_ : 0; }
 
   private:
-    std::vector<const Shape*> shapes_;
-    std::vector<MeshDistance> meshes_;
+    std::vector<Surface> surfaces_;
     double size_ = 0;
+};
+
+// How roots lie on a surface.
+struct RootsOnSurface {
+    double usual = 0, most = 0, deepest = 0;  // distance in the median and at most, depth at most [m]
+    size_t farthest = 0, below = 0;           // strand; how many lie below it
+    explicit RootsOnSurface(const std::vector<double>& distances) {  // (strand) signed [m]
+        std::vector<double> away;
+        for (const double phi : distances) {
+            away.push_back(std::abs(phi));
+            if (phi < 0) ++below, deepest = std::max(deepest, -phi);
+        }
+        farthest = size_t(std::max_element(away.begin(), away.end()) - away.begin());
+        usual = median(away), most = away[farthest];
+    }
+    // "roots lie 1 mm from the head in the median, 3 mm at most (strand 7); 2 of 50 below its surface, ...".
+    std::string text(const std::string& surface, size_t strands, int farthest_number) const {
+        return fmt::format(
+            "roots lie {} from {} in the median, {} at most (strand {}); {} of {} below its surface{}",
+            in_millimetres(usual), surface, in_millimetres(most), farthest_number, below, strands,
+            below ? ", by " + in_millimetres(deepest) + " at most" : "");
+    }
 };
 
 void find_roots(std::vector<Finding>& out, const Scene& scene) {
     const SurfacesOfHead head(scene);
-    if (!head.any()) return;
+    if (head.surfaces().empty()) return;
     const auto& hair = scene.groom.rest;
-    std::vector<double> away, deep;
+    std::vector<double> distances;
     size_t nearer_tips = 0;
     Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
     for (int s = 0; s < hair.count; ++s) {
@@ -63,25 +95,21 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
         const double phi = head.distance_to(root);
         constexpr double clearly = 0.02;                                 // [m]
         nearer_tips += std::abs(head.distance_to(tip)) + clearly < phi;  // a root inside it says nothing
-        away.push_back(std::abs(phi));
-        if (phi < 0) deep.push_back(-phi);
+        distances.push_back(phi);
         for (const Vec3d& x : {root, tip}) low = lower(low, x), high = upper(high, x);
     }
-    const auto farthest = std::max_element(away.begin(), away.end());
-    const int strand = int(farthest - away.begin());
-    const double usual = median(away), most = *farthest;
     const std::vector<StrandOrigin> origins = origins_of(scene.groom);
-    const int number = origins[size_t(strand)].number;
-    const std::string place = fmt::format(
-        "roots lie {} from the head in the median, {} at most (strand {}); {} of {} below its surface{}",
-        in_millimetres(usual), in_millimetres(most), number, deep.size(), hair.count,
-        deep.empty() ? ""
-                     : ", by " + in_millimetres(*std::max_element(deep.begin(), deep.end())) + " at most");
+    const auto text_of = [&](const RootsOnSurface& roots, const std::string& surface) {
+        return roots.text(surface, distances.size(), origins[roots.farthest].number);
+    };
+    const RootsOnSurface roots(distances);
+    const double usual = roots.usual;
+    const std::string place = text_of(roots, "the head");
     const bool tips_first = double(nearer_tips) > 0.5 * hair.count;
     constexpr double off = 0.008, far = 0.03, too_far = 0.3;  // [m]
     std::vector<size_t> lost;
-    for (size_t s = 0; s < away.size(); ++s)
-        if (away[s] > too_far) lost.push_back(size_t(origins[s].number));
+    for (size_t s = 0; s < distances.size(); ++s)
+        if (std::abs(distances[s]) > too_far) lost.push_back(size_t(origins[s].number));
     std::sort(lost.begin(), lost.end());
     if (usual <= too_far && !lost.empty())
         out.push_back({Level::error, "roots_off_head",
@@ -101,14 +129,24 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
              "the head exported as it is drawn, with its subdivision"});
     else
         out.push_back({Level::note, "roots_off_head", place, ""});
+    // Of what is attached beside the head, one by one.
+    for (const auto& surface : head.surfaces()) {
+        if (head.surfaces().size() < 2) break;
+        std::vector<double> own;
+        for (const Vec3d& root : roots_of(hair)) own.push_back(surface.distance_to(root));
+        out.push_back({Level::note, "roots_off_head",
+                       text_of(RootsOnSurface(own), fmt::format("[[solid]] '{}'", surface.name)), ""});
+    }
     const double across = norm(high - low), size = head.size();
     constexpr double ratio = 12;
     if (size > ratio * across || (size > 0 && size * ratio < across))
         out.push_back({usual > too_far || size > ratio * across ? Level::error : Level::warning, "head_size",
                        fmt::format("the head is {:.3g} m across, the hair {:.3g} m", size, across),
-                       "units of the [[solid]] that is the head"});
+                       "units of [groom] or of the [[solid]] that is the head"});
+    const bool fits = size == 0 || (size <= ratio * across && size * ratio >= across);
     const std::string turned =
         fmt::format("{} of {} strands end nearer to the head than they begin", nearer_tips, hair.count);
+    if (!fits) return;  // which end is nearer says nothing
     if (tips_first)
         out.push_back({Level::error, "order", turned,
                        "order = \"tip_first\" in [groom], if the file's strands run from tip to root"});
@@ -138,11 +176,49 @@ void find_riding(std::vector<Finding>& out, const Scene& scene) {
     }
 }
 
+// Whether hair comes as near to a source of water, while it flows, as its strands reach.
+bool touches_hair(const WaterSource& source, const Scene& scene) {
+    const Strands& hair = scene.groom.rest;
+    RidingRoots::Room room;
+    const int first = int(std::ceil(std::max(0.0, source.from) * scene.fps)),
+              last = int(std::floor(std::min(source.until, scene.end) * scene.fps));
+    for (int frame = first; frame <= last; ++frame) {
+        const double time = frame / scene.fps;
+        const FlowingSource water = source.over(time, 1 / scene.fps);
+        const Pose head = scene.head_at(time, room);
+        if (scene.riding) scene.root_poses_at(time, room);
+        for (int s = 0; s < hair.count; ++s) {
+            const Vec3d root = (scene.riding ? room.pose[size_t(s)] : head)(cast<double>(hair.at(s, 0)));
+            if (distance(water.shape, water.pose.inverse(root) - water.center).phi < reach_of_strand(hair, s))
+                return true;
+        }
+    }
+    return false;
+}
+
 void find_water(std::vector<Finding>& out, const Scene& scene) {
-    if (!scene.wetness || scene.flow || scene.saturation.empty()) return;
-    if (std::all_of(scene.saturation.begin(), scene.saturation.end(), [](float s) { return s == 0; }))
-        out.push_back({Level::warning, "dry_water", "[wetness] is written, and no particle is wet",
-                       "level, pattern or where of [wetness]; without the table the hair is dry and faster"});
+    if (!scene.wetness || scene.saturation.empty() || scene.endless) return;
+    const bool dry =
+        std::all_of(scene.saturation.begin(), scene.saturation.end(), [](float s) { return s == 0; });
+    if (!scene.flow) {
+        if (dry)
+            out.push_back(
+                {Level::warning, "dry_water", "[wetness] is written, and no particle is wet",
+                 "level, pattern or where of [wetness]; without the table the hair is dry and faster"});
+        return;
+    }
+    if (dry && scene.flow->sources.empty())
+        out.push_back({Level::warning, "dry_water",
+                       "[wetness.flow] moves water, no particle is wet, and there is no [[wetness.source]]",
+                       "level, pattern or where of [wetness], or a source"});
+    for (size_t k = 0; k < scene.flow->sources.size(); ++k)
+        if (const WaterSource& source = scene.flow->sources[k]; !touches_hair(source, scene))
+            out.push_back(
+                {Level::warning, "dry_water",
+                 fmt::format("[[wetness.source]] {} comes near no strand while it flows, from {:g} s to "
+                             "{:g} s of the scene's {:g} s",
+                             k + 1, source.from, std::min(source.until, scene.end), scene.end),
+                 "center, radius, motion, from or until of that source"});
 }
 
 // Distances between particles of different strands at rest: of some to some of all others.

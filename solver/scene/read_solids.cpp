@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "base/exchange/scene_file.h"
+#include "base/exchange/scene_mesh.h"
 #include "base/geometry/bust.h"
 #include "base/log.h"
 #include "solver/grooms/guesses.h"
@@ -133,46 +133,99 @@ Shape level_set_of(const Table& t, const SolidTable& read, Mesh mesh) {
     }
 }
 
-// The pose in which the hair was made, in units of the file: there its roots lie on the mesh.
-Mesh rest_of(const Table& t, const SolidTable& read) {
+// The pose in which the hair was made, in units of the file: there its roots lie on the mesh. None: that of
+// the scene's frame 0.
+struct RestPose {
+    std::optional<Mesh> mesh;
+    std::string name;
+};
+RestPose rest_of(const Table& t, const SolidTable& read) {
+    if (read.rest.empty()) return {};
     if (!std::filesystem::exists(read.rest)) t.fail("rest", "no file '" + read.rest + "'");
-    return read_mesh(read.rest, 1);
+    return {first_mesh(read.rest), read.rest};
+}
+// The same of an animated file, of which a frame may be that pose. Between the samples of a scene file, which
+// leaves out those that repeat the one before, and before the first one, if the shot begins there, the mesh
+// holds still.
+RestPose rest_of(const Table& t, const SolidTable& read, const MeshFrames& frames, double fps) {
+    if (!read.rest_frame) return rest_of(t, read);
+    if (!read.rest.empty())
+        t.fail("rest_frame", "found beside rest; allowed is one of them, a frame or a file of its own");
+    const auto& times = frames.times();
+    const double asked = *read.rest_frame, near = 0.25,
+                 first = fps * std::min(frames.axes().start.value_or(times.front()), times.front());
+    size_t found = times.size();
+    for (size_t k = 0; k < times.size(); ++k) {
+        const double number = fps * times[k];
+        if (std::abs(number - asked) < near || (is_scene_file(read.file) && number < asked)) found = k;
+    }
+    if (found == times.size() && asked > first - near && asked < fps * times.front()) found = 0;
+    if (found == times.size() || asked > fps * times.back() + near)
+        t.fail("rest_frame",
+               fmt::format("found {}, but {} has frames {:g} to {:g} at {:g} a second (file_fps)", asked,
+                           read.file, first, fps * times.back(), fps));
+    return {Mesh{frames.vertices(found), frames.triangles()}, frames.name_of(found)};
+}
+
+void warn_of_still_mesh(const SolidTable& read) {
+    log_warning(
+        read.file +
+        ": holds the mesh at one time alone, and it stands still; where it should move, export it with "
+        "its animation, over the frames of the shot");
+}
+
+// Warns where the samples of a file that does not say its rate do not lie on frames of `fps`.
+void warn_of_other_rate(const SolidTable& read, const MeshFrames& frames, double fps) {
+    const auto& times = frames.times();
+    if (read.file_fps || frames.axes().rate || !is_scene_file(read.file) || times.size() < 2) return;
+    const double rate = double(times.size() - 1) / (times.back() - times.front());
+    const auto is_whole = [](double x) { return std::abs(x - std::round(x)) < 0.02; };
+    if (is_whole(fps / rate) || is_whole(rate / fps)) return;
+    log_warning(fmt::format(
+        "{}: its samples lie 1/{:.4g} s apart, and numbers of its frames are counted at {:g} a second; "
+        "file_fps = {:.4g} in the [[solid]] counts them so",
+        read.file, rate, fps, rate));
 }
 
 void read_animated(Solid& solid, const Table& t, const SolidTable& read, Hair hair,
                    const AroundSolids& around) {
-    if (t.has("file_fps") && is_scene_file(read.file) && !t.has("first_file_frame"))
+    if (t.has("file_fps") && is_scene_file(read.file) && !t.has("first_file_frame") && !t.has("rest_frame"))
         t.fail("file_fps", read.file +
                                " tells the times of its frames; of such a file it counts those of "
-                               "first_file_frame alone");
-    const double fps = read.file_fps.value_or(around.fps);
+                               "first_file_frame and rest_frame alone");
     std::unique_ptr<MeshFrames> frames;
     try {
-        frames = open_mesh_frames(read.file, read.object, fps);
+        frames = open_mesh_frames(read.file, read.object, read.file_fps.value_or(around.fps));
     } catch (const Misuse& e) {
-        t.fail("file", e.what());
+        t.fail(t.has("object") && std::filesystem::exists(read.file) ? "object" : "file", e.what());
     }
+    const auto& times = frames->times();
+    const double fps = read.file_fps.value_or(frames->axes().rate.value_or(around.fps));
+    if (t.has("first_file_frame") || t.has("rest_frame")) warn_of_other_rate(read, *frames, fps);
     Mesh first{frames->vertices(0), frames->triangles()};
-    const FileFrame frame = frame_of(t, read, read.file, frames->axes(),
-                                     read.rest.empty() ? first : rest_of(t, read), hair, around.roots);
-    if (frames->times().size() == 1 && read.rest.empty()) {
+    RestPose rest = rest_of(t, read, *frames, fps);
+    const FileFrame frame =
+        frame_of(t, read, read.file, frames->axes(), rest.mesh ? *rest.mesh : first, hair, around.roots);
+    if (times.size() == 1 && (hair == Hair::grows || t.has("first_file_frame") || rest.mesh))
+        warn_of_still_mesh(read);
+    if (times.size() == 1 && !rest.mesh) {
         frame.place(first.vertices);
         solid.shape = level_set_of(t, read, wound(solid, read.file, first));
         return;
     }
-    const double begin = read.first_file_frame ? *read.first_file_frame / fps : frames->times().front();
-    log_info(read.file + ": " + std::to_string(frames->times().size()) + " frames from " +
-             std::to_string(frames->times().front()) + " s to " + std::to_string(frames->times().back()) +
-             " s; the scene begins at " + std::to_string(begin) + " s of it");
-    if (const double end = frames->times().back() - begin;
-        std::isfinite(around.seconds) && end < around.seconds - 0.5 / around.fps)
+    const double start = std::min(frames->axes().start.value_or(times.front()), times.back()),
+                 begin = read.first_file_frame ? *read.first_file_frame / fps : start;
+    log_info(fmt::format("{}: {} frames from {:g} s to {:g} s; the scene begins at {:g} s of it", read.file,
+                         times.size(), times.front(), times.back(), begin));
+    if (const double end = times.back() - begin;
+        times.size() > 1 && std::isfinite(around.seconds) && end < around.seconds - 0.5 / around.fps)
         log_warning(
             fmt::format("{}: ends at frame {} of the scene, which has {}; the mesh stands still from "
                         "there on (first_file_frame, file_fps, or fewer frames mend it)",
                         read.file, int(std::floor(end * around.fps + 0.5)),
                         int(std::lround(around.seconds * around.fps)) + 1));
     auto deformation = std::make_shared<Deformation>(std::move(frames), frame, begin);
-    if (!read.rest.empty()) deformation->rest_as(rest_of(t, read), read.rest);
+    if (rest.mesh) deformation->rest_as(std::move(*rest.mesh), rest.name);
     wind(solid, read.file, *deformation);
     solid.deformation = deformation;
 }
@@ -192,7 +245,7 @@ void read_mesh_solid(Solid& solid, const Table& t, const SolidTable& read, Hair 
                "'mesh' needs file = \"….obj\", \"….ply\" or \"….glb\", or [[solid.mesh]] tables to deform "
                "between");
     const bool animated = !t.has("mesh") && names_frames(read.file);
-    for (const char* of_frames : {"object", "file_fps", "first_file_frame"})
+    for (const char* of_frames : {"object", "file_fps", "first_file_frame", "rest_frame"})
         if (!animated && t.has(of_frames))
             t.fail(of_frames, "belongs to an animated file, .abc, .usda or numbered as body.####.obj");
     if (animated) return read_animated(solid, t, read, hair, around);
@@ -204,12 +257,13 @@ void read_mesh_solid(Solid& solid, const Table& t, const SolidTable& read, Hair 
         MeshKeyframeTable first;
         read_parameters(first, MeshKeyframeTable::parameters, keys.front());
         FileFrame frame{1, "y", rotation_of(read.rotation), read.scale, read.offset};
+        RestPose rest = rest_of(t, read);
         if (!first.file.empty())
-            frame = frame_of(t, read, first.file, axes_of_mesh(first.file),
-                             read.rest.empty() ? mesh_of(keys.front(), first.file, 1) : rest_of(t, read),
-                             hair, around.roots);
+            frame =
+                frame_of(t, read, first.file, axes_of_mesh(first.file),
+                         rest.mesh ? *rest.mesh : mesh_of(keys.front(), first.file, 1), hair, around.roots);
         auto deformation = std::make_shared<Deformation>(t, frame);
-        if (!read.rest.empty()) deformation->rest_as(rest_of(t, read), read.rest);
+        if (rest.mesh) deformation->rest_as(std::move(*rest.mesh), rest.name);
         wind(solid, first.file, *deformation);
         solid.deformation = deformation;
         return;

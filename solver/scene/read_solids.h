@@ -16,7 +16,7 @@ struct SolidTable {
     Vec3d half{0, 0, 0}, offset{0, 0, 0};  // [m]
     Vec3d rotation{0, 0, 0};               // [degrees]
     std::optional<double> file_fps;
-    std::optional<int> first_file_frame;
+    std::optional<int> first_file_frame, rest_frame;
     bool attached = false;
 
     static constexpr Parameter<SolidTable> parameters[] = {
@@ -51,18 +51,22 @@ struct SolidTable {
          &SolidTable::object},
         {KeyRow::number("file_fps", "1/s", 24, 1, 10000,
                         "Frames of a second in the numbers of an animated file.", "", of_mesh)
-             .without_default("fps"),
+             .without_default("what the file says, else fps"),
          &SolidTable::file_fps},
         {KeyRow::integer("first_file_frame", 1, -1'000'000, 1'000'000,
                          "Number of the animated file's frame that is frame 0 of the scene.", "", of_mesh)
              .without_default("the first in the file"),
          &SolidTable::first_file_frame},
-        {KeyRow::path(
-             "rest", "the mesh at frame 0",
-             "Mesh, .obj, .ply or .glb, of the pose in which the hair was made, with the triangles of "
-             "the animated one.",
-             "", of_mesh),
+        {KeyRow::path("rest", "the mesh at frame 0",
+                      "Mesh of the pose in which the hair was made, with the triangles of the animated one.",
+                      "", of_mesh),
          &SolidTable::rest},
+        {KeyRow::integer("rest_frame", 0, -1'000'000, 1'000'000,
+                         "Number of the animated file's frame in which the hair was made, in the place of a "
+                         "file of its own.",
+                         "", of_mesh)
+             .without_default("the scene's frame 0"),
+         &SolidTable::rest_frame},
         {KeyRow::one_of("units", unit_words, "auto", "Unit of the numbers in the meshes.", "", of_mesh)
              .without_default("what the file says, else m; guessed where hair grows on it"),
          &SolidTable::units},

@@ -262,6 +262,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     if (!scalp) scalp = guessed_scalp(scene, full);
     if (scalp && scalp->deformation) ride(scene, *scalp, full, kept);
     scene.end = options.start + scene.frames / scene.fps;
+    scene.endless = options.endless;
     if (options.endless)
         for (const Solid& solid : scene.solids)
             if (solid.deformation) scene.end = std::max(scene.end, solid.deformation->times().back());

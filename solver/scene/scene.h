@@ -142,6 +142,7 @@ struct Scene {
     ShotCuts cuts;                 // of the shot, at which all that is in it may stand elsewhere
     double preroll = 0;            // [s] before frame 0, from rest to the first pose
     double end = 0;                // [s] until which what moves is surveyed: no run goes farther
+    bool endless = false;          // but as long as a caller asks, who also moves and wets things
 
     std::vector<std::string> allow;       // findings (solver/scene/findings.h) that do not stop the scene
     std::vector<Finding> groom_findings;  // of the strands' file
@@ -228,7 +229,9 @@ struct Scene {
 
 // (strand) [m]
 std::vector<Vec3d> roots_of(const Strands& hair);
-// What hair [m] can reach of the frame in which its roots rest: no strand is stretched by a quarter.
+// [m] from its root, beyond which no point of a strand goes: none is stretched by a quarter.
+double reach_of_strand(const Strands& hair, int s);
+// What hair [m] can reach of the frame in which its roots rest.
 Bounds reach_of_roots(const Strands& hair);
 
 // Makes the roots of the scene's groom, those in `kept` of `full`, ride on a solid that deforms. One that is

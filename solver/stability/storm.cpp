@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/geometry/shapes.h"
 #include "solver/scene/scene_rows.h"
 
 namespace wetcurl {
@@ -55,6 +56,13 @@ std::string drawn(const KeyRow& row, Dice& dice) {
     return "[" + text + "]";
 }
 
+std::string obj_of(const Mesh& mesh) {
+    std::string text;
+    for (const Vec3f& v : mesh.vertices) text += fmt::format("v {} {} {}\n", v.x, v.y, v.z);
+    for (const auto& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    return text;
+}
+
 // Keys that decide how long a scene takes, name other files, or say what is allowed.
 const std::set<std::string> left_alone{
     "grid",    "particles", "frames", "fps",   "substeps", "settle", "file",  "radius_noise",
@@ -64,11 +72,13 @@ class Storm {
   public:
     explicit Storm(unsigned long long seed) : dice_(seed) {}
 
-    std::string scene() {
-        text_ = fmt::format("frames = {}\n", 8 + dice_.one_of(8));
+    RandomScene scene() {
+        const size_t frames = 8 + dice_.one_of(8);
+        text_ = fmt::format("frames = {}\n", frames);
+        const bool rides = dice_.falls(0.2);
         write("groom", 0.25,
-              fmt::format("grid = [{}, {}]\nparticles = {}\n", 2 + dice_.one_of(5), 2 + dice_.one_of(5),
-                          8 + dice_.one_of(40)));
+              fmt::format("grid = [{}, {}]\nparticles = {}\n{}", 2 + dice_.one_of(5), 2 + dice_.one_of(5),
+                          8 + dice_.one_of(40), rides ? "scalp = \"skin\"\n" : ""));
         write("integrator", 0.15, fmt::format("substeps = {}\n", 1 + dice_.one_of(12)));
         write("stretch", 0.3), write("bend", 0.3);
         for (const char* term : {"core", "stiffness"}) maybe(term, 0.5);
@@ -79,11 +89,12 @@ class Storm {
             for (const char* term : {"curl", "cohesion"}) maybe(term, 0.5);
         }
         maybe("strand_contact", 0.2), maybe("air", 0.2);
-        motion("motion");
+        motion(frames);
         const size_t solids = dice_.one_of(4);
-        if (wet && solids) maybe("adhesion", 0.4);
-        for (size_t k = 0; k < solids; ++k) solid(k == 0);
-        return text_;
+        if (wet && (solids || rides)) maybe("adhesion", 0.4);
+        if (rides) skin();
+        for (size_t k = 0; k < solids; ++k) solid(k == 0 && !rides);
+        return {text_, files_};
     }
 
   private:
@@ -110,19 +121,43 @@ class Storm {
         if (dice_.falls(chance)) write(table, 0.3);
     }
     Vec way() { return {dice_.number(-1, 1), dice_.number(-1, 1), dice_.number(-1, 1)}; }
-    void motion(const std::string& table) {
+    // Of the head, and of the shot.
+    void motion(size_t frames) {
         if (dice_.falls(0.3)) return;
         const Vec axis = way();
         text_ +=
-            fmt::format("[{}]\naxis = [{:.4g}, {:.4g}, {:.4g}]\nangle = {:.4g}\nperiod = {:.4g}\n", table,
+            fmt::format("[motion]\naxis = [{:.4g}, {:.4g}, {:.4g}]\nangle = {:.4g}\nperiod = {:.4g}\n",
                         axis[0], axis[1], axis[2], dice_.number(0, 90), std::pow(10, dice_.number(-1, 0.5)));
+        if (dice_.falls(0.2)) text_ += fmt::format("cuts = [{}]\n", 1 + dice_.one_of(frames - 1));
+        if (dice_.falls(0.2)) text_ += fmt::format("preroll = {:.3g}\n", dice_.number(0, 0.3));
+    }
+    // A mesh that deforms, on which the roots ride.
+    void skin() {
+        text_ += "[[solid]]\nname = \"skin\"\nshape = \"mesh\"\nspacing = 0.01\nattached = \"head\"\n";
+        const Mesh ball = triangulated(Sphere{0.095}, 24);
+        for (int key = 0; key < 3; ++key) {
+            Mesh mesh = ball;
+            const Vec grown = way(), moved = way();
+            for (Vec3f& v : mesh.vertices)
+                for (int axis = 0; axis < 3; ++axis) {
+                    float& x = axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+                    x = float((1 + 0.3 * grown[size_t(axis)]) * double(x) + 0.1 * moved[size_t(axis)]);
+                }
+            const std::string file = fmt::format("skin_{}.obj", key);
+            files_[file] = obj_of(mesh);
+            text_ += fmt::format("[[solid.mesh]]\ntime = {}\nfile = \"{}\"\n", 0.15 * key, file);
+        }
     }
     void solid(bool head) {
-        constexpr const char* shapes[] = {"sphere", "capsule", "box", "plane"};
-        const std::string shape = head ? "sphere" : shapes[dice_.one_of(4)];
+        constexpr const char* shapes[] = {"sphere", "capsule", "box", "plane", "mesh"};
+        const std::string shape = head ? (dice_.falls(0.7) ? "sphere" : "head") : shapes[dice_.one_of(5)];
         text_ += fmt::format("[[solid]]\nshape = \"{}\"\nfriction = {:.4g}\n", shape, dice_.number(0, 1));
         if (shape == "sphere" || shape == "capsule")
             text_ += fmt::format("radius = {:.4g}\n", dice_.number(0.02, 0.12));
+        if (shape == "mesh") {
+            files_["block.obj"] = obj_of(triangulated(Box{{0.05, 0.03, 0.08}}, 12));
+            text_ += "file = \"block.obj\"\nspacing = 0.01\n";
+        }
         if (head && dice_.falls(0.7)) {
             text_ += "attached = \"head\"\n";
             return;
@@ -138,10 +173,11 @@ class Storm {
 
     Dice dice_;
     std::string text_;
+    std::map<std::string, std::string> files_;
 };
 
 }  // namespace
 
-std::string storm_scene(unsigned long long seed) { return Storm(seed).scene(); }
+RandomScene storm_scene(unsigned long long seed) { return Storm(seed).scene(); }
 
 }  // namespace wetcurl

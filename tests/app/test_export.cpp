@@ -40,7 +40,8 @@ class Export : public ::testing::Test {
             groom.origin[size_t(s)].id = 100 + strands - 1 - s;
             for (int i = 0; i < particles; ++i) groom.rest.at(s, i) = start(s, i);
         }
-        groom.origin[2].width = 2e-4f;
+        groom.width.assign(size_t(strands * particles), 0);
+        for (int i = 0; i < particles; ++i) groom.width[size_t(2 * particles + i)] = 2e-4f - 2e-5f * float(i);
         for (int k = 0; k < strands * particles; ++k)
             header.saturation.push_back(float(k % particles) / (particles - 1));
         RunWriter run(path("run.h5"), header, true);
@@ -85,9 +86,10 @@ TEST_F(Export, holds_what_is_displayed_in_the_order_of_the_file) {
                     EXPECT_LT(norm(points[size_t(s * particles + i)] - expected), 1e-6f);
                 }
         }
-        // A strand of the file that says its width keeps it; the others are as thick as the scene's hair.
+        // A strand of the file that says its widths keeps them; the others are as thick as the scene's hair.
         ASSERT_EQ(hair.widths.size(), size_t(strands * particles));
-        EXPECT_FLOAT_EQ(hair.widths[size_t(3 * particles)], 2e-4f);
+        for (int i = 0; i < particles; ++i)
+            EXPECT_FLOAT_EQ(hair.widths[size_t(3 * particles + i)], 2e-4f - 2e-5f * float(i));
         EXPECT_NEAR(hair.widths[0], std::sqrt(4 * 6.5e-6 / (3.14159265 * 1300)), 1e-8);
     }
 }

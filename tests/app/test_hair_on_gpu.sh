@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Learned hair on a GPU is that of the host, in host memory and in the GPU's: there by the example in CUDA. Follows
-# test_library.sh, whose installation it uses.
+# Hair on a GPU is that of the host: learned hair in host memory and in the GPU's, there by the example in CUDA, and hair
+# that other programs simulate in memory. Follows test_library.sh, whose installation it uses.
 # Use: test_hair_on_gpu.sh BUILD MODEL OTHER           OTHER: of strands before cohesion, so that Eq 10 is computed there too
 set -euo pipefail
 folder=$1/installed examples=$1/installed/examples
@@ -19,3 +19,12 @@ for model in "$@"; do
         awk -v a="$host" -v b="$there" 'BEGIN { split(a, x, ", "); split(b, y, ", "); d = x[2] - y[2]; exit !(x[1] == y[1] && d * d < 1e-6) }'
     done
 done
+# close A B FIELD LIMIT: fields of two lines, apart by at most so much.
+close() { awk -v a="$1" -v b="$2" -v k="$3" -v l="$4" 'BEGIN { split(a, x, "[ ,]+"); split(b, y, "[ ,]+"); d = x[k] - y[k]; exit !(x[1] == y[1] && d * d <= l * l) }'; }
+host=$("$examples/simulate_in_c") there=$("$examples/simulate_in_c" cuda)
+echo "simulated in C on the host: $host; on a GPU: $there"
+close "$host" "$there" 3 1e-3
+host=$("$examples/simulate_in_cpp") there=$("$examples/simulate_in_cpp" cuda)
+echo "simulated in C++ on the host: $host; on a GPU: $there"
+close "$host" "$there" 6 1e-5  # roots on the skin
+close "$host" "$there" 8 1e-3  # saturation

@@ -45,6 +45,13 @@ if said=$(cmake -S "$source/tests/app/another_project" -B "$folder/another_proje
     exit 1
 fi
 [[ $said == *"component teapot is not installed; installed are: solver;learned"* ]]
+# Where networks are not installed, the examples that simulate are built all the same.
+cp -al "$prefix" "$folder/without_networks"
+config=$(find "$folder/without_networks" -name wetcurl-config.cmake)
+sed -i 's/^set(wetcurl_components .*/set(wetcurl_components solver)/' "$config"
+cmake -S "$source/examples" -B "$folder/simulating" -DCMAKE_PREFIX_PATH="$folder/without_networks" >/dev/null
+cmake --build "$folder/simulating" >/dev/null
+[[ -x $folder/simulating/simulate_in_c && ! -e $folder/simulating/hair_in_c ]]
 # Simulations in memory: strands of their own, roots on a skin that deforms, threads, what cannot be.
 simulated=$("$examples/simulate_in_c")
 echo "simulated in C: $simulated"

@@ -1,7 +1,7 @@
 """A character with hair to the shoulders, made in Blender: it walks, turns its head and breathes, and the shot cuts.
 
-    walking_character.py make FOLDER     # body.abc, rest.obj, groom.abc, scene.toml
-    walking_character.py check FOLDER    # hair.abc, which wetcurl exported, against the body as Blender has it
+    walking_character.py make FOLDER [STRANDS]     # body.abc, rest.obj, groom.abc, scene.toml
+    walking_character.py check FOLDER              # hair.abc, which wetcurl exported, against the body as Blender has it
 
 All arrays are in metres, y up, as files have them; Blender itself has z up.
 """
@@ -15,7 +15,8 @@ from mathutils import Matrix, Quaternion, Vector
 from mathutils.bvhtree import BVHTree
 
 FRAMES, CUT = 96, 48            # of the scene: 0 to 95, and the first one after the cut
-STRANDS, POINTS, LENGTH = 150, 40, 0.3
+STRANDS = int(sys.argv[3]) if len(sys.argv) > 3 else 150
+POINTS, LENGTH = 40, 0.3
 
 # Parts: ends [m], z up, facing -y, with a radius each; and the bone that moves the skin around them.
 JOINTS = {

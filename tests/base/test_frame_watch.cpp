@@ -61,6 +61,28 @@ TEST(FrameWatch, finds_the_fastest_particle_between_frames_that_follow_each_othe
     EXPECT_EQ(watch.energy_growth()->value, 2);
 }
 
+TEST(FrameWatch, finds_the_first_frame_beyond_a_hundred_metres_a_second) {
+    const Groom groom = straight();
+    FrameWatch watch(groom, 10);
+    RunFrame frame;
+    frame.positions = groom.rest;
+    watch.look(0, frame);
+    frame.positions.at(1, 1).x += 9.5f;
+    watch.look(1, frame);
+    EXPECT_FALSE(watch.overspeed());
+    frame.positions.at(1, 1).x += 10.5f;
+    watch.look(2, frame);
+    ASSERT_TRUE(watch.overspeed());
+    EXPECT_NEAR(watch.overspeed()->value, 105, 1e-2);
+    EXPECT_EQ(watch.overspeed()->frame, 2);
+    EXPECT_EQ(watch.overspeed()->strand, 1);
+    EXPECT_EQ(watch.overspeed()->particle, 1);
+    frame.positions.at(1, 1).x += 20;
+    watch.look(3, frame);
+    EXPECT_EQ(watch.overspeed()->frame, 2);
+    EXPECT_NEAR(watch.speed()->value, 200, 1e-2);
+}
+
 TEST(FrameWatch, a_cut_has_no_speed_and_gives_no_energy) {
     const Groom groom = straight();
     FrameWatch watch(groom, 24);

@@ -3,13 +3,13 @@
 #
 #   test_scene_files.sh TEST SCENE_FILE_TOOL BUILD_DIR
 #
-# TEST.py beside this file: alembic_with_alembic, by the Python bindings of Alembic's own library;
-# alembic_with_blender, by Blender as a Python module; usda_with_others, by Pixar's own library and tinyusdz. Ends
-# with 77 where these cannot be installed (tests/venv.sh).
+# TEST.py beside this file: alembic_with_alembic, by the Python bindings of Alembic's own library; usda_with_others, by
+# Pixar's own library and tinyusdz; scene_files_with_blender, both by Blender as a Python module. Ends with 77 where these
+# cannot be installed (tests/venv.sh).
 set -euo pipefail
 test=$1 tool=$2 build=$3
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-declare -A packages=([alembic_with_alembic]=alembic3d [alembic_with_blender]=bpy
+declare -A packages=([alembic_with_alembic]=alembic3d [scene_files_with_blender]=bpy
     [usda_with_others]="usd-core tinyusdz")
 # shellcheck disable=SC2086 # several packages
 python=$("$here/../venv.sh" "$build" ${packages[$test]}) || exit $?

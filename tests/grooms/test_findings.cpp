@@ -52,6 +52,14 @@ class Findings : public ::testing::Test {
             if (finding.level != Finding::Level::note) out.insert(finding.name);
         return out;
     }
+    // Texts of the findings of that name, one a line.
+    static std::string texts(const Scene& scene, const std::string& name) {
+        std::string out;
+        for (const auto& finding : findings_of(scene))
+            if (finding.name == name)
+                out += std::string(name_of(finding.level)) + ": " + described(finding) + "\n";
+        return out;
+    }
     using Names = std::set<std::string>;
     Scratch scratch;
     std::string above;  // the first table
@@ -61,6 +69,32 @@ TEST_F(Findings, are_none_where_all_is_well) {
     EXPECT_EQ(found(falling(200)), Names{});
     EXPECT_EQ(found(falling(200), "", ""), Names{});
     EXPECT_NO_THROW(scene_of(falling(200), "", head, true));
+}
+
+TEST_F(Findings, say_of_good_hair_its_size_axis_curls_and_roots) {
+    const Scene scene = scene_of(falling(200));
+    EXPECT_NE(texts(scene, "size").find("m long in the median, taken as m"), std::string::npos);
+    EXPECT_NE(texts(scene, "up").find("y is up; from roots to tips the hair runs along (0, -1, 0)"),
+              std::string::npos)
+        << texts(scene, "up");
+    EXPECT_NE(texts(scene, "few_particles").find("note: few_particles"), std::string::npos);
+    EXPECT_NE(texts(scene, "roots_off_head").find("note: roots_off_head: roots lie 5 mm from the head"),
+              std::string::npos)
+        << texts(scene, "roots_off_head");
+}
+
+// A ball of 0.095 m, and one of 0.05 m around the same middle: roots lie 5 and 50 mm from them.
+TEST_F(Findings, say_how_roots_lie_on_each_solid_that_is_attached) {
+    const std::string found = texts(
+        scene_of(falling(200), "",
+                 std::string(head) +
+                     "[[solid]]\nname = \"core\"\nattached = \"head\"\nshape = \"sphere\"\nradius = 0.05\n"
+                     "[[solid]]\nname = \"elsewhere\"\nshape = \"sphere\"\nradius = 0.05\n"),
+        "roots_off_head");
+    for (const char* part : {"roots lie 5 mm from [[solid]] 'head' in the median",
+                             "roots lie 50 mm from [[solid]] 'core' in the median"})
+        EXPECT_NE(found.find(part), std::string::npos) << found;
+    EXPECT_EQ(found.find("elsewhere"), std::string::npos) << found;
 }
 
 TEST_F(Findings, tips_that_come_first_are_seen_and_turned) {
@@ -98,6 +132,12 @@ TEST_F(Findings, an_axis_that_is_up_is_guessed_by_the_fall_of_hair) {
     for (size_t k = 0; k < wanted.points.size(); ++k)
         EXPECT_LT(norm(guessed.points[k] - wanted.points[k]), 1e-6f);
     EXPECT_TRUE(found(strands, "up = \"y\"").contains("up"));
+    // Said wrongly, the axis that lets it fall is named.
+    for (const char* wrong : {"up = \"z\"", "up = \"-z\"", "up = \"x\""}) {
+        const std::string said = texts(scene_of(upright, wrong), "up");
+        EXPECT_NE(said.find("up = \"y\" in [groom]"), std::string::npos) << wrong << ": " << said;
+    }
+    EXPECT_NE(texts(scene_of(strands, "up = \"y\""), "up").find("up = \"z\" in [groom]"), std::string::npos);
 }
 
 // Its roots lie on the upper side of a head that is drawn y up.
@@ -167,6 +207,25 @@ TEST_F(Findings, short_strands_are_counted_and_named) {
 
 TEST_F(Findings, water_that_wets_nothing_is_seen) {
     EXPECT_EQ(found(falling(50), "", std::string(head) + "[wetness]\nlevel = 0\n"), Names{"dry_water"});
+}
+
+TEST_F(Findings, sources_of_water_that_come_near_no_strand_are_seen) {
+    const std::string wet = std::string(head) + "[wetness]\nlevel = 0\n[wetness.flow]\n";
+    EXPECT_EQ(found(falling(50), "", wet), Names{"dry_water"});  // no source at all
+    const auto with = [&](const std::string& source) {
+        return found(falling(50), "",
+                     wet + "[[wetness.source]]\nshape = \"sphere\"\nradius = 0.1\n" + source);
+    };
+    EXPECT_EQ(with("center = [0, 0.1, 0]\n"), Names{});
+    EXPECT_EQ(with("center = [0, 1, 0]\n"), Names{"dry_water"});
+    // It comes, and it comes too late: the scene's 100 frames are 4.2 s.
+    const std::string falls =
+                          "center = [0, 1, 0]\n[[wetness.source.motion.keyframe]]\ntime = 0\n"
+                          "[[wetness.source.motion.keyframe]]\ntime = ",
+                      down = "\ntranslation = [0, -0.9, 0]\n";
+    EXPECT_EQ(with(falls + "2" + down), Names{});
+    EXPECT_EQ(with("center = [0, 0.1, 0]\nfrom = 5\n"), Names{"dry_water"});
+    EXPECT_EQ(with("until = 1\n" + falls + "4" + down), Names{"dry_water"});
 }
 
 TEST_F(Findings, searches_that_find_far_too_much_are_seen_and_a_radius_is_named) {

@@ -192,6 +192,29 @@ TEST(Thinned, takes_the_finest_stride_within_the_limit) {
     EXPECT_EQ(nesting_text(holed), "this groom nests as 1, 7, 31, 127, 511 strands");
 }
 
+TEST(SceneGroom, keeps_the_widths_of_its_file_along_each_strand) {
+    Scratch scratch;
+    const StrandPoints strands = hedgehog(40, 7);
+    StrandWidths widths;
+    for (size_t s = 0; s < strands.size(); ++s) {
+        auto& along = widths.emplace_back();
+        for (int i = 0; i < 7; ++i) along.push_back(1e-4f - 1e-5f * float(i) + 1e-6f * float(s));
+    }
+    write_strands(scratch.path("hair.ply"), strands, false, widths);
+    const Groom g = load("file = \"" + scratch.path("hair.ply") + "\"\nunits = \"m\"\nparticles = 13\n");
+    ASSERT_EQ(g.width.size(), g.rest.points.size());
+    for (int s = 0; s < g.rest.count; ++s)
+        for (int i = 0; i < 13; ++i) {
+            const float root = 1e-4f + 1e-6f * float(g.origin[size_t(s)].number);
+            EXPECT_NEAR(g.width[size_t(13 * s + i)], root - 0.5e-5f * float(i), 1e-9f) << s << " " << i;
+        }
+    // Of a thinned groom, those of the strands that are left.
+    const Groom few = coarsened(g, 2);
+    ASSERT_EQ(few.width.size(), few.rest.points.size());
+    for (int s = 0; s < few.rest.count; ++s)
+        EXPECT_NEAR(few.width[size_t(13 * s)], 1e-4f + 1e-6f * float(few.origin[size_t(s)].number), 1e-9f);
+}
+
 TEST(RootDepth, counts_roots_under_the_scalp_and_how_deep) {
     Scratch scratch;
     const ScalpMesh scalp(import_mesh(ball_file(scratch, 0.105), {"cm", "y"}));
@@ -203,6 +226,33 @@ TEST(RootDepth, counts_roots_under_the_scalp_and_how_deep) {
     EXPECT_EQ(depth.below, 60);
     EXPECT_NEAR(depth.median, 0.005, 3e-4);
     EXPECT_NEAR(depth.deepest, 0.005, 3e-4);
+}
+
+TEST(RootDepth, is_the_same_on_a_scalp_of_a_scene_file) {
+    Scratch scratch;
+    const std::string obj = ball_file(scratch, 0.105);
+    const Mesh ball = read_mesh(obj, 1);
+    MeshObject object;
+    object.path = "/head";
+    object.points = ball.vertices.size();
+    for (const auto& t : ball.triangles) {
+        object.counts.push_back(3);
+        object.corners.insert(object.corners.end(), t.begin(), t.end());
+    }
+    std::vector<Vec3f> later = ball.vertices;
+    for (Vec3f& x : later) x.y += 100;
+    const RootDepth wanted = root_depth(hedgehog(90, 3), ScalpMesh(import_mesh(obj, {"cm", "y"})));
+    for (const char* name : {"head.abc", "head.usda"}) {
+        const std::string path = scratch.path(name);
+        const auto file = create_scene_file(path, false, SceneFileSettings{.metres_per_unit = 0.01});
+        file->add_mesh(object);
+        file->append_mesh(0, ball.vertices), file->append_mesh(0, later);
+        file->finish();
+        const RootDepth found = root_depth(hedgehog(90, 3), ScalpMesh(import_mesh(path, {"cm", "auto"})));
+        EXPECT_EQ(found.below, wanted.below) << name;
+        EXPECT_NEAR(found.median, wanted.median, 1e-6) << name;
+        EXPECT_NEAR(found.away, wanted.away, 1e-6) << name;
+    }
 }
 
 TEST(RootDepth, warns_where_hair_and_scalp_cannot_belong_together) {

@@ -19,11 +19,16 @@ std::vector<Vec3d> coil(double radius, double pitch, int turns, int of_a_turn) {
                         radius, pitch);
 }
 
-std::string log_of(const std::string& toml, const std::string& folder) {
-    ::testing::internal::CaptureStderr();
+// What is found of its particles, where they are too few; else "".
+std::string found_in(const std::string& toml, const std::string& folder) {
     Config config = Config::parse("[groom]\n" + toml, "scene.toml", folder);
-    load_groom(config.root().table("groom"), 1);
-    return ::testing::internal::GetCapturedStderr();
+    std::vector<Finding> findings;
+    load_groom(config.root().table("groom"), 1, {}, &findings);
+    for (const Finding& finding : findings)
+        if (finding.name == std::string("few_particles"))
+            return finding.level == Finding::Level::warning ? described(finding) : "";
+    ADD_FAILURE() << "nothing is said of the particles of a turn";
+    return "";
 }
 
 TEST(Turns, of_a_helix_are_counted_whatever_its_radius_and_sampling) {
@@ -70,15 +75,15 @@ TEST(Turns, ask_for_the_number_of_particles_that_ends_the_warning) {
         "grid = [2, 2]\nlength = 0.25\ncurl_radius = 0.003\npitch = 0.006\nparticles = ";
     const double turns = 0.25 / std::hypot(2 * std::numbers::pi * 0.003, 0.006);  // 12.64
     const int enough = int(std::ceil(8 * turns)) + 1;
-    const std::string number = "groom.particles = " + std::to_string(enough);
+    const std::string number = "particles = " + std::to_string(enough);
     for (int particles : {20, 50, enough - 1}) {
-        const std::string log = log_of(coils + std::to_string(particles) + "\n", ".");
-        for (const std::string& part : {std::string("scene.toml:6"), std::string("12.6 turns"), number})
-            EXPECT_NE(log.find(part), std::string::npos) << log;
-        EXPECT_EQ(log.find("shows its curl") != std::string::npos, particles == 20) << log;
+        const std::string found = found_in(coils + std::to_string(particles) + "\n", ".");
+        for (const std::string& part : {std::string("12.6 turns"), number})
+            EXPECT_NE(found.find(part), std::string::npos) << found;
+        EXPECT_EQ(found.find("shows its curl") != std::string::npos, particles == 20) << found;
     }
-    EXPECT_EQ(log_of(coils + std::to_string(enough) + "\n", "."), "");
-    EXPECT_EQ(log_of("grid = [2, 2]\n", "."), "");  // the defaults
+    EXPECT_EQ(found_in(coils + std::to_string(enough) + "\n", "."), "");
+    EXPECT_EQ(found_in("grid = [2, 2]\n", "."), "");  // the defaults
 }
 
 TEST(Turns, of_a_file_are_those_before_it_is_resampled) {
@@ -90,13 +95,12 @@ TEST(Turns, of_a_file_are_those_before_it_is_resampled) {
     }
     scratch.file("coils.data", data_file(strands));
     const std::string file = "file = 'coils.data'\nunits = 'm'\n";
-    const std::string log = log_of(file + "particles = 40\n", scratch.path());
+    const std::string found = found_in(file + "particles = 40\n", scratch.path());
     const int enough = enough_particles(turns_of(strands));
     EXPECT_NEAR(enough, 8 * 16 + 1, 3);
-    for (const std::string& part :
-         {std::string("scene.toml:4"), "groom.particles = " + std::to_string(enough), std::string("no such")})
-        EXPECT_NE(log.find(part), std::string::npos) << log;
-    EXPECT_EQ(log_of(file + "particles = 200\n", scratch.path()).find("turns"), std::string::npos);
+    for (const std::string& part : {"particles = " + std::to_string(enough), std::string("no such")})
+        EXPECT_NE(found.find(part), std::string::npos) << found;
+    EXPECT_EQ(found_in(file + "particles = 200\n", scratch.path()), "");
 }
 
 }  // namespace

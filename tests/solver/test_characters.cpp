@@ -300,6 +300,80 @@ TEST(Characters, a_solid_that_is_cut_to_elsewhere_strikes_nothing_on_its_way) {
     EXPECT_EQ(farthest(found, cut), 0);
 }
 
+// --- the pose of the hair
+
+TEST(Characters, hair_is_bound_to_the_frame_of_the_file_in_which_it_was_made) {
+    const Scratch scratch;
+    const Mesh ball = triangulated(Sphere{0.1}, 24);
+    const Warp grown = [](const Vec3d& x, double time) {
+        return Vec3d{(1 + time) * x.x, x.y, x.z} + Vec3d{0.5, time, 0};
+    };
+    const std::string rest = scratch.file("rest.obj", obj_of(ball));
+    for (int frame = 0; frame < 4; ++frame) {
+        const Mesh now = frame ? warped(ball, grown, frame / 24.0) : ball;
+        scratch.file("body.000" + std::to_string(frame) + ".obj", obj_of(now));
+    }
+    const auto poses = [&](const std::string& pose) {
+        const Scene scene =
+            scene_of("frames = 2\n" + standing(scratch, on_top(), 0.1, 10, "body") + weightless + springs +
+                     "[[solid]]\nname = \"body\"\nshape = \"mesh\"\nspacing = 0.01\nfile = \"" +
+                     scratch.path("body.####.obj") + "\"\nfirst_file_frame = 1\n" + pose);
+        RidingRoots::Room room;
+        scene.root_poses_at(0, room);
+        return room.pose;
+    };
+    const auto of_file = poses("rest = \"" + rest + "\"\n"), of_frame = poses("rest_frame = 0\n");
+    ASSERT_EQ(of_frame.size(), of_file.size());
+    for (size_t s = 0; s < of_file.size(); ++s)
+        EXPECT_EQ(norm(of_frame[s]({0.1, 0.2, 0.3}) - of_file[s]({0.1, 0.2, 0.3})), 0);
+    EXPECT_GT(norm(of_frame[0]({0, 0, 0})), 0.4);
+    expect_error<Misuse>([&] { poses("rest_frame = 7\n"); }, {"rest_frame", "found 7", "frames 0 to 3"});
+    expect_error<Misuse>([&] { poses("rest_frame = 0\nrest = \"" + rest + "\"\n"); },
+                         {"rest_frame", "beside rest"});
+}
+
+// A shot from frame 1 to 24 whose mesh holds still until frame 12: what repeats is left out of the file.
+TEST(Characters, a_mesh_holds_still_from_the_begin_of_its_shot_to_its_first_sample) {
+    const Scratch scratch;
+    const Mesh ball = triangulated(Sphere{0.1}, 12);
+    std::string counts, corners, here, there;
+    const auto add = [](std::string& list, const std::string& item) {
+        list += (list.empty() ? "" : ", ") + item;
+    };
+    for (const auto& t : ball.triangles) {
+        add(counts, "3");
+        for (const int corner : t) add(corners, std::to_string(corner));
+    }
+    for (const Vec3f& v : ball.vertices) {
+        const auto point = [&](float x) {
+            return "(" + std::to_string(x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + ")";
+        };
+        add(here, point(v.x)), add(there, point(v.x + 1));
+    }
+    const std::string file =
+        scratch.file("body.usda",
+                     "#usda 1.0\n(\n    startTimeCode = 1\n    endTimeCode = 24\n    timeCodesPerSecond = "
+                     "24\n    metersPerUnit = 1\n"
+                     "    upAxis = \"Y\"\n)\ndef Mesh \"body\"\n{\n    int[] faceVertexCounts = [" +
+                         counts + "]\n    int[] faceVertexIndices = [" + corners +
+                         "]\n    point3f[] points.timeSamples = {\n        12: [" + here +
+                         "],\n        24: [" + there + "],\n    }\n}\n");
+    const auto times = [&](const std::string& more, const std::string& fps = "24") {
+        const Scene scene = scene_of(
+            "fps = " + fps + "\nframes = 2\n" + dry_scene.substr(dry_scene.find('[')) +
+            "[[solid]]\nname = \"body\"\nshape = \"mesh\"\nspacing = 0.02\nfile = \"" + file + "\"\n" + more);
+        return scene.solids.at(0).deformation->times();
+    };
+    EXPECT_NEAR(times("").front(), 11 / 24.0, 1e-9);
+    EXPECT_NEAR(times("first_file_frame = 12\n").front(), 0, 1e-9);
+    // The file says how many frames a second it counts, whatever the scene's are.
+    EXPECT_NEAR(times("first_file_frame = 12\n", "30").front(), 0, 1e-9);
+    EXPECT_NEAR(times("rest_frame = 5\n").front(), 11 / 24.0, 1e-9);
+    expect_error<Misuse>([&] { times("rest_frame = 0\n"); }, {"rest_frame", "found 0", "frames 1 to 24"});
+    expect_error<Misuse>([&] { times("rest_frame = 25\n"); }, {"rest_frame", "found 25"});
+    expect_error<Misuse>([&] { times("object = \"/no\"\n"); }, {"object", "found no mesh '/no'", "/body"});
+}
+
 // --- preroll
 
 TEST(Characters, the_preroll_leads_from_the_shape_of_the_hair_to_the_first_frame) {

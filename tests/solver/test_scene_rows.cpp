@@ -169,6 +169,7 @@ string allowed_value(const TableRow& table, const KeyRow& row) {
     if (row.kind == Kind::words) return "[" + quoted(row.words.front()) + "]";
     if (row.kind == Kind::boolean) return row.fallback != 0 ? "true" : "false";
     if (row.is_vector()) return row.default_text().empty() ? "[0, 0, 0]" : row.default_text();
+    if (row.key == string("rest_frame")) return "1";  // one that is there
     const double usual = row.has_default() ? row.fallback : std::clamp(0.01, row.minimum, row.maximum);
     return row.is_whole() ? std::to_string(long(usual)) : number_text(usual);
 }
@@ -203,7 +204,7 @@ WrittenScene scene_around(const TableRow& table, const KeyRow& row) {
         *row.when.words ? alternatives(row.when.words).front() : fixtures().path(table.name + "." + key);
     out.set(table, key, quoted(word));
     if (table.name == "solid" && word == "mesh" && row.key != string("file")) {
-        const std::set<string> of_frames = {"file_fps", "first_file_frame", "rest"};
+        const std::set<string> of_frames = {"file_fps", "first_file_frame", "rest", "rest_frame"};
         out.set(table, "file",
                 quoted(row.key == string("object")   ? fixtures().balls()
                        : of_frames.contains(row.key) ? fixtures().grows()
@@ -444,6 +445,7 @@ std::map<string, Change> changes() {
           "\"/balls/other\""}},
         {"solid.file_fps", {grows, "48"}},
         {"solid.first_file_frame", {grows, "2"}},
+        {"solid.rest_frame", {rides, "3"}},
         {"solid.rest", {rides, quoted(fixtures().path("solid.rest", true))}},
         {"solid.spacing", {{mesh, no_radius, file_of("solid.file")}, "0.02"}},
         {"solid.mesh.time", {{}, "0.05"}},
