@@ -96,8 +96,10 @@ class ExportedStrands {
     double width_at(int s, int i) const {
         if (options_.width > 0) return options_.width;
         const std::vector<float>& width = run_.header().groom.width;
-        const double own = width.empty() ? 0 : value_at(&width[size_t(s) * size_t(particles_)], i);
-        return own > 0 ? own : usual_width_;
+        if (width.empty()) return usual_width_;
+        const float* own = &width[size_t(s) * size_t(particles_)];
+        const bool is_said = std::any_of(own, own + particles_, [](float w) { return w > 0; });
+        return is_said ? double(value_at(own, i)) : usual_width_;
     }
     void set_usual_width(double metres) { usual_width_ = metres; }
 

@@ -216,16 +216,18 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
         if (broken) frame_predictor.go_on(window, broken->frames, guard);
         frames.run(window, [&](int index, const RunFrame& frame) {
             const RunFrame& predicted = frame_predictor.predict(index, frame, window.heads());
-            writer.append(predicted);
             watch.look(index, predicted);
             if (const FrameExtreme& longest = *watch.stretch();
                 longest.value > scene.integrator.allow_stretch)
-                throw Error(fmt::format(
-                    "{}: diverged at frame {}, strand {}, particle {}: found an edge of {:.3g} times its "
-                    "rest "
-                    "length, allowed are {:g} ([integrator] allow_stretch); '{}' does not fit this hair; {}",
-                    request.output, longest.frame, longest.strand, longest.particle, longest.value,
-                    scene.integrator.allow_stretch, predictor->name(), kept()));
+                throw Error(
+                    fmt::format("{}: diverged at frame {}, strand {}, particle {}: found an edge of {:.4g} "
+                                "times its rest "
+                                "length, allowed are {:g} ([integrator] allow_stretch of the low-resolution "
+                                "run's scene); "
+                                "'{}' does not fit this hair; {}",
+                                request.output, longest.frame, longest.strand, longest.particle,
+                                longest.value, scene.integrator.allow_stretch, predictor->name(), kept()));
+            writer.append(predicted);
         });
     } catch (const Diverged& e) {
         throw Error(fmt::format("{}: its low-resolution run: {}; {}", low.file(), e.what(), kept()));

@@ -14,8 +14,7 @@ forms=(paper core) inputs=(dry_low wet_low)
 transformed() {
     local output=$1 folder=$2 input=$3
     shift 3
-    # Edges of any length: how far a transform throws strands is what is asked.
-    wetcurl infer "$folder/$input.h5" "$@" --set integrator.allow_stretch=1e9 -o "$folder/transformed.h5" --json "$folder/transformed.json"
+    wetcurl infer "$folder/$input.h5" "$@" -o "$folder/transformed.h5" --json "$folder/transformed.json"
     wetcurl compare "$folder/wet.h5" "$folder/transformed.h5" --first-frame "$first" --json "$folder/compared.json"
     jq -n --slurpfile i "$folder/transformed.json" --slurpfile c "$folder/compared.json" '$c[0].others[0] |
         {method, error_mm: .position_mm.mean, tips: .tip_spread_ratio, curl_radius: .curl_radius_ratio,
@@ -37,11 +36,12 @@ swept() {
 }
 # runs_in FOLDER SCENE LOW_STRANDS OPTION...
 runs_in() {
-    local folder=transform/$1 scene=$2 low=$3
+    # Edges of any length: how far a transform throws strands is what is asked.
+    local folder=transform/$1 scene=$2 low=$3 any=(--set integrator.allow_stretch=1e9)
     shift 3
     simulate "$folder/wet" "$scene" "$@"
-    simulate "$folder/dry_low" "$scene" --dry --strands "$low" "$@"
-    simulate "$folder/wet_low" "$scene" --strands "$low" --before-cohesion "$@"
+    simulate "$folder/dry_low" "$scene" --dry --strands "$low" "${any[@]}" "$@"
+    simulate "$folder/wet_low" "$scene" --strands "$low" --before-cohesion "${any[@]}" "$@"
 }
 # oracles_in FOLDER: all that needs no network
 oracles_in() {

@@ -150,9 +150,11 @@ std::shared_ptr<const ScalpMesh> read_scalp(const GroomTable& groom,
                                             const std::shared_ptr<const ScalpMesh>& of_solid,
                                             const std::string& up_of_hair) {
     if (groom.scalp.empty()) return of_solid;
-    const bool says_up = axes_of_mesh(groom.scalp).up.has_value();
-    return std::make_shared<const ScalpMesh>(
-        import_mesh(groom.scalp, groom.units_of_scalp(says_up ? "auto" : up_of_hair)));
+    FileUnits meant = groom.units_of_scalp(up_of_hair);
+    const FileAxes says = axes_of_mesh(groom.scalp);
+    if (says.metres_per_unit && groom.scalp_units.empty()) meant.units = "auto";
+    if (says.up && groom.scalp_up.empty()) meant.up = "auto";
+    return std::make_shared<const ScalpMesh>(import_mesh(groom.scalp, meant));
 }
 
 ProceduralGroom read_procedural(const Table& table, unsigned long long seed,

@@ -72,10 +72,10 @@ struct GroomTable {
          &GroomTable::scalp},
         {KeyRow::one_of("scalp_units", unit_words, "", "Unit of the numbers in the scalp's file.", "",
                         {"scalp"})
-             .without_default("as units"),
+             .without_default("what its file says, else as units"),
          &GroomTable::scalp_units},
         {KeyRow::one_of("scalp_up", axis_words, "", "Axis that points up in the scalp's file.", "", {"scalp"})
-             .without_default("as up"),
+             .without_default("what its file says, else as up"),
          &GroomTable::scalp_up},
         {KeyRow::numbers("scalp_centre", "m", {0, 0, 0}, -100, 100, "Centre of the ball or of the head.")
              .without_default("the origin, or the middle of the scalp's mesh"),

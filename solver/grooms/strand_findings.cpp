@@ -108,10 +108,12 @@ void find_up(std::vector<Finding>& out, const ImportedStrands& in, const std::st
     };
     if (sum == 0 || norm(fall) < 0.3 * sum) return is_well("from roots to tips the hair goes every way");
     const Vec3d way = (1 / norm(fall)) * fall;
-    if (std::abs(way.z) < 0.8 && way.y < 0.8)
+    if (std::max(std::abs(way.x), std::abs(way.z)) < 0.8 && way.y < 0.8)
         return is_well(fmt::format("from roots to tips the hair runs along ({:.2g}, {:.2g}, {:.2g})",
                                    hundredths(way.x), hundredths(way.y), hundredths(way.z)));
-    const char* along = way.y > 0.8 ? "+y" : way.z < 0 ? "-z" : "+z";
+    const char* along = way.y > 0.8              ? "+y"
+                        : std::abs(way.x) >= 0.8 ? (way.x < 0 ? "-x" : "+x")
+                                                 : (way.z < 0 ? "-z" : "+z");
     const std::string hangs = "up = \"" + axis_by_fall(in.up, way) + "\"";
     out.push_back(
         {Level::warning, "up",

@@ -180,10 +180,11 @@ void find_riding(std::vector<Finding>& out, const Scene& scene) {
 bool touches_hair(const WaterSource& source, const Scene& scene) {
     const Strands& hair = scene.groom.rest;
     RidingRoots::Room room;
-    const int first = int(std::ceil(std::max(0.0, source.from) * scene.fps)),
-              last = int(std::floor(std::min(source.until, scene.end) * scene.fps));
-    for (int frame = first; frame <= last; ++frame) {
-        const double time = frame / scene.fps;
+    // The last step of a run leads from its last frame but one to its last.
+    const int first = int(std::floor(source.from * scene.fps)),
+              last = int(std::lround(scene.end * scene.fps)) - 2;
+    for (int frame = first; frame <= last && frame / scene.fps < source.until; ++frame) {
+        const double time = std::max(source.from, frame / scene.fps);
         const FlowingSource water = source.over(time, 1 / scene.fps);
         const Pose head = scene.head_at(time, room);
         if (scene.riding) scene.root_poses_at(time, room);
@@ -212,13 +213,13 @@ void find_water(std::vector<Finding>& out, const Scene& scene) {
                        "[wetness.flow] moves water, no particle is wet, and there is no [[wetness.source]]",
                        "level, pattern or where of [wetness], or a source"});
     for (size_t k = 0; k < scene.flow->sources.size(); ++k)
-        if (const WaterSource& source = scene.flow->sources[k]; !touches_hair(source, scene))
-            out.push_back(
-                {Level::warning, "dry_water",
-                 fmt::format("[[wetness.source]] {} comes near no strand while it flows, from {:g} s to "
-                             "{:g} s of the scene's {:g} s",
-                             k + 1, source.from, std::min(source.until, scene.end), scene.end),
-                 "center, radius, motion, from or until of that source"});
+        if (const WaterSource& source = scene.flow->sources[k];
+            scene.frames > 1 && (source.rate == 0 || !touches_hair(source, scene)))
+            out.push_back({Level::warning, "dry_water",
+                           fmt::format("[[wetness.source]] {} wets no strand from {:g} s to "
+                                       "{:g} s of the scene's {:g} s",
+                                       k + 1, source.from, std::min(source.until, scene.end), scene.end),
+                           "rate, center, radius, motion, from or until of that source"});
 }
 
 // Distances between particles of different strands at rest: of some to some of all others.
@@ -252,22 +253,27 @@ class Neighbourhood {
 
 // Searches for neighbours that find far more of them than any effect needs: a frame takes minutes.
 void find_wide_radii(std::vector<Finding>& out, const Scene& scene) {
-    std::vector<std::pair<const char*, double>> radii;
-    if (scene.cohesion) radii.emplace_back(Cohesion::table, scene.cohesion->h_c);
-    if (scene.strand_contact) radii.emplace_back(StrandContact::table, scene.strand_contact->radius);
-    if (const auto& lin = scene.baseline<Lin2015>()) radii.emplace_back(Lin2015::table, lin->h);
-    if (const auto& kim = scene.baseline<Kim2016>()) radii.emplace_back(Kim2016::table, kim->h);
+    struct Search {
+        const char *table, *key;
+        double radius;  // [m]
+    };
+    std::vector<Search> radii;
+    if (scene.cohesion) radii.push_back({Cohesion::table, "radius", scene.cohesion->h_c});
+    if (scene.strand_contact) radii.push_back({StrandContact::table, "radius", scene.strand_contact->radius});
+    if (scene.flow && scene.flow->exchange > 0) radii.push_back({Flow::table, "reach", scene.flow->reach});
+    if (const auto& lin = scene.baseline<Lin2015>()) radii.push_back({Lin2015::table, "radius", lin->h});
+    if (const auto& kim = scene.baseline<Kim2016>()) radii.push_back({Kim2016::table, "radius", kim->h});
     if (radii.empty()) return;
     const Neighbourhood around(scene.groom.rest);
     constexpr double too_many = 2000, plenty = 100;
-    for (const auto& [table, radius] : radii)
+    for (const auto& [table, key, radius] : radii)
         if (const double found = around.within(radius); found > too_many)
             out.push_back(
                 {Level::warning, "wide_radius",
-                 fmt::format("a particle has {:.0f} of other strands within the radius of [{}], {}, and a "
+                 fmt::format("a particle has {:.0f} of other strands within the {} of [{}], {}, and a "
                              "frame takes a time that grows with them",
-                             found, table, in_millimetres(radius)),
-                 fmt::format("radius = {:.2g} in [{}], which holds {:g}", around.radius_of(plenty), table,
+                             found, key, table, in_millimetres(radius)),
+                 fmt::format("{} = {:.2g} in [{}], which holds {:g}", key, around.radius_of(plenty), table,
                              plenty)});
 }
 

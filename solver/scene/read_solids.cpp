@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -139,16 +140,35 @@ struct RestPose {
     std::optional<Mesh> mesh;
     std::string name;
 };
-RestPose rest_of(const Table& t, const SolidTable& read) {
+// `said`: by the file that is animated. Where both files say their unit or axis, the pose is brought to that
+// one's.
+RestPose rest_of(const Table& t, const SolidTable& read, const FileAxes& said) {
     if (read.rest.empty()) return {};
     if (!std::filesystem::exists(read.rest)) t.fail("rest", "no file '" + read.rest + "'");
-    return {first_mesh(read.rest), read.rest};
+    RestPose out{first_mesh(read.rest), read.rest};
+    const FileAxes own = axes_of_mesh(read.rest);
+    const double unit =
+        own.metres_per_unit && said.metres_per_unit ? *own.metres_per_unit / *said.metres_per_unit : 1;
+    const bool turns = own.up && said.up && *own.up != *said.up;
+    if (unit == 1 && !turns) return out;
+    for (Vec3f& v : out.mesh->vertices) {
+        Vec3d x = unit * cast<double>(v);
+        if (turns) {
+            const Vec3d y_up = upright(std::string(1, *own.up), x);
+            const auto part = [&](const Vec3d& axis) {
+                return dot(upright(std::string(1, *said.up), axis), y_up);
+            };
+            x = {part({1, 0, 0}), part({0, 1, 0}), part({0, 0, 1})};
+        }
+        v = cast<float>(x);
+    }
+    return out;
 }
 // The same of an animated file, of which a frame may be that pose. Between the samples of a scene file, which
 // leaves out those that repeat the one before, and before the first one, if the shot begins there, the mesh
 // holds still.
 RestPose rest_of(const Table& t, const SolidTable& read, const MeshFrames& frames, double fps) {
-    if (!read.rest_frame) return rest_of(t, read);
+    if (!read.rest_frame) return rest_of(t, read, frames.axes());
     if (!read.rest.empty())
         t.fail("rest_frame", "found beside rest; allowed is one of them, a frame or a file of its own");
     const auto& times = frames.times();
@@ -164,7 +184,17 @@ RestPose rest_of(const Table& t, const SolidTable& read, const MeshFrames& frame
         t.fail("rest_frame",
                fmt::format("found {}, but {} has frames {:g} to {:g} at {:g} a second (file_fps)", asked,
                            read.file, first, fps * times.back(), fps));
-    return {Mesh{frames.vertices(found), frames.triangles()}, frames.name_of(found)};
+    std::vector<Vec3f> vertices = frames.vertices(found);
+    const auto is_held = [&] {
+        return std::ranges::equal(vertices, frames.vertices(found + 1),
+                                  [](const Vec3f& a, const Vec3f& b) { return norm(a - b) == 0; });
+    };
+    if (asked - fps * times[found] > near && !is_held())
+        t.fail(
+            "rest_frame",
+            fmt::format("found {}, but {} holds the mesh at frames {:g} and {:g} and moves it between them",
+                        asked, read.file, fps * times[found], fps * times[found + 1]));
+    return {Mesh{std::move(vertices), frames.triangles()}, frames.name_of(found)};
 }
 
 void warn_of_still_mesh(const SolidTable& read) {
@@ -257,7 +287,7 @@ void read_mesh_solid(Solid& solid, const Table& t, const SolidTable& read, Hair 
         MeshKeyframeTable first;
         read_parameters(first, MeshKeyframeTable::parameters, keys.front());
         FileFrame frame{1, "y", rotation_of(read.rotation), read.scale, read.offset};
-        RestPose rest = rest_of(t, read);
+        RestPose rest = rest_of(t, read, first.file.empty() ? FileAxes() : axes_of_mesh(first.file));
         if (!first.file.empty())
             frame =
                 frame_of(t, read, first.file, axes_of_mesh(first.file),

@@ -55,7 +55,7 @@ struct SolidTable {
          &SolidTable::file_fps},
         {KeyRow::integer("first_file_frame", 1, -1'000'000, 1'000'000,
                          "Number of the animated file's frame that is frame 0 of the scene.", "", of_mesh)
-             .without_default("the first in the file"),
+             .without_default("where its file says that the shot begins, else its first"),
          &SolidTable::first_file_frame},
         {KeyRow::path("rest", "the mesh at frame 0",
                       "Mesh of the pose in which the hair was made, with the triangles of the animated one.",

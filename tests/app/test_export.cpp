@@ -41,7 +41,7 @@ class Export : public ::testing::Test {
             for (int i = 0; i < particles; ++i) groom.rest.at(s, i) = start(s, i);
         }
         groom.width.assign(size_t(strands * particles), 0);
-        for (int i = 0; i < particles; ++i) groom.width[size_t(2 * particles + i)] = 2e-4f - 2e-5f * float(i);
+        for (int i = 0; i < particles; ++i) groom.width[size_t(2 * particles + i)] = 2e-4f - 5e-5f * float(i);
         for (int k = 0; k < strands * particles; ++k)
             header.saturation.push_back(float(k % particles) / (particles - 1));
         RunWriter run(path("run.h5"), header, true);
@@ -89,7 +89,8 @@ TEST_F(Export, holds_what_is_displayed_in_the_order_of_the_file) {
         // A strand of the file that says its widths keeps them; the others are as thick as the scene's hair.
         ASSERT_EQ(hair.widths.size(), size_t(strands * particles));
         for (int i = 0; i < particles; ++i)
-            EXPECT_FLOAT_EQ(hair.widths[size_t(3 * particles + i)], 2e-4f - 2e-5f * float(i));
+            EXPECT_FLOAT_EQ(hair.widths[size_t(3 * particles + i)],
+                            2e-4f - 5e-5f * float(i));  // to 0 at its tip
         EXPECT_NEAR(hair.widths[0], std::sqrt(4 * 6.5e-6 / (3.14159265 * 1300)), 1e-8);
     }
 }

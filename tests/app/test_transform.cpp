@@ -21,7 +21,8 @@ using testing::expect_error;
 
 const std::string wet_curls =
     "frames = 3\n[groom]\ngrid = [8, 8]\nparticles = 25\nlength = 0.1\npitch = 0.04\n[integrator]\n"
-    "substeps = 4\n[stretch]\n[bend]\n[core]\n[wetness]\n[curl]\n[cohesion]\nradius = 0.03\n[motion]\n"
+    "substeps = 4\nallow_stretch = 1e9\n[stretch]\n[bend]\n[core]\n[wetness]\n[curl]\n[cohesion]\nradius = "
+    "0.03\n[motion]\n"
     "angle = 40\nperiod = 0.4\n";
 
 // A dry run of 16 strands and the wet one of 64.
@@ -49,7 +50,6 @@ class Transform : public ::testing::Test {
     static InferOptions by_colours(double gain, const std::string& form = "paper") {
         InferOptions o = from_dry("colours.h5");
         o.oracle_colours = wet, o.gain = gain, o.reconstruct = form;
-        o.set = {"integrator.allow_stretch=1e9"};  // whatever comes of it
         return o;
     }
     static Strands last_of(const InferOptions& o) {
@@ -135,10 +135,20 @@ TEST_F(Transform, a_model_keeps_the_gain_that_its_recipe_names) {
     train_command(train);
     InferOptions o = from_dry("learned.h5");
     o.model = train.output, o.reconstruct = "paper";
-    // So read, it throws strands about, which nobody has to look for.
-    expect_error([&] { infer_command(o); }, {"learned.h5", "diverged at frame 0", "times its rest length",
-                                             "allow_stretch", "gain 7, Eq 18 as printed"});
-    o.set = {"integrator.allow_stretch=1e9"}, o.overwrite = true;
+    // So read, it throws strands about, which a run refuses whose scene does not ask for it, now and when it
+    // is gone on with.
+    SimulateOptions strict;
+    strict.threads = 1, strict.scene = scratch->path("scene.toml"), strict.dry = true, strict.strands = 16;
+    strict.set = {"integrator.allow_stretch=10"}, strict.output = scratch->path("strict.h5");
+    simulate_command(strict);
+    InferOptions refused = o;
+    refused.input = strict.output, refused.output = scratch->path("refused.h5");
+    for (const bool resumed : {false, true}) {
+        refused.resume = resumed, refused.overwrite = !resumed;
+        expect_error([&] { infer_command(refused); },
+                     {"refused.h5", "diverged at frame 0", "times its rest length", "allow_stretch",
+                      "gain 7, Eq 18 as printed", "0 frames are kept"});
+    }
     infer_command(o);
     EXPECT_EQ(method_of(o), "recursive_residual, paper, gain 7, Eq 18 as printed");
     o.units = "length", o.gain = 0;

@@ -225,6 +225,10 @@ TEST_F(Findings, sources_of_water_that_come_near_no_strand_are_seen) {
                       down = "\ntranslation = [0, -0.9, 0]\n";
     EXPECT_EQ(with(falls + "2" + down), Names{});
     EXPECT_EQ(with("center = [0, 0.1, 0]\nfrom = 5\n"), Names{"dry_water"});
+    EXPECT_EQ(with("center = [0, 0.1, 0]\nrate = 0\n"), Names{"dry_water"});
+    // The last of 100 frames is at 99 / 24 s.
+    EXPECT_EQ(with("center = [0, 0.1, 0]\nfrom = 4.13\n"), Names{"dry_water"});
+    EXPECT_EQ(with("center = [0, 0.1, 0]\nfrom = 4.12\n"), Names{});
     EXPECT_EQ(with("until = 1\n" + falls + "4" + down), Names{"dry_water"});
 }
 

@@ -166,7 +166,8 @@ TEST(SceneGroom, wrong_keys_and_files_are_named) {
     refused("scale = 0\n", {"scene.toml:3", "scale"});
     refused("offset = [0, 1]\n", {"scene.toml:3", "offset"});
     refused("scalp_units = 'cm'\n", {"scene.toml:3", "scalp_units"});  // of no scalp
-    expect_error([&] { load("file = 'none.data'\n", scratch.path()); }, {"none.data", "no such file"});
+    expect_error<Misuse>([&] { load("file = 'none.data'\n", scratch.path()); },
+                         {"scene.toml:2", "file", "none.data", "no file"});
     expect_error([&] { load("file = 'hair.data'\nscalp = 'none.obj'\n", scratch.path()); }, {"none.obj"});
 }
 

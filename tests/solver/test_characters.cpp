@@ -163,7 +163,7 @@ TEST(Characters, says_what_is_wrong_with_their_files) {
     };
     const auto file = [&](const std::string& name) { return "file = \"" + scratch.path(name) + "\"\n"; };
     refuses(file("body.usda") + "object = \"/body/hat\"\n",
-            {"scene.toml:6", "/body/hat", "/body/skin", "/body/shirt"});
+            {"scene.toml:7", "/body/hat", "/body/skin", "/body/shirt"});
     refuses(file("head.####.obj"), {"scene.toml:6", "head.####.obj", "#"});
     refuses(file("none.abc"), {"scene.toml:6", "none.abc"});
     refuses(file("body.0001.obj") + "object = \"/body/skin\"\n", {"scene.toml:7", "object", "animated"});
