@@ -17,7 +17,10 @@ using Level = Finding::Level;
 
 namespace {
 
-std::string in_millimetres(double metres) { return fmt::format("{:.3g} mm", 1e3 * metres); }
+// Without what rounding leaves.
+std::string in_millimetres(double metres) {
+    return fmt::format("{:.3g} mm", metres < 5e-6 ? 0 : 1e3 * metres);
+}
 
 // Surfaces that move with the roots, in the pose of the hair at rest.
 class SurfacesOfHead {
