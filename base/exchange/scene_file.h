@@ -20,10 +20,9 @@ enum class CurveBasis { linear, bezier, b_spline, catmull_rom };
 // How a file says its numbers are meant; empty where it does not.
 struct FileAxes {
     std::optional<double> metres_per_unit = {};
-    std::optional<char> up = {};      // 'x', 'y', 'z'
-    std::optional<double> rate = {};  // frames a second, in which it counts
-    std::optional<double> start =
-        {};  // [s] of its clock: where its shot begins, before its first sample or at it
+    std::optional<char> up = {};       // 'x', 'y', 'z'
+    std::optional<double> rate = {};   // frames a second, in which it counts
+    std::optional<double> start = {};  // [s] of its clock, where its shot begins
 };
 
 // Strands, or one object of them, without their points: what is the same at all times.
