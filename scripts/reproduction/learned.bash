@@ -23,12 +23,13 @@ unseen=(--seed 7 --set 'motion.axis=[1,0,0]' --set motion.angle=15 --set motion.
 
 # runs_of FOLDER FRAMES OPTION...: wet, dry at low resolution and, for the networks of strands, wet so and wet cheaply.
 runs_of() {
-    local folder=$1 frames=$2
+    # Edges of any length from low-resolution runs: how far each way errs is what is asked.
+    local folder=$1 frames=$2 any=(--set integrator.allow_stretch=1e9)
     shift 2
     simulate "$folder/wet" "$scene_file" --frames "$frames" "$@"
-    simulate "$folder/dry_low" "$scene_file" --dry --strands "$low" --frames "$frames" "$@"
+    simulate "$folder/dry_low" "$scene_file" --dry --strands "$low" --frames "$frames" "${any[@]}" "$@"
     [[ ${#rows_with[@]} -gt 0 ]] || return 0
-    simulate "$folder/wet_low" "$scene_file" --strands "$low" --before-cohesion --frames "$frames" "$@"
+    simulate "$folder/wet_low" "$scene_file" --strands "$low" --before-cohesion --frames "$frames" "${any[@]}" "$@"
     # The simulation itself with less work: 4 substeps, Eq 10 every 12.5 mm in over-relaxed sweeps.
     simulate "$folder/wet_cheap" "$scene_file" --frames "$frames" --set integrator.substeps=4 --set cohesion.spacing=0.0125 --set cohesion.relaxation=3.4 "$@"
 }
