@@ -127,7 +127,7 @@ void add_options(CLI::App& app, ImportOptions& o) {
         ->check(CLI::IsMember(
             std::vector<std::string>(std::begin(GroomTable::orders), std::end(GroomTable::orders))))
         ->capture_default_str();
-    app.add_flag("--repair", o.groom.repair, "end strands before a stray point");
+    app.add_flag("--repair", o.groom.repair, "leave stray points out");
     app.add_option("--resample", o.resample, "particles a strand; 0: as it is")->check(CLI::Range(0, 100000));
     app.add_option("--scalp", o.scalp,
                    "head mesh in the units of the hair, which --rotation, --scale and --offset move to it: "

@@ -80,11 +80,16 @@ Scene wetness_scene(const InferOptions& o, int stride) {
     return load_scene(o.wetness, options);
 }
 
+std::string key_of(const std::string& assignment) {
+    std::string name = assignment.substr(0, assignment.find('='));
+    std::erase(name, ' ');
+    return name;
+}
+
 // Whether --set names that key, or its whole table.
 bool sets(const InferOptions& o, const std::string& table, const std::string& key) {
-    return std::any_of(o.set.begin(), o.set.end(), [&](const std::string& assignment) {
-        std::string name = assignment.substr(0, assignment.find('='));
-        std::erase(name, ' ');
+    return std::ranges::any_of(o.set, [&](const std::string& assignment) {
+        const std::string name = key_of(assignment);
         return name == table || name == table + "." + key;
     });
 }
@@ -162,7 +167,10 @@ int infer_scene(InferOptions o) {
 
 // From a run.
 int infer_run(InferOptions o) {
-    if (o.wetness.empty()) refuse_scene_options(o, "infer from a run without --wetness");
+    // Of a run's own scene it may change how far edges may stretch, which is asked of what is predicted.
+    CommonOptions others = o;
+    std::erase_if(others.set, [](const std::string& s) { return key_of(s) == "integrator.allow_stretch"; });
+    if (o.wetness.empty()) refuse_scene_options(others, "infer from a run without --wetness");
     LowRun low(o.input);
     const RunHeader& header = low.header();
     if (o.frames && *o.frames > low.frames())
@@ -174,6 +182,7 @@ int infer_run(InferOptions o) {
                     "(simulate --strands)");
     SceneOptions options;
     options.stride = header.stride / 2;
+    options.set = o.set;
     Scene scene = o.wetness.empty() ? parse_scene(header.scene, o.input, header.scene_folder, options)
                                     : wetness_scene(o, options.stride);
     take_learned(o, scene, 0);

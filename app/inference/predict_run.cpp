@@ -221,10 +221,9 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
                 longest.value > scene.integrator.allow_stretch)
                 throw Error(
                     fmt::format("{}: diverged at frame {}, strand {}, particle {}: found an edge of {:.4g} "
-                                "times its rest length, "
-                                "allowed are {:g} ([integrator] allow_stretch of the low-resolution run's "
-                                "scene); '{}' does not "
-                                "fit this hair; {}",
+                                "times its rest "
+                                "length, allowed are {:g}; '{}' does not fit this hair "
+                                "(--set integrator.allow_stretch=N allows more); {}",
                                 request.output, longest.frame, longest.strand, longest.particle,
                                 longest.value, scene.integrator.allow_stretch, predictor->name(), kept()));
             writer.append(predicted);

@@ -62,9 +62,10 @@ std::vector<Vec3f> SceneMesh::vertices(size_t sample) const {
     return out;
 }
 
-Mesh first_mesh(const std::string& path) {
+Mesh first_mesh(const std::string& path, const std::string& object) {
     if (!is_scene_file(path)) return read_mesh(path, 1);
-    const SceneMesh mesh(path, "");
+    const bool is_alone = open_scene_file(path)->meshes().size() == 1;
+    const SceneMesh mesh(path, is_alone ? "" : object);
     return {mesh.vertices(0), mesh.triangles()};
 }
 

@@ -30,9 +30,9 @@ class SceneMesh {
     std::vector<std::array<int, 3>> triangles_;
 };
 
-// The mesh of a file in its own unit and axes: .obj, .ply, .glb, or all that an .abc or .usda holds at its
-// first time. Throws as read_mesh and SceneMesh do.
-Mesh first_mesh(const std::string& path);
+// The mesh of a file in its own unit and axes: .obj, .ply, .glb, or what an .abc or .usda holds at its first
+// time: its only mesh, or of more `object`, as above. Throws as read_mesh and SceneMesh do.
+Mesh first_mesh(const std::string& path, const std::string& object = "");
 // What such a file says of them.
 FileAxes axes_of_mesh(const std::string& path);
 

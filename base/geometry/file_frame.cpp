@@ -23,6 +23,12 @@ Vec3d upright(const std::string& up, const Vec3d& x) {
     throw Misuse("found the up axis '" + up + "', allowed x, -x, y, -y, z, -z");
 }
 
+Vec3d laid_along(const std::string& up, const Vec3d& y_up) {
+    // upright() is a turn, whose inverse is its transpose.
+    return {dot(upright(up, {1, 0, 0}), y_up), dot(upright(up, {0, 1, 0}), y_up),
+            dot(upright(up, {0, 0, 1}), y_up)};
+}
+
 Quatd rotation_of(const Vec3d& degrees) {
     const double radians = std::numbers::pi / 180;
     return rotation_about({0, 0, 1}, radians * degrees.z) * rotation_about({0, 1, 0}, radians * degrees.y) *

@@ -19,6 +19,8 @@ double metres_of(const std::string& unit);
 // so that what faced -y faces +z. The others turn about z or x too. Throws Misuse for another word, "" before
 // it.
 Vec3d upright(const std::string& up, const Vec3d& x);
+// Its inverse: coordinates with +y up to those of a file in which `up` is. Throws likewise.
+Vec3d laid_along(const std::string& up, const Vec3d& y_up);
 
 // By angles [degrees] about x, then y, then z.
 Quatd rotation_of(const Vec3d& degrees);

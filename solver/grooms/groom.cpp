@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "base/median.h"
 #include "solver/grooms/procedural.h"
+#include "solver/grooms/stray_points.h"
 
 namespace wetcurl {
 
@@ -91,10 +92,11 @@ static void arrange(ImportedStrands& in, const GroomTable& groom, const std::str
     const Quatd turn = rotation_of(groom.rotation);
     for (auto& strand : in.strands)
         for (auto& x : strand) x = groom.scale * rotate(turn, x) + groom.offset;
+    in.origin = groom.scale * rotate(turn, in.origin) + groom.offset;
     for (auto& widths : in.widths)
         for (float& width : widths) width *= float(groom.scale);
     if (groom.repair)
-        log_info(file + ": " + std::to_string(repair(in)) + " strands end before a stray point");
+        log_info(file + ": " + std::to_string(repair(in)) + " strands had stray points, which are left out");
 }
 
 ImportedStrands import_strands(const GroomTable& groom) {

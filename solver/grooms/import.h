@@ -24,6 +24,8 @@ struct ImportedStrands {
     std::vector<int> ids, groups;               // (strand)
     std::vector<std::array<float, 2>> root_uv;  // (strand)
 
+    Vec3d origin{0, 0, 0};  // where the file's origin has come to lie [m]
+
     size_t found = 0;  // strands in the file, the dropped ones included
     // Dropped strands, by reason.
     size_t no_points = 0, one_point = 0, no_length = 0;

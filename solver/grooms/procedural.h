@@ -103,10 +103,9 @@ struct GroomTable {
          &GroomTable::offset},
         {KeyRow::one_of("order", orders, "root_first", "Where strands of the file begin.", "", {"file"}),
          &GroomTable::tip_first},
-        {KeyRow::boolean(
-             "repair", false,
-             "Whether strands end before a stray point: at the origin, or far from the one before it.", "",
-             {"file"}),
+        {KeyRow::boolean("repair", false,
+                         "Whether stray points are left out: at the origin, or far from those before them.",
+                         "", {"file"}),
          &GroomTable::repair},
     };
 };

@@ -5,31 +5,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "base/geometry/file_frame.h"
 #include "base/median.h"
 #include "base/number_text.h"
 #include "base/strands.h"
+#include "solver/grooms/stray_points.h"
 
 namespace wetcurl {
 
 using Level = Finding::Level;
 
 namespace {
-
-// From its first point on: the number of the first segment that is `times` longer than the median one of the
-// strand, or that leads to the origin from elsewhere; 0: none.
-size_t stray_segment(const std::vector<Vec3d>& strand) {
-    constexpr double times = 20, at_origin = 1e-9, far_from_it = 1e-3;  // [m]
-    std::vector<double> lengths;
-    for (size_t i = 0; i + 1 < strand.size(); ++i) lengths.push_back(norm(strand[i + 1] - strand[i]));
-    const double usual = median(lengths);
-    for (size_t i = 0; i < lengths.size(); ++i) {
-        const bool to_origin = norm(strand[i + 1]) < at_origin && norm(strand[i]) > far_from_it;
-        if (to_origin || (lengths.size() > 2 && lengths[i] > times * usual)) return i + 1;
-    }
-    return 0;
-}
 
 void find_size(std::vector<Finding>& out, double length, const std::string& file, const std::string& units) {
     constexpr double shortest = 1e-3, short_hair = 5e-3, long_hair = 3, longest = 10;  // [m]
@@ -49,29 +37,36 @@ void find_size(std::vector<Finding>& out, double length, const std::string& file
 }
 
 void find_stray_points(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file) {
+    const StraySearch search(in);
     std::vector<size_t> stray;
     for (size_t s = 0; s < in.strands.size(); ++s)
-        if (stray_segment(in.strands[s])) stray.push_back(in.numbers[s]);
+        if (search.first_in(in.strands[s])) stray.push_back(in.numbers[s]);
     if (!stray.empty())
         out.push_back(
             {Level::error, "stray_points",
              fmt::format("{}: {} of {} strands have a point far from the others or at the origin: strand {}",
                          file, stray.size(), in.strands.size(), listed(stray, 8)),
-             "repair = true in [groom], which ends a strand before such a point"});
+             "repair = true in [groom], which leaves such points out"});
 }
 
-void find_short_strands(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file,
-                        double length) {
-    constexpr double share = 0.02;  // of the median strand
-    std::vector<size_t> numbers;
-    for (size_t s = 0; s < in.strands.size(); ++s)
-        if (arc_length(in.strands[s].data(), int(in.strands[s].size())) < share * length)
-            numbers.push_back(in.numbers[s]);
-    if (!numbers.empty())
-        out.push_back({Level::warning, "short_strands",
-                       fmt::format("{}: {} strands are shorter than {}: strand {}", file, numbers.size(),
-                                   fmt::format("{:.3g} mm", 1e3 * share * length), listed(numbers, 8)),
-                       ""});
+// Against the median strand.
+void find_odd_lengths(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file,
+                      const std::vector<double>& lengths, double usual) {
+    constexpr double short_share = 0.02, long_share = 10;
+    const auto find = [&](const char* name, const char* than, double limit, const auto& is_odd) {
+        std::vector<size_t> numbers;
+        for (size_t s = 0; s < lengths.size(); ++s)
+            if (is_odd(lengths[s], limit)) numbers.push_back(in.numbers[s]);
+        if (!numbers.empty())
+            out.push_back(
+                {Level::warning, name,
+                 fmt::format("{}: {} strands are {} than {:.3g} mm, {:g} times the median one: "
+                             "strand {}",
+                             file, numbers.size(), than, 1e3 * limit, limit / usual, listed(numbers, 8)),
+                 ""});
+    };
+    find("short_strands", "shorter", short_share * usual, std::less<>());
+    find("long_strands", "longer", long_share * usual, std::greater<>());
 }
 
 // Without a sign of its own for 0.
@@ -80,9 +75,7 @@ double hundredths(double x) { return 0.01 * std::round(100 * x) + 0.0; }
 // The axis of the file that points up where hair falls along `way`, as it is when the file is read with `up`
 // up.
 std::string axis_by_fall(const std::string& up, const Vec3d& way) {
-    // upright() is a turn, whose inverse is its transpose.
-    const Vec3d in_file{dot(upright(up, {1, 0, 0}), way), dot(upright(up, {0, 1, 0}), way),
-                        dot(upright(up, {0, 0, 1}), way)};
+    const Vec3d in_file = laid_along(up, way);
     std::string best;
     double most = -1e300;
     for (const char* axis : axis_words)
@@ -140,7 +133,7 @@ std::vector<Finding> findings_of_strands(const ImportedStrands& in, const std::s
     const double length = median(lengths);
     find_size(out, length, file, in.units);
     find_stray_points(out, in, file);
-    find_short_strands(out, in, file, length);
+    find_odd_lengths(out, in, file, lengths, length);
     find_up(out, in, file);
     return out;
 }
@@ -160,27 +153,6 @@ Finding finding_of_turns(const CurlTurns& curl, int particles) {
             few ? fmt::format("particles = {} in [groom] gives the {:g} that keep their shape", enough,
                               enough_particles_of_a_turn)
                 : ""};
-}
-
-size_t repair(ImportedStrands& in) {
-    size_t ended = 0;
-    std::vector<size_t> kept;
-    for (size_t s = 0; s < in.strands.size(); ++s) {
-        if (const size_t end = stray_segment(in.strands[s])) {
-            in.strands[s].resize(end), ++ended;
-            if (!in.widths.empty()) in.widths[s].resize(end);
-        }
-        if (in.strands[s].size() > 1) kept.push_back(s);
-    }
-    if (kept.size() == in.strands.size()) return ended;
-    auto keep = [&](auto& values) {
-        if (values.empty()) return;
-        for (size_t k = 0; k < kept.size(); ++k) values[k] = values[kept[k]];
-        values.resize(kept.size());
-    };
-    in.one_point += in.strands.size() - kept.size();
-    keep(in.strands), keep(in.numbers), keep(in.widths), keep(in.ids), keep(in.groups), keep(in.root_uv);
-    return ended;
 }
 
 }  // namespace wetcurl

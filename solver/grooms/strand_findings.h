@@ -16,9 +16,9 @@ struct Finding {
     std::string remedy;                               // the line that would mend it; may be empty
 
     static constexpr const char* names[] = {
-        "size",           "up",        "order",     "stray_points",  "short_strands",
-        "roots_off_head", "head_size", "open_mesh", "doubled_faces", "turned_faces",
-        "no_area",        "no_inside", "dry_water", "wide_radius",   "few_particles"};
+        "size",           "up",        "order",       "stray_points",  "short_strands", "long_strands",
+        "roots_off_head", "head_size", "open_mesh",   "doubled_faces", "turned_faces",  "no_area",
+        "no_inside",      "dry_water", "wide_radius", "few_particles"};
 };
 const char* name_of(Finding::Level level);
 // "up: groom.data: from roots to tips the hair runs along -z; up = \"z\" in [groom], if ...".
@@ -29,10 +29,5 @@ std::vector<Finding> findings_of_strands(const ImportedStrands& in, const std::s
 
 // Of `particles` a strand against the turns of its curl.
 Finding finding_of_turns(const CurlTurns& curl, int particles);
-
-// Ends each strand before a stray point: one at the origin, far from the point before it, or at the end of a
-// segment that is 20 times as long as the strand's median one. Strands of which a single point is left are
-// dropped, and counted as such. Returns how many were ended.
-size_t repair(ImportedStrands& in);
 
 }  // namespace wetcurl

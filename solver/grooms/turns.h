@@ -13,7 +13,6 @@ inline constexpr double enough_particles_of_a_turn = 8;
 // With fewer, a polyline has no radius that is its curl's.
 inline constexpr double fewest_particles_of_a_turn = 3;
 
-// The curl of the middle one of some strands.
 struct CurlTurns {
     double turns = 0;   // 0: straight
     double radius = 0;  // [m]
@@ -21,7 +20,7 @@ struct CurlTurns {
 // Of one strand's points, root first. What winds by less than half a millimetre, or without a regular hand,
 // is taken for straight: it is noise.
 CurlTurns turns_of(const std::vector<Vec3d>& strand);
-// The middle of strands, by turns; at most 256 of them are looked at.
+// Of strands the one that three quarters of them turn no more than; at most 256 are looked at.
 CurlTurns turns_of(const StrandPoints& strands);
 
 // How many particles of a strand would do.

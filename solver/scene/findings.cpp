@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "base/log.h"
@@ -86,6 +87,8 @@ struct RootsOnSurface {
     }
 };
 
+constexpr double off = 0.008, far = 0.03, too_far = 0.3;  // of roots from what they should lie on [m]
+
 void find_roots(std::vector<Finding>& out, const Scene& scene) {
     const SurfacesOfHead head(scene);
     if (head.surfaces().empty()) return;
@@ -108,8 +111,8 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
     const RootsOnSurface roots(distances);
     const double usual = roots.usual;
     const std::string place = text_of(roots, "the head");
+    const auto deep = std::ranges::count_if(distances, [](double phi) { return phi < -off; });
     const bool tips_first = double(nearer_tips) > 0.5 * hair.count;
-    constexpr double off = 0.008, far = 0.03, too_far = 0.3;  // [m]
     std::vector<size_t> lost;
     for (size_t s = 0; s < distances.size(); ++s)
         if (std::abs(distances[s]) > too_far) lost.push_back(size_t(origins[s].number));
@@ -130,9 +133,16 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
             {Level::warning, "roots_off_head", place,
              "if roots should lie on it: the pose of the groom (rest, first_file_frame, offset), or "
              "the head exported as it is drawn, with its subdivision"});
+    else if (double(deep) > 0.05 * hair.count)
+        out.push_back(
+            {Level::warning, "roots_off_head",
+             fmt::format("{}; {} more than {}, and hair is pushed out there", place, deep,
+                         in_millimetres(off)),
+             "if they should lie on it: scale, offset or radius of the [[solid]] that they lie in, or "
+             "allow = [\"roots_off_head\"]"});
     else
         out.push_back({Level::note, "roots_off_head", place, ""});
-    // Of what is attached beside the head, one by one.
+    // Where more than one is attached, of each.
     for (const auto& surface : head.surfaces()) {
         if (head.surfaces().size() < 2) break;
         std::vector<double> own;
@@ -256,10 +266,22 @@ class Neighbourhood {
 
 // Searches for neighbours that find far more of them than any effect needs: a frame takes minutes.
 void find_wide_radii(std::vector<Finding>& out, const Scene& scene) {
+    constexpr double too_many = 2000, plenty = 100;
     struct Search {
         const char *table, *key;
         double radius;  // [m]
     };
+    if (const auto& boundary = scene.baseline<BoundaryParticles2013>()) {
+        const double found = std::numbers::pi * std::pow(boundary->h / boundary->spacing, 2);
+        if (found > too_many)
+            out.push_back({Level::warning, "wide_radius",
+                           fmt::format("a particle at a solid has about {:.0f} boundary particles within "
+                                       "boundary_range of [{}], {}, and a frame takes a time that grows "
+                                       "with them",
+                                       found, BoundaryParticles2013::table, in_millimetres(boundary->h)),
+                           fmt::format("boundary_range = {:.2g} in [{}], two and a half times their spacing",
+                                       2.5 * boundary->spacing, BoundaryParticles2013::table)});
+    }
     std::vector<Search> radii;
     if (scene.cohesion) radii.push_back({Cohesion::table, "radius", scene.cohesion->h_c});
     if (scene.strand_contact) radii.push_back({StrandContact::table, "radius", scene.strand_contact->radius});
@@ -268,7 +290,6 @@ void find_wide_radii(std::vector<Finding>& out, const Scene& scene) {
     if (const auto& kim = scene.baseline<Kim2016>()) radii.push_back({Kim2016::table, "radius", kim->h});
     if (radii.empty()) return;
     const Neighbourhood around(scene.groom.rest);
-    constexpr double too_many = 2000, plenty = 100;
     for (const auto& [table, key, radius] : radii)
         if (const double found = around.within(radius); found > too_many)
             out.push_back(

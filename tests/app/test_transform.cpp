@@ -149,6 +149,10 @@ TEST_F(Transform, a_model_keeps_the_gain_that_its_recipe_names) {
                      {"refused.h5", "diverged at frame 0", "times its rest length", "allow_stretch",
                       "gain 7, Eq 18 as printed", "0 frames are kept"});
     }
+    refused.resume = false, refused.overwrite = true, refused.set = {"fps=30"};
+    expect_error<Misuse>([&] { infer_command(refused); }, {"--set fps=30"});
+    refused.set = {"integrator.allow_stretch=1e9"};
+    EXPECT_EQ(infer_command(refused), 0);
     infer_command(o);
     EXPECT_EQ(method_of(o), "recursive_residual, paper, gain 7, Eq 18 as printed");
     o.units = "length", o.gain = 0;

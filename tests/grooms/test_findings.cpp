@@ -1,9 +1,12 @@
 // What looks wrong about hair and head is found, named and mended; what is right is left alone.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "solver/grooms/groom.h"
+#include "solver/grooms/procedural.h"
 #include "solver/scene/findings.h"
 #include "strand_files.h"
 
@@ -167,6 +170,42 @@ TEST_F(Findings, stray_points_are_named_by_their_strand_and_left_out) {
     for (const auto& x : scene.groom.rest.points) EXPECT_LT(norm(x), 1);
 }
 
+// Of 12 points over 0.2 m; all but the stray ones stay.
+TEST_F(Findings, a_detour_and_a_root_at_the_origin_are_left_out_alone) {
+    const StrandPoints whole = falling(200);
+    StrandPoints strands = whole;
+    strands[7][6] += {0.4, 0, 0};
+    strands[8][6] += {0, 0.4, 0}, strands[8][7] += {0, 0.4, 0};
+    strands[9].front() = {0, 0, 0};
+    strands[10][4] = {0, 0, 0};
+    expect_error([&] { scene_of(strands, "", head, true); }, {"stray_points", "strand 7, 8, 9, 10"});
+    // Placed elsewhere, the file's origin is no scene's.
+    expect_error([&] { scene_of(strands, "offset = [0, 0, 0.001]", head, true); },
+                 {"stray_points", "strand 7, 8, 9, 10"});
+    scratch.file("groom.data", data_file(strands));
+    GroomTable table;
+    table.file = scratch.path("groom.data"), table.units = "m", table.up = "y", table.repair = true;
+    const ImportedStrands in = import_strands(table);
+    for (const auto& [s, first, count] : {std::array<size_t, 3>{7, 6, 1}, {8, 6, 2}, {9, 0, 1}, {10, 4, 1}}) {
+        std::vector<Vec3d> kept = whole[s];
+        kept.erase(kept.begin() + long(first), kept.begin() + long(first + count));
+        ASSERT_EQ(in.strands[s].size(), kept.size()) << s;
+        for (size_t i = 0; i < kept.size(); ++i) EXPECT_LT(norm(in.strands[s][i] - kept[i]), 1e-6) << s;
+    }
+}
+
+// Many points in a curl at the tip, one segment before it, as programs simplify curves.
+TEST_F(Findings, strands_of_very_uneven_segments_are_not_stray) {
+    StrandPoints strands = falling(200);
+    for (auto& strand : strands) {
+        const Vec3d tip = strand.back();
+        strand = {strand.front(), strand.front() + 0.9 * (tip - strand.front())};
+        const Vec3d at = strand.back();
+        for (int i = 1; i <= 40; ++i) strand.push_back(at + (i / 40.0) * (tip - at));
+    }
+    EXPECT_FALSE(found(strands).contains("stray_points"));
+}
+
 TEST_F(Findings, hair_that_starts_far_from_its_head_stops_the_scene) {
     expect_error([&] { scene_of(falling(100), "offset = [1, 0, 0]", head, true); },
                  {"roots_off_head", "[groom]"});
@@ -203,6 +242,32 @@ TEST_F(Findings, short_strands_are_counted_and_named) {
                                  [](const Finding& f) { return f.name == std::string("short_strands"); });
     ASSERT_NE(at, all.end());
     EXPECT_NE(at->text.find("strand 5"), std::string::npos);
+}
+
+TEST_F(Findings, strands_that_are_far_longer_than_the_others_are_named) {
+    StrandPoints strands = falling(100);
+    for (size_t i = 1; i < strands[5].size(); ++i)
+        strands[5][i] = strands[5].front() + Vec3d{0, -0.25 * double(i), 0};
+    const std::string said = texts(scene_of(strands), "long_strands");
+    EXPECT_NE(said.find("warning: long_strands"), std::string::npos) << said;
+    EXPECT_NE(said.find("strand 5"), std::string::npos) << said;
+}
+
+// A box over the crown, in which a tenth of the roots lies more than 8 mm deep, or none.
+TEST_F(Findings, roots_deep_in_a_solid_beside_the_head_are_seen) {
+    const auto with_box = [&](double bottom) {
+        std::string box;
+        for (const double y : {bottom, 0.2})
+            for (const auto& [x, z] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+                box += fmt::format("v {} {} {}\n", 0.035 * x, y, 0.035 * z);
+        scratch.file("box.obj", box + "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n");
+        return std::string(head) + "[[solid]]\nname = \"box\"\nattached = \"head\"\nshape = \"mesh\"\n" +
+               "file = \"box.obj\"\nunits = \"m\"\nup = \"y\"\n";
+    };
+    EXPECT_EQ(found(falling(400), "", with_box(0.11)), Names{});
+    EXPECT_EQ(found(falling(400), "", with_box(0.05)), Names{"roots_off_head"});
+    EXPECT_NE(texts(scene_of(falling(400), "", with_box(0.05)), "roots_off_head").find("hair is pushed out"),
+              std::string::npos);
 }
 
 TEST_F(Findings, water_that_wets_nothing_is_seen) {

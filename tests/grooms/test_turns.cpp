@@ -41,6 +41,35 @@ TEST(Turns, of_a_helix_are_counted_whatever_its_radius_and_sampling) {
         }
 }
 
+// As files have them: between sparse control points lie many more, on lines; and what a scan or a rounding
+// adds.
+TEST(Turns, are_counted_between_sparse_control_points_and_through_noise) {
+    Random random(5);
+    for (int turns : {2, 4, 9})
+        for (int of_a_turn : {8, 12, 40}) {
+            const auto control = coil(10 * mm, 40 * mm, turns, of_a_turn);
+            std::vector<Vec3d> lines;
+            for (size_t i = 0; i + 1 < control.size(); ++i)
+                for (int k = 0; k < 5; ++k)
+                    lines.push_back(control[i] + 0.2 * k * (control[i + 1] - control[i]));
+            lines.push_back(control.back());
+            std::vector<Vec3d> noisy = control;
+            for (auto& x : noisy) x += random.vector(0.2 * mm);
+            for (const auto& strand : {lines, noisy}) {
+                const CurlTurns found = turns_of(strand);
+                EXPECT_NEAR(found.turns / turns, 1, 0.1) << turns << " " << of_a_turn;
+                EXPECT_NEAR(found.radius / (10 * mm), 1, 0.25) << turns << " " << of_a_turn;
+            }
+        }
+}
+
+TEST(Turns, of_hair_that_curls_in_part_are_those_of_its_curly_part) {
+    StrandPoints strands;
+    for (int s = 0; s < 30; ++s)
+        strands.push_back(s % 3 ? straight_points(80, 0.2, {0, -1, 0}) : coil(4 * mm, 10 * mm, 8, 12));
+    EXPECT_NEAR(turns_of(strands).turns, 8, 0.2);
+}
+
 TEST(Turns, of_straight_bent_and_noisy_strands_are_none) {
     Random random(3);
     auto noisy = straight_points(100, 0.3, {0, -1, 0});

@@ -1,5 +1,7 @@
 // Characters of a shot: files of animated meshes, cuts, the way from rest to the first frame, units and axes,
 // meshes that are not as they should be.
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -332,32 +334,37 @@ TEST(Characters, hair_is_bound_to_the_frame_of_the_file_in_which_it_was_made) {
                          {"rest_frame", "beside rest"});
 }
 
+// A mesh of a .usda; `points`: the line, or lines, of them.
+std::string usda_mesh(const std::string& name, const Mesh& mesh, const std::string& points) {
+    std::vector<std::string> counts, corners;
+    for (const auto& t : mesh.triangles) {
+        counts.push_back("3");
+        for (const int corner : t) corners.push_back(std::to_string(corner));
+    }
+    return fmt::format(
+        "def Mesh \"{}\"\n{{\n    int[] faceVertexCounts = [{}]\n    int[] faceVertexIndices = [{}]\n    "
+        "{}\n}}\n",
+        name, fmt::join(counts, ", "), fmt::join(corners, ", "), points);
+}
+// "[(x, y, z), ...]", moved along x.
+std::string usda_points(const Mesh& mesh, float by) {
+    std::vector<std::string> out;
+    for (const Vec3f& v : mesh.vertices) out.push_back(fmt::format("({:f}, {:f}, {:f})", v.x + by, v.y, v.z));
+    return fmt::format("[{}]", fmt::join(out, ", "));
+}
+constexpr const char* usda_head =
+    "#usda 1.0\n(\n    startTimeCode = 1\n    endTimeCode = 24\n    timeCodesPerSecond = 24\n"
+    "    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n";
+
 // A shot from frame 1 to 24 whose mesh holds still until frame 12: what repeats is left out of the file.
 TEST(Characters, a_mesh_holds_still_from_the_begin_of_its_shot_to_its_first_sample) {
     const Scratch scratch;
     const Mesh ball = triangulated(Sphere{0.1}, 12);
-    std::string counts, corners, here, there;
-    const auto add = [](std::string& list, const std::string& item) {
-        list += (list.empty() ? "" : ", ") + item;
-    };
-    for (const auto& t : ball.triangles) {
-        add(counts, "3");
-        for (const int corner : t) add(corners, std::to_string(corner));
-    }
-    for (const Vec3f& v : ball.vertices) {
-        const auto point = [&](float x) {
-            return "(" + std::to_string(x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + ")";
-        };
-        add(here, point(v.x)), add(there, point(v.x + 1));
-    }
-    const std::string file =
-        scratch.file("body.usda",
-                     "#usda 1.0\n(\n    startTimeCode = 1\n    endTimeCode = 24\n    timeCodesPerSecond = "
-                     "24\n    metersPerUnit = 1\n"
-                     "    upAxis = \"Y\"\n)\ndef Mesh \"body\"\n{\n    int[] faceVertexCounts = [" +
-                         counts + "]\n    int[] faceVertexIndices = [" + corners +
-                         "]\n    point3f[] points.timeSamples = {\n        12: [" + here +
-                         "],\n        24: [" + there + "],\n    }\n}\n");
+    const std::string file = scratch.file(
+        "body.usda",
+        usda_head + usda_mesh("body", ball,
+                              "point3f[] points.timeSamples = {\n        12: " + usda_points(ball, 0) +
+                                  ",\n        24: " + usda_points(ball, 1) + ",\n    }"));
     const auto times = [&](const std::string& more, const std::string& fps = "24") {
         const Scene scene = scene_of(
             "fps = " + fps + "\nframes = 2\n" + dry_scene.substr(dry_scene.find('[')) +
@@ -372,6 +379,33 @@ TEST(Characters, a_mesh_holds_still_from_the_begin_of_its_shot_to_its_first_samp
     expect_error<Misuse>([&] { times("rest_frame = 0\n"); }, {"rest_frame", "found 0", "frames 1 to 24"});
     expect_error<Misuse>([&] { times("rest_frame = 25\n"); }, {"rest_frame", "found 25"});
     expect_error<Misuse>([&] { times("object = \"/no\"\n"); }, {"object", "found no mesh '/no'", "/body"});
+}
+
+// Of a file of several meshes the one that is animated; where there is one alone, it, whatever its name.
+TEST(Characters, the_pose_of_the_hair_is_that_of_the_object) {
+    const Scratch scratch;
+    const Mesh ball = triangulated(Sphere{0.1}, 12), other = triangulated(Sphere{0.05}, 8);
+    const auto file = [&](const std::string& name, const std::string& meshes) {
+        return scratch.file(name, usda_head + meshes);
+    };
+    const auto still = [](const std::string& name, const Mesh& mesh, float by) {
+        return usda_mesh(name, mesh, "point3f[] points = " + usda_points(mesh, by));
+    };
+    const std::string body = file("body.usda", still("eyes", other, 0) + still("body", ball, 0.5f));
+    const auto root = [&](const std::string& rest) {
+        const Scene scene =
+            scene_of("frames = 2\n" + standing(scratch, on_top(), 0.1, 10, "body") + weightless + springs +
+                     "[[solid]]\nname = \"body\"\nshape = \"mesh\"\nspacing = 0.02\n" +
+                     "object = \"/body\"\nfile = \"" + body + "\"\nrest = \"" + rest + "\"\n");
+        RidingRoots::Room room;
+        scene.root_poses_at(0, room);
+        return room.pose.at(0)({0, 0, 0});
+    };
+    const std::string both = file("both.usda", still("eyes", other, 3) + still("body", ball, 0)),
+                      alone = file("alone.usda", still("skin", ball, 0)),
+                      wrong = file("wrong.usda", still("eyes", other, 0) + still("skin", ball, 0));
+    for (const std::string& rest : {both, alone}) EXPECT_NEAR(root(rest).x, 0.5, 1e-5) << rest;
+    expect_error<Misuse>([&] { root(wrong); }, {"rest", "found no mesh '/body'", "/skin"});
 }
 
 // --- preroll

@@ -341,7 +341,7 @@ const std::map<string, string> no_effect = {
     {"title", "is for people"},
     {"frames", "says how long a run is, not what a frame shows"},
     {"allow", "lets a scene go on that would stop (tests/grooms/test_findings.cpp)"},
-    {"groom.repair", "ends strands before stray points, of which this file has none (the same)"},
+    {"groom.repair", "leaves out stray points, of which this file has none (the same)"},
     {"integrator.allow_stretch", "ends a run, or does not"},
     {"groom.density", "cancels in Eq 10, which is a ratio; only rounding is left"},
     {"adhesion.model", "is a network, which the program loads"},

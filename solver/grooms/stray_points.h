@@ -1,0 +1,38 @@
+// Points that are no part of their strands, as broken files have them.
+#pragma once
+
+#include <optional>
+
+#include "solver/grooms/import.h"
+
+namespace wetcurl {
+
+// Of one strand: points [first, last).
+struct StrayPoints {
+    size_t first, last;
+};
+
+// Finds them against what is usual in a groom. Stray are
+// - points at the file's origin, if the strand, or for a root most other roots, are elsewhere;
+// - up to three points that the strand jumps to, over more than 5 of its median segments, and back from, to
+//   near where it left;
+// - all beyond a segment of more than 20 of the strand's median ones and a quarter of the usual strand, unless
+//   a fifth of the strands have such segments: then they are drawn so.
+class StraySearch {
+  public:
+    explicit StraySearch(const ImportedStrands& in);
+    // The first of that strand, from its root on; nothing: none.
+    std::optional<StrayPoints> first_in(const std::vector<Vec3d>& strand) const;
+
+  private:
+    bool at_origin(const Vec3d& x) const { return norm(x - origin_) < 1e-9; }
+    Vec3d origin_;
+    double usual_length_ = 0;  // of a strand, without its jumps [m]
+    bool roots_elsewhere_ = false, jumps_ = false;
+};
+
+// Leaves stray points out. Strands of which a single point is left are dropped, and counted as such. Returns
+// how many strands lost points.
+size_t repair(ImportedStrands& in);
+
+}  // namespace wetcurl
