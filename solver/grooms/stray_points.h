@@ -16,8 +16,8 @@ struct StrayPoints {
 // - points at the file's origin, if the strand, or for a root most other roots, are elsewhere;
 // - up to three points that the strand jumps to, over more than 5 of its median segments, and back from, to
 //   near where it left;
-// - all beyond a segment of more than 20 of the strand's median ones and a quarter of the usual strand, unless
-//   a fifth of the strands have such segments: then they are drawn so.
+// - all beyond a segment of more than 20 of the strand's median ones and a quarter of the usual strand; not
+//   so where a fifth of the strands have such segments, which are drawn so then.
 class StraySearch {
   public:
     explicit StraySearch(const ImportedStrands& in);
