@@ -23,7 +23,7 @@
 #include "app/commands/simulate.h"
 #include "app/commands/stability.h"
 #include "app/commands/train.h"
-#include "app/options/repeatable.h"
+#include "app/options/option_list.h"
 #include "base/error.h"
 #include "base/interrupt.h"
 #include "base/log.h"
@@ -42,23 +42,24 @@ struct Verbosity {
 const std::vector<std::string> log_levels{"debug", "info", "warning", "error", "off"};
 
 template <class Options>
-void add_common(CLI::App& app, Options& o, Verbosity& verbosity) {
+void add_common(OptionList& options, Options& o, Verbosity& verbosity) {
     // What a command refuses is not in its help; the command says why.
-    const char* const of_scenes = Options::reads_scene ? "Options" : "";
-    repeatable(app.add_option("--set", o.set, "key.path=value over the scene's or recipe's (repeatable)")
-                   ->type_name("KEY=VALUE"))
-        ->group(of_scenes);
-    app.add_option("--device", o.device, "cpu | cuda[:n]")
-        ->capture_default_str()
-        ->group(Options::uses_device ? "Options" : "");
-    app.add_option("--threads", o.threads, "threads; 0: all")->check(CLI::Range(0, 4096));
-    app.add_option("--seed", o.seed, "seed in place of the file's")->group(of_scenes);
-    app.add_flag("--overwrite", o.overwrite, "replace an output that is there");
-    app.add_flag("--quiet", verbosity.quiet, "no progress, warnings only");
-    app.add_option("--log-level", verbosity.log_level, "debug | info | warning | error | off")
-        ->check(CLI::IsMember(log_levels));
+    const auto shown_if = [](bool shown, OptionRow option) {
+        if (!shown) option.hidden();
+    };
+    shown_if(Options::reads_scene,
+             options.option("--set", o.set, "key.path=value over the scene's or recipe's (repeatable)")
+                 .takes("KEY=VALUE")
+                 .repeatable());
+    shown_if(Options::uses_device, options.option("--device", o.device, "cpu | cuda[:n]").shows_default());
+    options.option("--threads", o.threads, "threads; 0: all").within(0, 4096);
+    shown_if(Options::reads_scene, options.option("--seed", o.seed, "seed in place of the file's"));
+    options.flag("--overwrite", o.overwrite, "replace an output that is there");
+    options.flag("--quiet", verbosity.quiet, "no progress, warnings only");
+    options.option("--log-level", verbosity.log_level, "debug | info | warning | error | off")
+        .one_of(log_levels);
     if constexpr (Options::writes_json)
-        app.add_option("--json", o.json, "write the results as JSON to this file, - for standard output");
+        options.option("--json", o.json, "write the results as JSON to this file, - for standard output");
 }
 
 void apply(const Verbosity& verbosity, CommonOptions& o) {
@@ -108,8 +109,9 @@ int main(int argc, char** argv) {
         auto options = std::make_shared<Options>();
         CLI::App& sub = *app.add_subcommand(Options::command, Options::summary);
         known.push_back(Options::command);
-        add_common(sub, *options, verbosity);
-        add_options(sub, *options);
+        OptionList list(sub);
+        add_common(list, *options, verbosity);
+        add_options(list, *options);
         sub.callback([&, options, command] {
             run = [&, options, command] {
                 apply(verbosity, *options);

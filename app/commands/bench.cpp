@@ -6,15 +6,13 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/commands/bench.h"
 #include "app/engine/device.h"
 #include "app/files/results.h"
-#include "app/options/input_file.h"
-#include "app/options/repeatable.h"
+#include "app/options/option_list.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 
@@ -187,10 +185,11 @@ std::vector<Entry> chosen(const BenchOptions& o) {
 
 }  // namespace bench
 
-void add_options(CLI::App& app, BenchOptions& o) {
-    app.add_option("--filter", o.filter, "only entries whose name holds this text");
-    repeatable(input_file(
-        app.add_option("--model", o.models, "time learned frames of this model too (repeatable)")));
+void add_options(OptionList& options, BenchOptions& o) {
+    options.option("--filter", o.filter, "only entries whose name holds this text");
+    options.option("--model", o.models, "time learned frames of this model too (repeatable)")
+        .input_file()
+        .repeatable();
 }
 
 int bench_command(const BenchOptions& o) {

@@ -3,10 +3,6 @@
 
 #include "app/options/common_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct BenchOptions : CommonOptions {
@@ -17,7 +13,7 @@ struct BenchOptions : CommonOptions {
     std::vector<std::string> models;  // whose frames are timed too
 };
 
-void add_options(CLI::App& app, BenchOptions& o);
+void add_options(OptionList& options, BenchOptions& o);
 int bench_command(const BenchOptions& o);
 
 }  // namespace wetcurl

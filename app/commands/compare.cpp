@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "app/files/run_file.h"
 #include "app/measures/comparison.h"
+#include "app/options/option_list.h"
 
 namespace wetcurl {
 
@@ -127,12 +127,11 @@ std::string compare_columns() {
     return out;
 }
 
-void add_options(CLI::App& app, CompareOptions& o) {
-    app.add_option("reference", o.reference, "REFERENCE.h5")->required();
-    app.add_option("others", o.others, "OTHER.h5")->required();
-    app.footer(compare_columns());
-    app.add_option("--first-frame", o.first_frame, "leave out the frames before this one")
-        ->check(CLI::NonNegativeNumber);
+void add_options(OptionList& options, CompareOptions& o) {
+    options.option("reference", o.reference, "REFERENCE.h5").required();
+    options.option("others", o.others, "OTHER.h5").required();
+    options.footer(compare_columns());
+    options.option("--first-frame", o.first_frame, "leave out the frames before this one").not_negative();
 }
 
 int compare_command(const CompareOptions& given) {

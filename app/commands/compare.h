@@ -3,10 +3,6 @@
 
 #include "app/options/common_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct CompareOptions : CommonOptions {
@@ -18,7 +14,7 @@ struct CompareOptions : CommonOptions {
     int first_frame = 0;  // frames before this one are left out (those that training saw)
 };
 
-void add_options(CLI::App& app, CompareOptions& o);
+void add_options(OptionList& options, CompareOptions& o);
 int compare_command(const CompareOptions& o);
 std::string compare_columns();  // what the columns of its table mean, a line each
 

@@ -3,10 +3,6 @@
 
 #include "app/dataset/make_dataset.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct DatasetOptions : DatasetRequest {
@@ -14,7 +10,7 @@ struct DatasetOptions : DatasetRequest {
                                 *summary = "simulate many scenes, dry and wet, into training pairs";
 };
 
-void add_options(CLI::App& app, DatasetOptions& o);
+void add_options(OptionList& options, DatasetOptions& o);
 int dataset_command(const DatasetOptions& o);
 
 }  // namespace wetcurl

@@ -3,10 +3,6 @@
 
 #include "app/dataset/encode_pairs.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct EncodeOptions : PairsRequest {
@@ -16,7 +12,7 @@ struct EncodeOptions : PairsRequest {
     static constexpr bool uses_device = false;
 };
 
-void add_options(CLI::App& app, EncodeOptions& o);
+void add_options(OptionList& options, EncodeOptions& o);
 int encode_command(const EncodeOptions& o);
 
 }  // namespace wetcurl

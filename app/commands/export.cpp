@@ -2,7 +2,6 @@
 #include "app/commands/export.h"
 
 #include <algorithm>
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -14,7 +13,7 @@
 #include "app/exchange/guides.h"
 #include "app/files/results.h"
 #include "app/files/run_file.h"
-#include "app/options/input_file.h"
+#include "app/options/option_list.h"
 #include "base/exchange/scene_file.h"
 #include "base/file_ending.h"
 #include "base/interrupt.h"
@@ -392,33 +391,37 @@ void check(const ExportOptions& o) {
 
 }  // namespace
 
-void add_options(CLI::App& app, ExportOptions& o) {
-    input_file(app.add_option("run", o.run, "RUN.h5"))->required();
-    app.add_option("-o,--output", o.output,
-                   "NAME.abc or NAME.usda: all frames; NAME.####.hair .data .ply .obj .tfx .pbrt: one file a "
-                   "frame, its number in the place of #")
-        ->required();
-    app.add_option("--for", o.target,
-                   "the program that reads it: blender, houdini, maya, unreal; its unit, axes and attributes "
-                   "(default: metres, Y up)")
-        ->check(CLI::IsMember({"blender", "houdini", "maya", "unreal"}));
-    app.add_option("--positions", o.positions, "displayed, as render shows them, or simulated, before Eq 10")
-        ->check(CLI::IsMember({"displayed", "simulated"}))
-        ->capture_default_str();
-    app.add_option("--frames", o.frames, "of the run, FIRST:LAST or one (default: all)");
-    app.add_option("--every", o.every, "write every so many frames")->capture_default_str();
-    app.add_option("--first-number", o.first_number, "number of the run's frame 0 in the file")
-        ->capture_default_str();
-    app.add_option("--resample", o.resample, "points a strand, evenly along it; 0: as the run has it")
-        ->check(CLI::Range(0, 10000));
-    app.add_option(
-           "--guides", o.guides,
-           "animate so many strands alone; the others stand still, each with three of them and their weights")
-        ->check(CLI::PositiveNumber);
-    app.add_option("--width", o.width,
-                   "diameter of the hair [m] (default: as its file says, else by the scene's density)")
-        ->check(CLI::Range(1e-7, 1.0));
-    app.add_option("--solids", o.solids, "NAME.abc or NAME.usda for head and solids");
+void add_options(OptionList& options, ExportOptions& o) {
+    options.option("run", o.run, "RUN.h5").input_file().required();
+    options
+        .option("-o,--output", o.output,
+                "NAME.abc or NAME.usda: all frames; NAME.####.hair .data .ply .obj .tfx .pbrt: one file a "
+                "frame, its number in the place of #")
+        .required();
+    options
+        .option("--for", o.target,
+                "the program that reads it: blender, houdini, maya, unreal; its unit, axes and attributes "
+                "(default: metres, Y up)")
+        .one_of({"blender", "houdini", "maya", "unreal"});
+    options.option("--positions", o.positions, "displayed, as render shows them, or simulated, before Eq 10")
+        .one_of({"displayed", "simulated"})
+        .shows_default();
+    options.option("--frames", o.frames, "of the run, FIRST:LAST or one (default: all)");
+    options.option("--every", o.every, "write every so many frames").shows_default();
+    options.option("--first-number", o.first_number, "number of the run's frame 0 in the file")
+        .shows_default();
+    options.option("--resample", o.resample, "points a strand, evenly along it; 0: as the run has it")
+        .within(0, 10000);
+    options
+        .option("--guides", o.guides,
+                "animate so many strands alone; the others stand still, each with three of them and their "
+                "weights")
+        .positive();
+    options
+        .option("--width", o.width,
+                "diameter of the hair [m] (default: as its file says, else by the scene's density)")
+        .within(1e-7, 1.0);
+    options.option("--solids", o.solids, "NAME.abc or NAME.usda for head and solids");
 }
 
 int export_command(const ExportOptions& given) {

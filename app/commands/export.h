@@ -3,10 +3,6 @@
 
 #include "app/options/common_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct ExportOptions : CommonOptions {
@@ -25,7 +21,7 @@ struct ExportOptions : CommonOptions {
     double width = 0;  // diameter [m]; 0: the file's that a strand came from, else the scene's
 };
 
-void add_options(CLI::App& app, ExportOptions& o);
+void add_options(OptionList& options, ExportOptions& o);
 int export_command(const ExportOptions& o);
 
 }  // namespace wetcurl

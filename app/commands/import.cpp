@@ -2,12 +2,12 @@
 #include "app/commands/import.h"
 
 #include <algorithm>
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/files/results.h"
+#include "app/options/option_list.h"
 #include "solver/grooms/groom.h"
 #include "solver/grooms/strand_findings.h"
 
@@ -99,37 +99,24 @@ void print(const ImportOptions& options, const ImportedStrands& in, const Extent
 
 }  // namespace
 
-void add_options(CLI::App& app, ImportOptions& o) {
-    app.add_option("input", o.input, readable_endings())->required();
-    app.add_option("output", o.output, writable_endings() + "; none: report only");
-    app.add_option("--units", o.groom.units, "of the file")
-        ->check(CLI::IsMember({"m", "cm", "mm", "auto"}))
-        ->capture_default_str();
-    app.add_option("--up", o.groom.up,
-                   "axis that points up; auto: as the file says, else y, or a guess by how hair falls")
-        ->check(CLI::IsMember({"x", "-x", "y", "-y", "z", "-z", "auto"}))
-        ->capture_default_str();
-    const auto three = [&](const char* name, Vec3d& x, const char* about) {
-        app.add_option_function<std::array<double, 3>>(
-               name,
-               [&x](const std::array<double, 3>& values) {
-                   x = {values[0], values[1], values[2]};
-               },
-               about)
-            ->type_name("X Y Z");
-    };
-    three("--rotation", o.groom.rotation, "of the strands about x, then y, then z [degrees]");
-    app.add_option("--scale", o.groom.scale, "factor of the strands")
-        ->check(CLI::Range(1e-6, 1e6))
-        ->capture_default_str();
-    three("--offset", o.groom.offset, "of the strands, after rotation and scale [m]");
-    app.add_option("--order", o.order, "where strands of the file begin")
-        ->check(CLI::IsMember(
-            std::vector<std::string>(std::begin(GroomTable::orders), std::end(GroomTable::orders))))
-        ->capture_default_str();
-    app.add_flag("--repair", o.groom.repair, "leave stray points out");
-    app.add_option("--resample", o.resample, "particles a strand; 0: as it is")->check(CLI::Range(0, 100000));
-    app.add_option("--scalp", o.scalp,
+void add_options(OptionList& options, ImportOptions& o) {
+    options.option("input", o.input, readable_endings()).required();
+    options.option("output", o.output, writable_endings() + "; none: report only");
+    options.option("--units", o.groom.units, "of the file").one_of({"m", "cm", "mm", "auto"}).shows_default();
+    options
+        .option("--up", o.groom.up,
+                "axis that points up; auto: as the file says, else y, or a guess by how hair falls")
+        .one_of({"x", "-x", "y", "-y", "z", "-z", "auto"})
+        .shows_default();
+    options.option("--rotation", o.groom.rotation, "of the strands about x, then y, then z [degrees]");
+    options.option("--scale", o.groom.scale, "factor of the strands").within(1e-6, 1e6).shows_default();
+    options.option("--offset", o.groom.offset, "of the strands, after rotation and scale [m]");
+    options.option("--order", o.order, "where strands of the file begin")
+        .one_of(GroomTable::orders)
+        .shows_default();
+    options.flag("--repair", o.groom.repair, "leave stray points out");
+    options.option("--resample", o.resample, "particles a strand; 0: as it is").within(0, 100000);
+    options.option("--scalp", o.scalp,
                    "head mesh in the units of the hair, which --rotation, --scale and --offset move to it: "
                    "depth of roots, and the grid laid on it");
 }

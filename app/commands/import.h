@@ -4,10 +4,6 @@
 #include "app/options/common_options.h"
 #include "solver/grooms/procedural.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct ImportOptions : CommonOptions {
@@ -19,7 +15,7 @@ struct ImportOptions : CommonOptions {
     GroomTable groom{};  // units, axes and place of the strands
 };
 
-void add_options(CLI::App& app, ImportOptions& o);
+void add_options(OptionList& options, ImportOptions& o);
 int import_command(const ImportOptions& o);
 
 }  // namespace wetcurl

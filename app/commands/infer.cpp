@@ -1,7 +1,6 @@
 // `wetcurl infer`: wet high-resolution hair from a dry low-resolution run, by a network or by interpolation.
 #include "app/commands/infer.h"
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "app/engine/device.h"
@@ -10,7 +9,7 @@
 #include "app/engine/scene_changes.h"
 #include "app/engine/simulate_scene.h"
 #include "app/inference/predict_run.h"
-#include "app/options/input_file.h"
+#include "app/options/option_list.h"
 #include "learn/codec/stencil.h"
 
 namespace wetcurl {
@@ -190,85 +189,93 @@ int infer_run(InferOptions o) {
     return predict(o, method_of(o), std::move(scene), low, o.frames.value_or(low.frames()));
 }
 
-// What a scene may name for that key of its [cohesion].
-CLI::Range cohesion_range(const std::string& key) {
+// Within what a scene may name for that key of its [cohesion].
+OptionRow within_cohesion(OptionRow option, const std::string& key) {
     for (const auto& row : Cohesion::parameters)
-        if (row.key == key) return {row.minimum, row.maximum};
+        if (row.key == key) return option.within(row.minimum, row.maximum);
     throw Error("[cohesion] has no " + key);
 }
 
 }  // namespace
 
-void add_options(CLI::App& app, InferOptions& o) {
-    input_file(
-        app.add_option(
+void add_options(OptionList& options, InferOptions& o) {
+    options
+        .option(
             "input", o.input,
-            "LOW.h5, or a scene whose low-resolution run is simulated as well, dry or as the model learned"))
-        ->required();
-    input_file(
-        app.add_option("--model", o.model, "trained model (HDF5), in place of the scene's [learned] model"));
-    app.add_option("--interpolate", o.interpolate, "without a network: nearest | quad | core | rest")
-        ->check(CLI::IsMember({"nearest", "quad", "core", "rest"}));
-    app.add_option(
+            "LOW.h5, or a scene whose low-resolution run is simulated as well, dry or as the model learned")
+        .input_file()
+        .required();
+    options.option("--model", o.model, "trained model (HDF5), in place of the scene's [learned] model")
+        .input_file();
+    options.option("--interpolate", o.interpolate, "without a network: nearest | quad | core | rest")
+        .one_of({"nearest", "quad", "core", "rest"});
+    options.option(
         "--oracle-colours", o.oracle_colours,
         "in place of a network of the root codec: the colours of this wet run (Eq 16), which a network "
         "without error predicts");
-    app.add_option(
+    options.option(
         "--oracle-weights", o.oracle_weights,
         "in place of any colours: the weights in Eq 18 that bring each strand nearest to this wet run, a "
         "bound for all networks of the root codec");
-    app.add_option("--reconstruct", o.reconstruct,
-                   "for a model of the root codec and for oracles: paper | core (default)")
-        ->check(CLI::IsMember({"paper", "core"}));
-    app.add_option(
-           "--gain", o.gain,
-           "kappa of Eq 18, for a model of the root codec and --oracle-colours, in place of the model's; "
-           "default 1")
-        ->check(CLI::Range(0.0, largest_gain));
-    app.add_option(
-           "--units", o.units,
-           "how the shift of Eq 18 is read: length (default), times the support radius to the fifth power, "
-           "or printed, SI numbers without it")
-        ->check(CLI::IsMember(shift_units_names));
-    app.add_option("--colour-units", o.colour_units,
-                   std::string("for --oracle-colours: ") + colour_units_help)
-        ->check(CLI::IsMember(shift_units_names));
-    app.add_option(
-           "--roots", o.roots,
-           "that a new strand is made from, for quad, core and models of the root codec: the grid's 4 or "
-           "the nearest 3")
-        ->check(CLI::IsMember({3, 4}))
-        ->capture_default_str();
-    app.add_flag(
+    options
+        .option("--reconstruct", o.reconstruct,
+                "for a model of the root codec and for oracles: paper | core (default)")
+        .one_of({"paper", "core"});
+    options
+        .option(
+            "--gain", o.gain,
+            "kappa of Eq 18, for a model of the root codec and --oracle-colours, in place of the model's; "
+            "default 1")
+        .within(0.0, largest_gain);
+    options
+        .option(
+            "--units", o.units,
+            "how the shift of Eq 18 is read: length (default), times the support radius to the fifth power, "
+            "or printed, SI numbers without it")
+        .one_of(shift_units_names);
+    options
+        .option("--colour-units", o.colour_units, std::string("for --oracle-colours: ") + colour_units_help)
+        .one_of(shift_units_names);
+    options
+        .option(
+            "--roots", o.roots,
+            "that a new strand is made from, for quad, core and models of the root codec: the grid's 4 or "
+            "the nearest 3")
+        .one_of({3, 4})
+        .shows_default();
+    options.flag(
         "--settled", o.settled,
         "for models of wet runs and --interpolate rest: from a dry run, moved to where wet strands come "
         "to rest, which is simulated first");
-    app.add_flag(
+    options.flag(
         "--crop", o.crop,
         "for models of whole strands: ask the network only for the rectangle of roots that holds all "
         "wet strands; the others stay where it starts from");
-    app.add_flag("--wet-shape", o.wet_shape,
+    options.flag("--wet-shape", o.wet_shape,
                  "for --interpolate rest: the strand at rest as its water curls it (Eq 9), not as drawn");
-    app.add_flag("--cohesion", o.cohesion,
+    options.flag("--cohesion", o.cohesion,
                  "for --interpolate and models of displayed strands: then draw wet strands together (Eq 10)");
-    app.add_option(
-           "--passes", o.passes,
-           "of Eq 10, in place of the scene's, of which models of displayed strands take 8 of each 14")
-        ->check(CLI::Range(1, 1000));
-    app.add_option(
-           "--spacing", o.spacing,
-           "about how far apart along a strand Eq 10 is asked for [m], in place of the scene's; 0: at each "
-           "particle")
-        ->check(cohesion_range("spacing"));
-    app.add_option("--relaxation", o.relaxation,
-                   "about how many passes of Eq 10 an over-relaxed sweep stands for, in place of the scene's")
-        ->check(cohesion_range("relaxation"));
-    app.add_option("--frames", o.frames,
-                   "the first frames of the run alone, so many; of a scene, in place of its own")
-        ->check(CLI::Range(1, 1000000));
-    input_file(app.add_option("--wetness", o.wetness, "scene whose wetness and cohesion to predict for"));
-    app.add_option("-o,--output", o.output, "run cache (HDF5)")->required();
-    app.add_flag("--resume", o.resume,
+    options
+        .option("--passes", o.passes,
+                "of Eq 10, in place of the scene's, of which models of displayed strands take 8 of each 14")
+        .within(1, 1000);
+    within_cohesion(
+        options.option("--spacing", o.spacing,
+                       "about how far apart along a strand Eq 10 is asked for [m], in place of the "
+                       "scene's; 0: at each particle"),
+        "spacing");
+    within_cohesion(
+        options.option(
+            "--relaxation", o.relaxation,
+            "about how many passes of Eq 10 an over-relaxed sweep stands for, in place of the scene's"),
+        "relaxation");
+    options
+        .option("--frames", o.frames,
+                "the first frames of the run alone, so many; of a scene, in place of its own")
+        .within(1, 1000000);
+    options.option("--wetness", o.wetness, "scene whose wetness and cohesion to predict for").input_file();
+    options.option("-o,--output", o.output, "run cache (HDF5)").required();
+    options.flag("--resume", o.resume,
                  "go on from OUTPUT.partial, which a run that was stopped or killed left");
 }
 

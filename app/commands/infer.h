@@ -3,13 +3,9 @@
 
 #include "app/inference/infer_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
-void add_options(CLI::App& app, InferOptions& o);
+void add_options(OptionList& options, InferOptions& o);
 int infer_command(const InferOptions& o);
 
 }  // namespace wetcurl

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 #include <omp.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -19,7 +18,7 @@
 #include "app/files/watch_results.h"
 #include "app/measures/axial_extent.h"
 #include "app/measures/fall.h"
-#include "app/options/input_file.h"
+#include "app/options/option_list.h"
 #include "base/log.h"
 #include "base/provenance.h"
 #include "learn/codec/core_detail.h"
@@ -273,16 +272,17 @@ void show_keys(const InspectOptions& o) {
 
 }  // namespace
 
-void add_options(CLI::App& app, InspectOptions& o) {
-    app.add_option(
-           "what", o.what,
-           "scene | run | pairs | model: a file of that kind; keys: every key of a scene, or of a recipe; "
-           "schema: those of a scene as a JSON schema, for editors; device: this machine")
-        ->required()
-        ->check(CLI::IsMember({"scene", "run", "pairs", "model", "keys", "schema", "device"}));
-    input_file(app.add_option("file", o.file, "the file; with keys: scene (default) | dataset | train"));
-    app.add_option("-o,--output", o.output)->group("");  // once images of pairs: said in the error
-    app.footer("`wetcurl render --image PAIRS.h5 -o out.png` draws the geometry images of pairs.");
+void add_options(OptionList& options, InspectOptions& o) {
+    options
+        .option(
+            "what", o.what,
+            "scene | run | pairs | model: a file of that kind; keys: every key of a scene, or of a recipe; "
+            "schema: those of a scene as a JSON schema, for editors; device: this machine")
+        .required()
+        .one_of({"scene", "run", "pairs", "model", "keys", "schema", "device"});
+    options.option("file", o.file, "the file; with keys: scene (default) | dataset | train").input_file();
+    options.option("-o,--output", o.output).hidden();  // once images of pairs: said in the error
+    options.footer("`wetcurl render --image PAIRS.h5 -o out.png` draws the geometry images of pairs.");
 }
 
 int inspect_command(const InspectOptions& given) {

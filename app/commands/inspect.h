@@ -3,10 +3,6 @@
 
 #include "app/options/common_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct InspectOptions : CommonOptions {
@@ -18,7 +14,7 @@ struct InspectOptions : CommonOptions {
     std::string output;      // allowed for none: render draws
 };
 
-void add_options(CLI::App& app, InspectOptions& o);
+void add_options(OptionList& options, InspectOptions& o);
 int inspect_command(const InspectOptions& o);
 
 }  // namespace wetcurl

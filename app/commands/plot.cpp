@@ -3,7 +3,6 @@
 #include "app/commands/plot.h"
 
 #include <algorithm>
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "app/drawing/chart_file.h"
@@ -12,7 +11,7 @@
 #include "app/files/file_kind.h"
 #include "app/files/results.h"
 #include "app/files/run_file.h"
-#include "app/options/input_file.h"
+#include "app/options/option_list.h"
 #include "base/log.h"
 #include "learn/codec/network_module.h"
 
@@ -77,23 +76,25 @@ std::vector<Chart> charts_of(const PlotOptions& o) {
 
 }  // namespace
 
-void add_options(CLI::App& app, PlotOptions& o) {
-    app.add_option(
-           "runs", o.runs,
-           "RUN.h5; logs of trainings: MODEL.h5.jsonl, each on its own logarithmic axis; PAIRS.h5 of codec "
-           "adhesion; or charts: CHART.json {\"title\", \"x_label\", \"y_label\", \"dx\", \"curves\": "
-           "[{\"name\", "
-           "\"values\"}]}")
-        ->required();
-    app.add_flag("--time", o.time,
+void add_options(OptionList& options, PlotOptions& o) {
+    options
+        .option(
+            "runs", o.runs,
+            "RUN.h5; logs of trainings: MODEL.h5.jsonl, each on its own logarithmic axis; PAIRS.h5 of codec "
+            "adhesion; or charts: CHART.json {\"title\", \"x_label\", \"y_label\", \"dx\", \"curves\": "
+            "[{\"name\", "
+            "\"values\"}]}")
+        .required();
+    options.flag("--time", o.time,
                  "of runs: the time of each frame by stage, in place of energy (as in Fig. 40)");
-    input_file(app.add_option(
-        "--model", o.model,
-        "adhesion network to draw on PAIRS.h5: its answers against the targets, over phi/h beside "
-        "Eq 11, and what each input is worth"));
-    app.add_option("-o,--output", o.output, "out.png")->required();
-    app.add_option("--width", o.width, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
-    app.add_option("--height", o.height, "of one panel, 240 to 8192 [pixels]")->capture_default_str();
+    options
+        .option("--model", o.model,
+                "adhesion network to draw on PAIRS.h5: its answers against the targets, over phi/h beside "
+                "Eq 11, and what each input is worth")
+        .input_file();
+    options.option("-o,--output", o.output, "out.png").required();
+    options.option("--width", o.width, "of one panel, 240 to 8192 [pixels]").shows_default();
+    options.option("--height", o.height, "of one panel, 240 to 8192 [pixels]").shows_default();
 }
 
 int plot_command(const PlotOptions& given) {

@@ -3,10 +3,6 @@
 
 #include "app/options/common_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct PlotOptions : CommonOptions {
@@ -23,7 +19,7 @@ struct PlotOptions : CommonOptions {
     int width = 720, height = 480;
 };
 
-void add_options(CLI::App& app, PlotOptions& o);
+void add_options(OptionList& options, PlotOptions& o);
 int plot_command(const PlotOptions& o);
 
 }  // namespace wetcurl

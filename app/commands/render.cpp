@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -16,8 +15,7 @@
 #include "app/engine/run_solids.h"
 #include "app/files/results.h"
 #include "app/files/run_file.h"
-#include "app/options/input_file.h"
-#include "app/options/repeatable.h"
+#include "app/options/option_list.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
@@ -166,42 +164,42 @@ void check(const RenderOptions& o, const std::string& extension) {
 
 }  // namespace
 
-void add_options(CLI::App& app, RenderOptions& o) {
-    input_file(app.add_option("runs", o.runs,
-                              "RUN.h5; with --image: runs, PAIRS.h5 with any models of its codec, or models"))
-        ->required();
-    app.add_option("-o,--output", o.output, "out.png, out.mp4 or out.webm")->required();
-    app.add_option("--frame", o.frame, "one frame (default: all for a video, the last for a picture)")
-        ->check(CLI::NonNegativeNumber);
-    CLI::Option* of_strands[] = {
-        app.add_option("--width", o.width, "of one panel, 16 to 8192 [pixels]")->capture_default_str(),
-        app.add_option("--height", o.height, "of one panel, 16 to 8192 [pixels]")->capture_default_str(),
-        app.add_option("--yaw", o.view.yaw, "of the camera around the head [degrees]")->capture_default_str(),
-        app.add_option("--pitch", o.view.pitch, "of the camera above the horizon [degrees]")
-            ->capture_default_str(),
-        app.add_option("--zoom", o.view.zoom, "times as large as what fits")->capture_default_str(),
-        app.add_flag("--follow-head", o.follow, "the camera moves with the head"),
-        app.add_option("--light", o.light, "yaw and pitch of the key light, from the camera [degrees]")
-            ->check(CLI::Range(-180.0, 180.0))
-            ->expected(2),
-        repeatable(app.add_option("--label", o.label,
-                                  "of a panel, in place of its run's method (repeatable, one a run)")),
-        app.add_flag("--saturation", o.saturation, "colour by saturation (red wet, blue dry)"),
-        app.add_flag_callback(
-            "--no-labels", [&o] { o.labels = false; }, "no text under the panels")};
-    CLI::Option* image = app.add_flag(
+void add_options(OptionList& options, RenderOptions& o) {
+    options
+        .option("runs", o.runs,
+                "RUN.h5; with --image: runs, PAIRS.h5 with any models of its codec, or models")
+        .input_file()
+        .required();
+    options.option("-o,--output", o.output, "out.png, out.mp4 or out.webm").required();
+    options.option("--frame", o.frame, "one frame (default: all for a video, the last for a picture)")
+        .not_negative();
+    const OptionRow of_strands[] = {
+        options.option("--width", o.width, "of one panel, 16 to 8192 [pixels]").shows_default(),
+        options.option("--height", o.height, "of one panel, 16 to 8192 [pixels]").shows_default(),
+        options.option("--yaw", o.view.yaw, "of the camera around the head [degrees]").shows_default(),
+        options.option("--pitch", o.view.pitch, "of the camera above the horizon [degrees]").shows_default(),
+        options.option("--zoom", o.view.zoom, "times as large as what fits").shows_default(),
+        options.flag("--follow-head", o.follow, "the camera moves with the head"),
+        options.option("--light", o.light, "yaw and pitch of the key light, from the camera [degrees]")
+            .within(-180.0, 180.0)
+            .takes(2),
+        options.option("--label", o.label, "of a panel, in place of its run's method (repeatable, one a run)")
+            .repeatable(),
+        options.flag("--saturation", o.saturation, "colour by saturation (red wet, blue dry)"),
+        options.clears("--no-labels", o.labels, "no text under the panels")};
+    OptionRow image = options.flag(
         "--image", o.image,
         "geometry images, a strand a square: of a run its roots (Eq 14, wet ones after Eq 16); of pairs "
         "input, target and residual; with models their predictions too; of a model its first layer");
-    for (CLI::Option* option : of_strands) image->excludes(option);
-    app.add_option("--run", o.run, "with --image: which of the runs in PAIRS.h5")
-        ->check(CLI::NonNegativeNumber)
-        ->needs(image)
-        ->capture_default_str();
-    app.add_option("--pixels", o.pixels, "with --image: least side of a panel, 16 to 8192")
-        ->needs(image)
-        ->capture_default_str();
-    app.footer(
+    for (const OptionRow& option : of_strands) image.excludes(option);
+    options.option("--run", o.run, "with --image: which of the runs in PAIRS.h5")
+        .not_negative()
+        .needs(image)
+        .shows_default();
+    options.option("--pixels", o.pixels, "with --image: least side of a panel, 16 to 8192")
+        .needs(image)
+        .shows_default();
+    options.footer(
         "Geometry images: codec root shows its colours; codec strand the offset of the tip from the root in "
         "the strand's root frame (red x, green y along the scalp's normal, blue z; grey: none). Pixels "
         "without a strand are hatched.");

@@ -4,10 +4,6 @@
 #include "app/drawing/picture.h"
 #include "app/options/common_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct RenderOptions : CommonOptions {
@@ -30,7 +26,7 @@ struct RenderOptions : CommonOptions {
     std::vector<std::string> label;  // of each run, in place of its method; none: the methods
 };
 
-void add_options(CLI::App& app, RenderOptions& o);
+void add_options(OptionList& options, RenderOptions& o);
 int render_command(const RenderOptions& o);
 
 }  // namespace wetcurl

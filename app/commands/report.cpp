@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 
@@ -12,7 +11,7 @@
 #include "app/files/run_file.h"
 #include "app/files/watch_results.h"
 #include "app/measures/comparison.h"
-#include "app/options/repeatable.h"
+#include "app/options/option_list.h"
 #include "app/report/report_page.h"
 #include "app/report/report_player.h"
 #include "base/config.h"
@@ -149,17 +148,16 @@ void describe_runs(const ReportOptions& o, const std::vector<Comparison>& others
 
 }  // namespace
 
-void add_options(CLI::App& app, ReportOptions& o) {
-    app.add_option("runs", o.runs, "REFERENCE.h5 OTHER.h5...");
-    app.add_option(
+void add_options(OptionList& options, ReportOptions& o) {
+    options.option("runs", o.runs, "REFERENCE.h5 OTHER.h5...");
+    options.option(
         "--table", o.table,
         "comparisons over many scenes: FOLDER/ROW/SCENE.json, of compare --json; ROW@1, ROW@2: seeds of "
         "one training");
-    app.add_option("--stability", o.stability, "what stability --json wrote");
-    repeatable(app.add_option("--training", o.trainings, "log of a training, MODEL.h5.jsonl (repeatable)"));
-    app.add_option("--first-frame", o.first_frame, "leave out the frames before this one")
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("-o,--output", o.output, "o.html");
+    options.option("--stability", o.stability, "what stability --json wrote");
+    options.option("--training", o.trainings, "log of a training, MODEL.h5.jsonl (repeatable)").repeatable();
+    options.option("--first-frame", o.first_frame, "leave out the frames before this one").not_negative();
+    options.option("-o,--output", o.output, "o.html");
 }
 
 int report_command(const ReportOptions& given) {

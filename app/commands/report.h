@@ -3,10 +3,6 @@
 
 #include "app/options/common_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct ReportOptions : CommonOptions {
@@ -19,7 +15,7 @@ struct ReportOptions : CommonOptions {
     int first_frame = 0;                   // of the runs, as for compare
 };
 
-void add_options(CLI::App& app, ReportOptions& o);
+void add_options(OptionList& options, ReportOptions& o);
 int report_command(const ReportOptions& o);
 
 }  // namespace wetcurl

@@ -1,7 +1,6 @@
 // `wetcurl retrain`: data set, the network that it goes on from, training; what is there is gone on with.
 #include "app/commands/retrain.h"
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "app/dataset/dataset_recipe.h"
@@ -10,7 +9,7 @@
 #include "app/engine/simulate_scene.h"
 #include "app/engine/train_network.h"
 #include "app/files/results.h"
-#include "app/options/input_file.h"
+#include "app/options/option_list.h"
 #include "base/log.h"
 #include "base/output_file.h"
 #include "base/ranks.h"
@@ -174,16 +173,18 @@ class Retraining {
 
 }  // namespace
 
-void add_options(CLI::App& app, RetrainOptions& o) {
-    input_file(app.add_option("recipe", o.recipe, "recipe (TOML) with a table [release]: NAME.toml"))
-        ->required();
-    app.add_option("-o,--output", o.output,
-                   "folder of the data set and of the model, NAME.h5, or NAME@SEED.h5 with --seed; what is "
-                   "there is gone on with")
-        ->required();
-    app.add_option("--part", o.part,
+void add_options(OptionList& options, RetrainOptions& o) {
+    options.option("recipe", o.recipe, "recipe (TOML) with a table [release]: NAME.toml")
+        .input_file()
+        .required();
+    options
+        .option("-o,--output", o.output,
+                "folder of the data set and of the model, NAME.h5, or NAME@SEED.h5 with --seed; what is "
+                "there is gone on with")
+        .required();
+    options.option("--part", o.part,
                    "K/N: makes every N-th scene of the data set and trains nothing, to share the work");
-    app.footer(
+    options.footer(
         "--set data.KEY=VALUE is over the recipe of the data set (or over the scenes), --set KEY=VALUE over "
         "that of the training.");
 }

@@ -3,10 +3,6 @@
 
 #include "app/options/common_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct RetrainOptions : CommonOptions {
@@ -15,7 +11,7 @@ struct RetrainOptions : CommonOptions {
     std::string recipe, output, part;  // part: "K/N"
 };
 
-void add_options(CLI::App& app, RetrainOptions& o);
+void add_options(OptionList& options, RetrainOptions& o);
 int retrain_command(const RetrainOptions& o);
 
 }  // namespace wetcurl

@@ -3,44 +3,42 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-
 #include "app/engine/device.h"
 #include "app/engine/missing_model.h"
 #include "app/engine/run_of_scene.h"
 #include "app/engine/simulate_scene.h"
-#include "app/options/input_file.h"
+#include "app/options/option_list.h"
 
 namespace wetcurl {
 
-void add_options(CLI::App& app, SimulateOptions& o) {
-    input_file(
-        app.add_option("scene", o.scene,
-                       "scene file (TOML), or a run (HDF5): the scene it was made from, whole and wet unless "
-                       "other options "
-                       "say so"))
-        ->required();
-    app.add_option("-o,--output", o.output, "run cache (HDF5)")->required();
-    app.add_option("--frames", o.frames, "frames in place of the scene's")->check(CLI::Range(1, 1000000));
-    app.add_option("--strands", o.strands,
-                   "at most this many strands: the largest grid that nests in the scene's")
-        ->check(CLI::Range(1, 100000000));
-    app.add_option("--groom", o.groom, "hair file in place of the scene's groom");
-    app.add_option("--precision", o.precision, "float | double")
-        ->check(CLI::IsMember({"float", "double"}))
-        ->capture_default_str();
-    app.add_flag("--dry", o.dry, "leave out all that acts on wet hair; the wetness is recorded");
-    app.add_flag("--before-cohesion", o.before_cohesion,
+void add_options(OptionList& options, SimulateOptions& o) {
+    options
+        .option("scene", o.scene,
+                "scene file (TOML), or a run (HDF5): the scene it was made from, whole and wet unless "
+                "other options "
+                "say so")
+        .input_file()
+        .required();
+    options.option("-o,--output", o.output, "run cache (HDF5)").required();
+    options.option("--frames", o.frames, "frames in place of the scene's").within(1, 1000000);
+    options
+        .option("--strands", o.strands,
+                "at most this many strands: the largest grid that nests in the scene's")
+        .within(1, 100000000);
+    options.option("--groom", o.groom, "hair file in place of the scene's groom");
+    options.option("--precision", o.precision, "float | double").one_of({"float", "double"}).shows_default();
+    options.flag("--dry", o.dry, "leave out all that acts on wet hair; the wetness is recorded");
+    options.flag("--before-cohesion", o.before_cohesion,
                  "leave out Eq 10, which moves what is displayed alone: a low-resolution run to infer from");
-    app.add_flag("--resume", o.resume,
+    options.flag("--resume", o.resume,
                  "go on from OUTPUT.partial and OUTPUT.state, which a run that was stopped or killed left");
-    app.add_option(
+    options.option(
         "--from", o.from,
         "RUN.h5@N: begin at frame N of that run of the same strands, at its time; without @N at its "
         "last frame");
-    app.add_flag("--keep-state", o.keep_state,
+    options.flag("--keep-state", o.keep_state,
                  "leave OUTPUT.state, with which --from begins at the last frame to the bit");
-    app.add_flag("--reference", o.reference,
+    options.flag("--reference", o.reference,
                  "run in double with 160 substeps beside it and report the distance");
 }
 

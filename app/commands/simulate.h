@@ -3,10 +3,6 @@
 
 #include "app/options/common_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct SimulateOptions : CommonOptions {
@@ -23,7 +19,7 @@ struct SimulateOptions : CommonOptions {
     bool reference = false;        // also run in double with 160 substeps and report the error
 };
 
-void add_options(CLI::App& app, SimulateOptions& o);
+void add_options(OptionList& options, SimulateOptions& o);
 int simulate_command(const SimulateOptions& o);
 
 }  // namespace wetcurl

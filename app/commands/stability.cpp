@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -17,8 +16,7 @@
 #include "app/engine/scene_run.h"
 #include "app/files/results.h"
 #include "app/files/watch_results.h"
-#include "app/options/input_file.h"
-#include "app/options/repeatable.h"
+#include "app/options/option_list.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/progress.h"
@@ -212,16 +210,20 @@ bool weather_storm(const StabilityCommandOptions& o, ResultFile& results) {
 
 }  // namespace
 
-void add_options(CLI::App& app, StabilityCommandOptions& o) {
-    input_file(app.add_option("scene", o.scene,
-                              "scene (TOML) whose head comes to rest, for S9 in place of the battery's own"));
-    repeatable(app.add_option("--method", o.methods, "by name (repeatable); none: all"));
-    repeatable(app.add_option("--case", o.only, "S1 to S9 (repeatable); none: all"))
-        ->check(CLI::IsMember({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"}));
-    app.add_flag("--quick", o.quick, "fewer values of each parameter: under a minute");
-    app.add_option("--storm", o.storm,
-                   "random scenes, so many, in place of the battery; --seed: the first one's")
-        ->check(CLI::Range(1, 1'000'000));
+void add_options(OptionList& options, StabilityCommandOptions& o) {
+    options
+        .option("scene", o.scene,
+                "scene (TOML) whose head comes to rest, for S9 in place of the battery's own")
+        .input_file();
+    options.option("--method", o.methods, "by name (repeatable); none: all").repeatable();
+    options.option("--case", o.only, "S1 to S9 (repeatable); none: all")
+        .repeatable()
+        .one_of({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"});
+    options.flag("--quick", o.quick, "fewer values of each parameter: under a minute");
+    options
+        .option("--storm", o.storm,
+                "random scenes, so many, in place of the battery; --seed: the first one's")
+        .within(1, 1'000'000);
 }
 
 int stability_command(const StabilityCommandOptions& o) {

@@ -3,10 +3,6 @@
 
 #include "app/options/common_options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace wetcurl {
 
 struct StabilityCommandOptions : CommonOptions {
@@ -19,7 +15,7 @@ struct StabilityCommandOptions : CommonOptions {
     int storm = 0;  // so many random scenes in place of the battery
 };
 
-void add_options(CLI::App& app, StabilityCommandOptions& o);
+void add_options(OptionList& options, StabilityCommandOptions& o);
 int stability_command(const StabilityCommandOptions& o);
 
 }  // namespace wetcurl

@@ -7,6 +7,8 @@
 
 namespace wetcurl {
 
+class OptionList;
+
 struct CommonOptions {
     static constexpr bool reads_scene = true, uses_device = true, writes_json = true;
     std::vector<std::string> set;  // key.path=value
