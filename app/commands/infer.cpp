@@ -241,7 +241,7 @@ void add_options(OptionList& options, InferOptions& o) {
             "--roots", o.roots,
             "that a new strand is made from, for quad, core and models of the root codec: the grid's 4 or "
             "the nearest 3")
-        .one_of({3, 4})
+        .within(3, 4)
         .shows_default();
     options.flag(
         "--settled", o.settled,

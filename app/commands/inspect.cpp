@@ -281,7 +281,7 @@ void add_options(OptionList& options, InspectOptions& o) {
         .required()
         .one_of({"scene", "run", "pairs", "model", "keys", "schema", "device"});
     options.option("file", o.file, "the file; with keys: scene (default) | dataset | train").input_file();
-    options.option("-o,--output", o.output).hidden();  // once images of pairs: said in the error
+    options.option("-o,--output", o.output, "").hidden();  // once images of pairs: said in the error
     options.footer("`wetcurl render --image PAIRS.h5 -o out.png` draws the geometry images of pairs.");
 }
 

@@ -27,8 +27,7 @@ OptionRow OptionRow::repeatable() {
     return OptionRow(option_->expected(1)->take_all()->allow_extra_args(false));
 }
 OptionRow OptionRow::input_file() {
-    return OptionRow(
-        option_->transform([](const std::string& path) { return found_or_installed(path); }));
+    return OptionRow(option_->transform([](const std::string& path) { return found_or_installed(path); }));
 }
 OptionRow OptionRow::needs(const OptionRow& other) { return OptionRow(option_->needs(other.option_)); }
 OptionRow OptionRow::excludes(const OptionRow& other) { return OptionRow(option_->excludes(other.option_)); }
@@ -58,7 +57,8 @@ OptionRow OptionList::flag(const std::string& names, bool& value, const std::str
     return OptionRow(app_.add_flag(names, value, help));
 }
 OptionRow OptionList::clears(const std::string& names, bool& value, const std::string& help) {
-    return OptionRow(app_.add_flag_callback(names, [&value] { value = false; }, help));
+    return OptionRow(app_.add_flag_callback(
+        names, [&value] { value = false; }, help));
 }
 void OptionList::footer(const std::string& text) { app_.footer(text); }
 

@@ -1,5 +1,5 @@
-// The options of a command, as it describes them. CLI11, which reads them, stays behind: a file that sees its header takes
-// ten seconds more to compile.
+// The options of a command, as it describes them. CLI11, which reads them, stays behind: a file that sees its
+// header takes ten seconds more to compile.
 #pragma once
 
 #include <string>
@@ -34,8 +34,8 @@ class OptionRow {
     OptionRow takes(int values);
     OptionRow takes(const std::string& what);  // as the help calls its value
     OptionRow repeatable();                    // one value after each mention
-    // Names a file to read: scenes and released networks that are installed with the program have their names from any
-    // folder.
+    // Names a file to read: scenes and released networks that are installed with the program have their names
+    // from any folder.
     OptionRow input_file();
     OptionRow needs(const OptionRow& other);
     OptionRow excludes(const OptionRow& other);
@@ -47,8 +47,8 @@ class OptionRow {
 class OptionList {
   public:
     explicit OptionList(CLI::App& app) : app_(app) {}
-    // `names`: "-o,--output"; without dashes it goes by its place. `value` is left as it is where the option is not given.
-    // Value: text, a number, an optional or a vector of these, or a Vec3d.
+    // `names`: "-o,--output"; without dashes it goes by its place. `value` is left as it is where the option
+    // is not given. Value: text, a number, an optional or a vector of these, or a Vec3d.
     template <class Value>
     OptionRow option(const std::string& names, Value& value, const std::string& help);
     // Sets `value` to true, or by `clears` to false.
