@@ -325,6 +325,17 @@ TEST_F(Findings, searches_that_find_far_too_much_are_seen_and_a_radius_is_named)
     EXPECT_NEAR(near / (hair.count * hair.particles), 100, 35);
 }
 
+// About pi (range / spacing)^2 of them, on a surface: 314 and 7854.
+TEST_F(Findings, a_range_that_holds_thousands_of_boundary_particles_is_seen) {
+    const auto with = [&](const std::string& range) {
+        return found(falling(50), "",
+                     std::string(head) + "[wetness]\n[baseline]\nboundary = \"particles\"\n" +
+                         "boundary_range = " + range + "\n");
+    };
+    EXPECT_EQ(with("0.04"), Names{});
+    EXPECT_EQ(with("0.2"), Names{"wide_radius"});
+}
+
 TEST_F(Findings, every_name_is_one_that_allow_takes) {
     for (const char* name : Finding::names) {
         above = std::string("allow = [\"") + name + "\"]\n";
