@@ -2,10 +2,10 @@
 # Runs survive: looked at while they are written, killed and resumed to the same bits, on a full disk, cut, refused where
 # another run would go on, and begun at a frame of another one.
 # Use: test_broken_runs.sh WETCURL PROJECT [KILLS]
-# KILLS: at random moments, of all seven kinds of runs together (default 7).
+# KILLS: at random moments, of all kinds of runs together (default 14).
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
-wetcurl=$(realpath "$1") project=$2 all_kills=${3:-7}
+wetcurl=$(realpath "$1") project=$2 all_kills=${3:-14}
 folder=$(mktemp -d)
 writer=
 trap '[[ -z $writer ]] || kill -KILL "$writer" 2>/dev/null || true; rm -rf "$folder"' EXIT
