@@ -23,6 +23,7 @@
 #include "app/commands/simulate.h"
 #include "app/commands/stability.h"
 #include "app/commands/train.h"
+#include "app/files/results.h"
 #include "app/options/option_list.h"
 #include "base/error.h"
 #include "base/interrupt.h"
@@ -43,7 +44,7 @@ const std::vector<std::string> log_levels{"debug", "info", "warning", "error", "
 
 template <class Options>
 void add_common(OptionList& options, Options& o, Verbosity& verbosity) {
-    // What a command refuses is not in its help; the command says why.
+    // What a command refuses is not in its help.
     const auto shown_if = [](bool shown, OptionRow option) {
         if (!shown) option.hidden();
     };
@@ -115,6 +116,8 @@ int main(int argc, char** argv) {
         sub.callback([&, options, command] {
             run = [&, options, command] {
                 apply(verbosity, *options);
+                if (!Options::reads_scene) refuse_scene_options(*options, Options::command);
+                if (!Options::uses_device) refuse_device(*options, Options::command);
                 return command(*options);
             };
         });

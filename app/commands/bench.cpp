@@ -194,7 +194,6 @@ void add_options(OptionList& options, BenchOptions& o) {
 
 int bench_command(const BenchOptions& o) {
     using namespace bench;
-    refuse_scene_options(o, "bench");
     require_device(o.device);
     check_files(o, "", o.models);
     const std::vector<Entry> all = chosen(o);

@@ -141,8 +141,6 @@ int compare_command(const CompareOptions& given) {
     std::vector<std::string> inputs = options.others;
     inputs.push_back(options.reference);
     check_files(options, "", inputs);
-    refuse_scene_options(options, "compare");
-    refuse_device(options, "compare");
     ResultFile results(options);
     const auto others = compare_runs(options.reference, options.others, options.first_frame);
     const RunReader reference(options.reference);

@@ -366,8 +366,6 @@ void write_frame(const ExportOptions& o, const ExportedStrands& strands, const T
 }
 
 void check(const ExportOptions& o) {
-    refuse_scene_options(o, "export");
-    refuse_device(o, "export");
     if (o.every < 1) throw Misuse("--every: found " + std::to_string(o.every) + ", allowed 1 or more");
     if (o.resample == 1)
         throw Misuse("--resample: found 1, allowed 0 (as the run has it) or 2 points and more");

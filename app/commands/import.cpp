@@ -140,8 +140,6 @@ int import_command(const ImportOptions& options) {
     if (options.resample == 1)
         throw Misuse("--resample: found 1, allowed 0 (as it is) or 2 particles and more");
     const bool writes = !options.output.empty();
-    refuse_scene_options(options, "import");
-    refuse_device(options, "import");
     check_files(options, options.output, {options.input, options.scalp});
     if (writes) require_writable(options.output, options.overwrite);
     ResultFile results(options);

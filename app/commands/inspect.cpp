@@ -298,7 +298,6 @@ int inspect_command(const InspectOptions& given) {
     if (!needs_file && o.what != "keys" && !o.file.empty())
         throw Misuse("inspect " + o.what + ": found the file " + o.file + ", none is needed");
     if (o.what != "scene") refuse_scene_options(o, "inspect " + o.what);
-    refuse_device(o, "inspect");
     check_files(o, "", {needs_file ? o.file : ""});
     if (o.what == "scene") show_scene(o);
     if (o.what == "run") show(o, run_json(o));

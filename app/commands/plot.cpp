@@ -27,8 +27,6 @@ void check(const PlotOptions& o) {
             throw Misuse("plot: a panel of " + std::to_string(o.width) + " x " + std::to_string(o.height) +
                          " pixels; allowed are 240 to 8192 each way");
     if (o.runs.empty()) throw Misuse("plot: no file is named; wetcurl plot RUN.h5... -o out.png");
-    refuse_scene_options(o, "plot");
-    refuse_device(o, "plot");
     auto inputs = o.runs;
     inputs.push_back(o.model);
     check_files(o, o.output, inputs);

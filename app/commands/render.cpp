@@ -157,8 +157,6 @@ void check(const RenderOptions& o, const std::string& extension) {
     };
     within("--yaw", o.view.yaw, -360, 360), within("--pitch", o.view.pitch, -89, 89),
         within("--zoom", o.view.zoom, 0.05, 50);
-    refuse_scene_options(o, "render");
-    refuse_device(o, "render");
     check_files(o, o.output, o.runs);
 }
 

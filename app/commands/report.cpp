@@ -40,8 +40,6 @@ void check(const ReportOptions& o) {
         throw Misuse("report: " + o.output + ": allowed is .html");
     if (o.first_frame > 0 && o.runs.empty())
         throw Misuse("--first-frame: there is no run to leave frames out of");
-    refuse_scene_options(o, "report");
-    refuse_device(o, "report");
     auto inputs = o.runs;
     inputs.push_back(o.stability);
     inputs.insert(inputs.end(), o.trainings.begin(), o.trainings.end());

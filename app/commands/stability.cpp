@@ -227,7 +227,6 @@ void add_options(OptionList& options, StabilityCommandOptions& o) {
 }
 
 int stability_command(const StabilityCommandOptions& o) {
-    refuse_device(o, "stability");
     if (o.storm) {
         if (!o.scene.empty() || !o.methods.empty() || !o.only.empty() || o.quick || !o.set.empty())
             throw Misuse("--storm: goes with --seed, --threads and --json alone: its scenes are random");

@@ -18,9 +18,10 @@ void add_options(OptionList& options, TrainOptions& o) {
         "unet_vgg19 | recursive_residual | adhesion_mlp");
     options.option("--width", o.width, "multiplier of the network's width");
     options
-        .option("--from", o.from,
-                "model (HDF5) whose weights are begun with, of its architecture and width, in place of "
-                "random ones")
+        .option(
+            "--from", o.from,
+            "model (HDF5) whose weights are begun with in place of random ones; architecture and width are "
+            "the model's, not the recipe's")
         .input_file();
     options.flag("--resume", o.resume, "go on from OUTPUT.checkpoint");
     options.footer(

@@ -181,7 +181,6 @@ std::string kept_of(const PairsRequest& o) {
 
 void encode_pairs(const PairsRequest& o) {
     check_files(o, o.output, o.inputs);
-    refuse_device(o, "encode");
     const Codec codec = codec_named(o.codec);
     if (codec != Codec::root && !o.colour_units.empty())
         throw Misuse("--colour-units is for --codec root, found --codec " + o.codec);

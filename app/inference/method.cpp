@@ -1,8 +1,6 @@
 // The options of `infer` to one value.
 #include "app/inference/method.h"
 
-#include <cmath>
-
 #include "app/files/results.h"
 #include "app/inference/ways.h"
 #include "learn/codec/network_module.h"
@@ -53,10 +51,6 @@ std::vector<std::string> Method::inputs() const {
 }
 
 void check_options(const InferOptions& o) {
-    // A range of the command line lets what is no number pass.
-    for (const auto& number : {o.spacing, o.relaxation, o.gain})
-        if (number && std::isnan(*number))
-            throw Misuse("--spacing, --relaxation and --gain: found nan, a number is needed");
     const Ways ways = ways_named(o);
     require_options_that_go_with(o, ways, ways == model_ways ? "a model" : text_of(ways));
     if (ways & interpolation_ways && !o.cohesion && !o.settled)

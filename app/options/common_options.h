@@ -1,4 +1,5 @@
-// The options that every command has. A command hides those that it refuses.
+// The options that every command has. One that reads no scene (or recipe) refuses --set and --seed, one that
+// uses no device --device; their help does not show them.
 #pragma once
 
 #include <optional>

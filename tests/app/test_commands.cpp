@@ -138,11 +138,6 @@ TEST_F(Commands, json_says_what_made_it) {
 
 TEST_F(Commands, options_that_nothing_reads_are_refused) {
     simulate_command(simulation("low.h5", 16));
-    CompareOptions compare;
-    compare.reference = scratch.path("low.h5");
-    compare.others = {compare.reference};
-    compare.seed = 3;
-    expect_error<Misuse>([&] { compare_command(compare); }, {"--seed", "compare"});
     InferOptions infer = inference("quad", 4);
     infer.set = {"frames=2"};
     expect_error<Misuse>([&] { infer_command(infer); }, {"--set frames=2", "--wetness"});

@@ -369,8 +369,6 @@ TEST_F(Report, misuse_says_what_is_needed) {
     expect_error<Misuse>([&] { report_command(o); }, {"report.pdf", ".html"});
     o = options(), o.table = "table", o.first_frame = 3;
     expect_error<Misuse>([&] { report_command(o); }, {"--first-frame"});
-    o.first_frame = 0, o.seed = 1;
-    expect_error<Misuse>([&] { report_command(o); }, {"--seed", "report"});
     o = options(), o.runs = {"a.h5", "b.h5"};
     scratch.file("report.html", "mine");
     expect_error([&] { report_command(o); }, {"report.html", "--overwrite"});

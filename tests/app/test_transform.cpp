@@ -182,8 +182,6 @@ TEST_F(Transform, what_has_no_meaning_is_refused) {
     refused(o, {"one of", "--oracle-weights"});
     o.oracle_colours = "", o.gain = 2;
     refused(o, {"--gain", "--oracle-colours"});
-    o = by_colours(std::numeric_limits<double>::quiet_NaN());
-    refused(o, {"--gain", "nan"});
     o = by_colours(1e9), o.units = "printed";
     expect_error([&] { infer_command(o); },
                  {"gain 1e+09, Eq 18 as printed", "beyond 1e6 m", "gain of Eq 18"});
