@@ -160,7 +160,9 @@ inline constexpr RecipeRow recipe_rows[] = {
      0,
      not_there,
      not_there},
-    {{KeyRow::text("leave_out", "", "Names of inputs to leave out, with blanks between."),
+    {{KeyRow::text("leave_out", "",
+                   "Names of inputs to leave out, with blanks between: rest, saturation, length, radius, "
+                   "shared, density, base, gravity, motion, history."),
       &Recipe::leave_out},
      "",
      0,

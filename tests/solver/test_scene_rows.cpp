@@ -501,7 +501,11 @@ string base_scene(const string& table) {
     if (table == "solid" || table == "solid.motion")
         return dry_scene + turning + "[wetness]\n[adhesion]\n" + ball +
                (table == "solid.motion" ? "[solid.motion]\n" + moving : "");
-    return wet_scene;
+    // A term of its own is there with its defaults.
+    const TableRow& row = table_named(table);
+    const string header = row.title() + "\n";
+    const bool there = table.empty() || wet_scene.find(header) != string::npos;
+    return there || !std::ranges::all_of(row.rows, &KeyRow::has_default) ? wet_scene : wet_scene + header;
 }
 
 // A value that differs: by 1 % (from 0: a fifth of the range, at most 1), by one, the next word, the other

@@ -1,12 +1,14 @@
 // Recipes: every row of the table, and what a malformed one says.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <set>
 
 #include "base/hdf5.h"
+#include "base/network_channels.h"
 #include "learn/codec/release_recipe.h"
 #include "models/model_card.h"
 #include "tests/base/scratch.h"
@@ -98,6 +100,13 @@ TEST(Recipe, EveryRowIsReadAndKeptInItsRange) {
                 expect_error<Misuse>([&] { with(codec, {key + "=" + wrong}); }, {row.key});
             }
         }
+}
+
+TEST(Recipe, SaysWhichInputsMayBeLeftOut) {
+    const auto& row = *std::ranges::find(recipe_rows, std::string("leave_out"),
+                                         [](const RecipeRow& r) { return std::string(r.key); });
+    for (const InputGroup& inputs : strand_inputs)
+        EXPECT_NE(std::string(row.meaning).find(inputs.name), std::string::npos) << inputs.name;
 }
 
 TEST(Recipe, ItsListingHasEachKeyOnceWithADefaultAndASentence) {

@@ -615,7 +615,7 @@ TEST(Training, RateFallsAsHalfACosineOrStays) {
     }
 }
 
-TEST(Training, OverfitsOneBatchOfPatchesWithEitherRootNetwork) {
+TEST(Training, OverfitsOneBatchOfPatchesWithEveryRootNetwork) {
     for (const auto& device : devices())
         for (const char* architecture : {"unet_vgg19", "recursive_residual"}) {
             Job job(Codec::root, {"epochs=250", "width=0.125", "learning_rate=5e-4", "schedule=cosine",
