@@ -84,7 +84,7 @@ void copy_on_device(V* to, const V* from, size_t count, cudaStream_t stream) {
                "copy on the device");
 }
 
-// Launches that are captured the first time that they are asked for, and replayed.
+// Launches that are captured once, and replayed.
 class Graph {
   public:
     Graph() = default;
@@ -94,17 +94,21 @@ class Graph {
         if (handle_) cudaGraphExecDestroy(handle_);
         handle_ = nullptr;
     }
+    // Where they are not captured yet.
+    template <class Launch>
+    void prepare(cudaStream_t stream, Launch launch) {
+        if (handle_) return;
+        cudaGraph_t captured;
+        check_cuda(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), "capture");
+        launch();
+        check_cuda(cudaStreamEndCapture(stream, &captured), "capture");
+        const cudaError_t status = cudaGraphInstantiate(&handle_, captured, 0);
+        cudaGraphDestroy(captured);
+        check_cuda(status, "graph");
+    }
     template <class Launch>
     void replay(cudaStream_t stream, Launch launch) {
-        if (!handle_) {
-            cudaGraph_t captured;
-            check_cuda(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), "capture");
-            launch();
-            check_cuda(cudaStreamEndCapture(stream, &captured), "capture");
-            const cudaError_t status = cudaGraphInstantiate(&handle_, captured, 0);
-            cudaGraphDestroy(captured);
-            check_cuda(status, "graph");
-        }
+        prepare(stream, launch);
         check_cuda(cudaGraphLaunch(handle_, stream), "launch of a graph");
     }
 

@@ -367,9 +367,14 @@ void CudaHair<T>::read_couplings(int substeps) {
 
 template <class T>
 void CudaHair<T>::begin_record(RunFrame&) {
-    if (!record_)
+    if (!record_) {
         record_.emplace(state.strands, state.n, kinds_of_energy(scene_.chain).size(), cohesion_.has_value(),
                         arrays_.touching.size() > 0);
+        // The first frame need not wait for the capture, which is slow while another thread touches its
+        // frame's memory for the first time.
+        if (first == always_first() && queued_.size() == queued_in_graph_)
+            graph_.prepare(stream_.handle, [&] { launch_frame(); });
+    }
     record_->begin(memory(), chain_constants<T>(scene_, dt_), positions_.data(), displayed_.data(),
                    stream_.handle);
 }
