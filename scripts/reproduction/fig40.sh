@@ -15,5 +15,3 @@ chart fig40 --time scene01a.h5 scene01b.h5 scene02.h5
 chart fig40_roll --time scene03a.h5 scene03b.h5 scene10.h5
 chart fig40_dense --time scene04a.h5 scene04b.h5 scene05.h5
 chart fig40_ball --time scene08a.h5 scene08b.h5
-# (l): the learned run of scene 16, where that item has been made.
-if [[ -e scene16/unet_vgg19@1_paper.h5 ]]; then chart fig40_learned --time scene16/wet.h5 scene16/unet_vgg19@1_paper.h5 scene16/displayed.h5; fi

@@ -14,10 +14,11 @@ def of($file; $words): first($file.tables[0].rows[] | select(.row | test($words)
   ["no network: quad interpolation", "^quad interpolation"],
   ["the paper’s `unet_vgg19` and quad transform (width 0.25 on cores, 1 on the GPU)", "unet_vgg19.*quad transform"]] |
  map(. as [$title, $words] | of($cpu; $words) as $c | of($gpu; $words) as $g |
-   {"": $title, error: ($g."unseen [mm]" | with("mm")), "of the length": ($g."of length" | with("%")),
+   {"": $title, error: ($g."unseen [mm]" | with("mm")), "of the length": ($g."of length" | with("%")), F1: $g.F1, locks: $g.locks,
     "on \($cpu.made.cores) cores": ($c."ms a frame" | with("ms")),
     "on one \($gpu.made | device)": ($g."ms a frame" | with("ms"))}) | table),
 "",
-"*`scripts/reproduce \($item)`: mean distance of displayed particles from the wet simulation’s, and wall time of a frame, " +
-"the low-resolution run included. " +
+"*`scripts/reproduce \($item)`: mean distance of displayed particles from the wet simulation’s on hair and motion that no training saw, F1 (the share " +
+"that has one of the other run within 3 mm and 30°), locks (how dense clumps are, as a share of the simulation’s), all of the run on the " +
+"GPU; and wall time of a frame, the low-resolution run included. " +
 ([$cpu, $gpu] | map(.made | "\(if .gpu != "none" then .gpu else .processor end), \(.date), \(.revisions | revisions)") | join("; ")) + ".*"

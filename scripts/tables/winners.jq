@@ -1,4 +1,4 @@
-# The networks that win on each learned scene, on both devices.
+# The networks that win on each learned scene, and in which measures, on both devices.
 include "shared";
 
 def short_name:
@@ -11,5 +11,5 @@ def where: .made | if .gpu != "none" then "on one GPU" else "on \(.cores) cores"
 [.reproduction[] | select(any(.tables[]; .title == "Every row"))] | (map(where) | unique) as $devices | group_by(.item) |
 map(. as $made | {scene: .[0].item} + ($devices | map(. as $device | {($device):
   (first($made[] | select(where == $device)) // null |
-   if . == null then null else .tables[0].rows | winners | map(short_name) | if length == 0 then "none" else join("; ") end end)}) | add)) |
+   if . == null then null else .tables[0].rows | winners | map("\(.row | short_name) (\(.wins | join(", ")))") | if length == 0 then "none" else join("; ") end end)}) | add)) |
 table

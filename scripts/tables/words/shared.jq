@@ -40,17 +40,19 @@ def revisions:
   "revision \(.[0])" + (if $others == 0 then "" elif $others == 1 then " and 1 other" else " and \($others) others" end);
 
 # Of the rows of a learned scene, the networks that win: no row without a network, nor the simulation, has a smaller error
-# in at most 1.1 times the time.
+# in at most 1.1 times the time. `wins`: the measures in which such a row is not better either.
 def winners:
   [.[] | select(.row | startswith("network:"))] as $with | [.[] | select(.row | startswith("network:") | not)] as $without |
-  [$with[] | . as $n |
-    select(all($without[]; ."unseen [mm]" > $n."unseen [mm]" or ."ms a frame" > 1.1 * $n."ms a frame"))] |
-  map(.row | ltrimstr("network: "));
+  def unbeaten($n; measure): ($n | measure) as $own | all($without[]; measure >= $own or ."ms a frame" > 1.1 * $n."ms a frame");
+  [$with[] | . as $n | select(unbeaten($n; ."unseen [mm]")) |
+    {row: (.row | ltrimstr("network: ")),
+     wins: (["error"] + (if unbeaten($n; -.F1) then ["F1"] else [] end) +
+            (if unbeaten($n; .locks - 1 | fabs) then ["locks"] else [] end))}];
 def verdict:
   winners |
   if length == 0 then
     "**No network wins here**: for each there is a row without a network that has a smaller error on unseen hair in no more time."
   else
-    "**Networks that win** (no row without a network, nor the simulation, has a smaller error on unseen hair in at most " +
-    "1.1 times the time): " + join("; ") + "."
+    "**Networks that win**, and in what (no row without a network, nor the simulation, is better in it on unseen hair in at most " +
+    "1.1 times the time): " + (map("\(.row) (\(.wins | join(", ")))") | join("; ")) + "."
   end;
