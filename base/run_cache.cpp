@@ -31,13 +31,21 @@ constexpr const char* datasets_of_frames[] = {"positions",     "displayed", "ene
                                               "stage_seconds", "contact",   "living_saturation",
                                               "water",         "head",      last_dataset};
 
-// How many frames of a run that is not whole are there in all of its datasets.
+// How many frames of a run that is not whole are there in all of its datasets. Throws Error where it was cut:
+// the nodes that lead to frames are written anew behind the last one, so that without its end nothing leads
+// to any.
 size_t whole_frames(const H5Reader& f) {
     if (!f.has(last_dataset)) return 0;
     const auto shape = f.shape(last_dataset);
-    size_t frames = shape.empty() ? 0 : shape[0];
+    const size_t said = shape.empty() ? 0 : shape[0];
+    size_t frames = said;
     for (const char* name : datasets_of_frames)
         if (f.has(name)) frames = f.rows_there(name, frames);
+    if (frames == 0 && said > 1 && f.written() == H5Reader::Written::broken_off)
+        throw Error(
+            f.path() + ": found a run of " + std::to_string(said) +
+            " frames whose end is missing, and with it what leads to each of them: it was cut after it was "
+            "written, as by a copy that did not end; copy it again, or make it again");
     return frames;
 }
 

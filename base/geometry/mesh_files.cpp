@@ -403,7 +403,8 @@ Mesh read_mesh(const std::string& path, double scale_to_metres) {
         fail(path, "a scale of " + std::to_string(scale_to_metres) + ", allowed above 0");
     const std::string extension = ending_of(path);
     if (extension != ".obj" && extension != ".ply" && extension != ".glb")
-        fail(path, "mesh format " + shown(extension) + ", allowed .obj, .ply, .glb");
+        fail(path, "mesh format " + shown(extension) +
+                       ", allowed .obj, .ply, .glb; of animated meshes .abc, .usda and NAME.####.obj too");
     const std::string text = whole_file(path);
     if (extension == ".glb") {
         Mesh mesh = mesh_of_glb(text, path);

@@ -216,15 +216,15 @@ void find_water(std::vector<Finding>& out, const Scene& scene) {
         std::all_of(scene.saturation.begin(), scene.saturation.end(), [](float s) { return s == 0; });
     if (!scene.flow) {
         if (dry)
-            out.push_back(
-                {Level::warning, "dry_water", "[wetness] is written, and no particle is wet",
-                 "level, pattern or where of [wetness]; without the table the hair is dry and faster"});
+            out.push_back({Level::warning, "dry_water", "[wetness] is written, and no particle is wet",
+                           "level, pattern, center or radius of [wetness]; without the table the hair is dry "
+                           "and faster"});
         return;
     }
     if (dry && scene.flow->sources.empty())
         out.push_back({Level::warning, "dry_water",
                        "[wetness.flow] moves water, no particle is wet, and there is no [[wetness.source]]",
-                       "level, pattern or where of [wetness], or a source"});
+                       "level, pattern, center or radius of [wetness], or a source"});
     for (size_t k = 0; k < scene.flow->sources.size(); ++k)
         if (const WaterSource& source = scene.flow->sources[k];
             scene.frames > 1 && (source.rate == 0 || !touches_hair(source, scene)))

@@ -165,13 +165,23 @@ void read_animated(Solid& solid, const Table& t, const SolidTable& read, Hair ha
                  begin = read.first_file_frame ? *read.first_file_frame / fps : start;
     log_info(fmt::format("{}: {} frames from {:g} s to {:g} s; the scene begins at {:g} s of it", read.file,
                          times.size(), times.front(), times.back(), begin));
-    if (const double end = times.back() - begin;
-        times.size() > 1 && std::isfinite(around.seconds) && end < around.seconds - 0.5 / around.fps)
+    if (const double end = times.back() - begin; times.size() > 1 && end < 0)
+        log_warning(
+            fmt::format("{}: ends before the scene begins; the mesh stands still (found first_file_frame {}, "
+                        "its frames end "
+                        "at {})",
+                        read.file, int(std::lround(begin * fps)), int(std::lround(times.back() * fps))));
+    else if (times.size() > 1 && std::isfinite(around.seconds) && end < around.seconds - 0.5 / around.fps)
         log_warning(
             fmt::format("{}: ends at frame {} of the scene, which has {}; the mesh stands still from "
                         "there on (first_file_frame, file_fps, or fewer frames mend it)",
                         read.file, int(std::floor(end * around.fps + 0.5)),
                         int(std::lround(around.seconds * around.fps)) + 1));
+    if (const double before = start - begin; times.size() > 1 && before > 0.5 / around.fps)
+        log_warning(fmt::format(
+            "{}: begins at frame {} of the scene; the mesh stands still before it (first_file_frame "
+            "or file_fps mend it)",
+            read.file, int(std::floor(before * around.fps + 0.5))));
     auto deformation = std::make_shared<Deformation>(std::move(frames), frame, begin);
     if (rest.mesh) deformation->rest_as(std::move(*rest.mesh), rest.name);
     wind(solid, read.file, *deformation);

@@ -381,6 +381,30 @@ TEST(Characters, a_mesh_holds_still_from_the_begin_of_its_shot_to_its_first_samp
     expect_error<Misuse>([&] { times("object = \"/no\"\n"); }, {"object", "found no mesh '/no'", "/body"});
 }
 
+TEST(Characters, a_mesh_whose_frames_begin_late_or_end_before_the_scene_is_told_of) {
+    const Scratch scratch;
+    const Mesh ball = triangulated(Sphere{0.1}, 12);
+    const std::string file = scratch.file(
+        "body.usda",
+        usda_head + usda_mesh("body", ball,
+                              "point3f[] points.timeSamples = {\n        1: " + usda_points(ball, 0) +
+                                  ",\n        24: " + usda_points(ball, 1) + ",\n    }"));
+    const auto said = [&](int first_file_frame) {
+        ::testing::internal::CaptureStderr();
+        scene_of("fps = 24\nframes = 12\n" + dry_scene.substr(dry_scene.find('[')) +
+                 "[[solid]]\nname = \"body\"\nshape = \"mesh\"\nspacing = 0.02\nfile = \"" + file +
+                 "\"\nfirst_file_frame = " + std::to_string(first_file_frame) + "\n");
+        return ::testing::internal::GetCapturedStderr();
+    };
+    const auto tells = [&](int frame, const std::string& words) {
+        return said(frame).find(words) != std::string::npos;
+    };
+    EXPECT_TRUE(tells(-9, "begins at frame 10 of the scene"));
+    EXPECT_TRUE(tells(50, "ends before the scene begins"));
+    EXPECT_TRUE(tells(20, "ends at frame 4 of the scene"));
+    EXPECT_FALSE(tells(1, "stands still"));
+}
+
 // Of a file of several meshes the one that is animated; where there is one alone, it, whatever its name.
 TEST(Characters, the_pose_of_the_hair_is_that_of_the_object) {
     const Scratch scratch;
