@@ -195,6 +195,8 @@ expect 1 "has scene [motion] 'period = 1', now it is 'period = 2.0'" "'$wetcurl'
 expect 1 'the state is of precision float, now it is double' "'$wetcurl' $run --precision double -o other.h5 --resume"
 cp other.h5.partial cut.h5.partial
 truncate -s -9000 cut.h5.partial
+expect 0 '' "'$wetcurl' inspect run cut.h5.partial"
+truncate -s $(($(stat -c %s cut.h5.partial) * 6 / 10)) cut.h5.partial
 expect 1 'whose end is missing' "'$wetcurl' inspect run cut.h5.partial"
 rm other.h5.state
 expect 0 'without a state in other.h5.state all frames are computed again' "'$wetcurl' simulate scene.toml --threads 1 -o other.h5 --resume"
