@@ -168,8 +168,7 @@ void read_animated(Solid& solid, const Table& t, const SolidTable& read, Hair ha
     if (const double end = times.back() - begin; times.size() > 1 && end < 0)
         log_warning(
             fmt::format("{}: ends before the scene begins; the mesh stands still (found first_file_frame {}, "
-                        "its frames end "
-                        "at {})",
+                        "its frames end at {})",
                         read.file, int(std::lround(begin * fps)), int(std::lround(times.back() * fps))));
     else if (times.size() > 1 && std::isfinite(around.seconds) && end < around.seconds - 0.5 / around.fps)
         log_warning(

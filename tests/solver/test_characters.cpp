@@ -356,15 +356,20 @@ constexpr const char* usda_head =
     "#usda 1.0\n(\n    startTimeCode = 1\n    endTimeCode = 24\n    timeCodesPerSecond = 24\n"
     "    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n";
 
+// From frame `first` to 24 it moves by a metre along x.
+std::string usda_that_moves(const Mesh& mesh, int first) {
+    return usda_head +
+           usda_mesh(
+               "body", mesh,
+               fmt::format("point3f[] points.timeSamples = {{\n        {}: {},\n        24: {},\n    }}",
+                           first, usda_points(mesh, 0), usda_points(mesh, 1)));
+}
+
 // A shot from frame 1 to 24 whose mesh holds still until frame 12: what repeats is left out of the file.
 TEST(Characters, a_mesh_holds_still_from_the_begin_of_its_shot_to_its_first_sample) {
     const Scratch scratch;
     const Mesh ball = triangulated(Sphere{0.1}, 12);
-    const std::string file = scratch.file(
-        "body.usda",
-        usda_head + usda_mesh("body", ball,
-                              "point3f[] points.timeSamples = {\n        12: " + usda_points(ball, 0) +
-                                  ",\n        24: " + usda_points(ball, 1) + ",\n    }"));
+    const std::string file = scratch.file("body.usda", usda_that_moves(ball, 12));
     const auto times = [&](const std::string& more, const std::string& fps = "24") {
         const Scene scene = scene_of(
             "fps = " + fps + "\nframes = 2\n" + dry_scene.substr(dry_scene.find('[')) +
@@ -384,11 +389,7 @@ TEST(Characters, a_mesh_holds_still_from_the_begin_of_its_shot_to_its_first_samp
 TEST(Characters, a_mesh_whose_frames_begin_late_or_end_before_the_scene_is_told_of) {
     const Scratch scratch;
     const Mesh ball = triangulated(Sphere{0.1}, 12);
-    const std::string file = scratch.file(
-        "body.usda",
-        usda_head + usda_mesh("body", ball,
-                              "point3f[] points.timeSamples = {\n        1: " + usda_points(ball, 0) +
-                                  ",\n        24: " + usda_points(ball, 1) + ",\n    }"));
+    const std::string file = scratch.file("body.usda", usda_that_moves(ball, 1));
     const auto said = [&](int first_file_frame) {
         ::testing::internal::CaptureStderr();
         scene_of("fps = 24\nframes = 12\n" + dry_scene.substr(dry_scene.find('[')) +
