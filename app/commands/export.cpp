@@ -48,6 +48,7 @@ class Axes {
         : scale_(float(1 / target.metres)), swap_(target.swaps_y_and_z && ending_of(path) == ".abc") {}
     Vec3f operator()(const Vec3f& x) const { return scale_ * (swap_ ? Vec3f{x.x, x.z, x.y} : x); }
     float length(double metres) const { return float(metres) * scale_; }
+    bool swaps_y_and_z() const { return swap_; }
 
   private:
     float scale_;
@@ -214,13 +215,19 @@ const Target& target_named(const std::string& name) {
                          [&](const Target& t) { return name == t.name; });
 }
 
-SceneFileSettings settings_of(const ExportOptions& o, const Target& target, double fps, int first) {
+SceneFileSettings settings_of(const ExportOptions& o, const Target& target, const Axes& axes, double fps, int first) {
     return {.fps = fps,
             .first_frame = o.first_number + first,
             .every = o.every,
             .metres_per_unit = target.metres,
             .up = 'y',
+            .swaps_y_and_z = axes.swaps_y_and_z(),
             .for_unreal = target.for_unreal};
+}
+
+bool repeat(std::vector<int> ids) {
+    std::sort(ids.begin(), ids.end());
+    return std::adjacent_find(ids.begin(), ids.end()) != ids.end();
 }
 
 // The strands as one animated file.
@@ -234,14 +241,22 @@ class AnimatedExport {
           axes_(target, o.output),
           some_(o.guides ? &strands.guides().strands : nullptr),
           file_(create_scene_file(o.output, o.overwrite,
-                                  settings_of(o, target, run.header().fps, frames.front()))) {
+                                  settings_of(o, target, axes_, run.header().fps, frames.front()))) {
         CurvesObject animated = strands.layout(some_ ? "/hair/guides" : "/hair/strands", axes_, some_);
-        if (some_) animated.is_guide.assign(some_->size(), 1);
-        animated_ = file_->add_curves(animated);
-        if (!some_) return;
+        if (!some_) {
+            animated_ = file_->add_curves(animated);
+            return;
+        }
+        animated.is_guide.assign(some_->size(), 1);
         // All strands as they are at first, with the guides that they follow: by their numbers among the
         // guides, for Unreal by their ids.
         CurvesObject all = strands.layout("/hair/strands", axes_);
+        if (target.for_unreal && repeat(all.ids)) {
+            log_warning(o.output + ": ids of strands repeat and could not name a guide; groom_id is the strand's number");
+            std::iota(all.ids.begin(), all.ids.end(), 0);
+            animated.ids = *some_;
+        }
+        animated_ = file_->add_curves(animated);
         all.is_guide.assign(strands.count(), 0);
         std::vector<int> guide_of(strands.count(), -1);
         for (size_t g = 0; g < some_->size(); ++g)
@@ -313,7 +328,7 @@ class SolidsExport {
           axes_(target, o.solids),
           file_(create_scene_file(
               o.solids, o.overwrite,
-              settings_of(o, {.metres = target.metres}, run.header().fps, frames.front()))) {
+              settings_of(o, {.metres = target.metres}, axes_, run.header().fps, frames.front()))) {
         const std::vector<PosedMesh> solids = at(frames.front());
         if (solids.empty()) throw Misuse("--solids: the scene of " + o.run + " has no solid to write");
         for (size_t k = 0; k < solids.size(); ++k) {

@@ -99,7 +99,7 @@ void go_to(SceneRun& run, const RunStart& start) {
     const std::string file = state_file_of(
         start.file.ends_with(".partial") ? start.file.substr(0, start.file.size() - 8) : start.file);
     const RunState fresh = simulation.run_state();
-    if (std::filesystem::exists(file)) {
+    if (frame_of_state(file)) {
         const StoredState stored = read_state(file, fresh, false);
         if (stored.frame == start.frame && stored.facts.run == facts_of(start.header, "").run) {
             simulation.resume(stored.state);

@@ -48,7 +48,12 @@ std::string state_file_of(const std::string& output) { return target_of(output) 
 
 std::optional<int> frame_of_state(const std::string& file) {
     if (!std::filesystem::exists(file)) return std::nullopt;
-    return frame_in(H5Reader(file, format, version));
+    try {
+        return frame_in(H5Reader(file, format, version));
+    } catch (const Error& e) {
+        log_warning(std::string(e.what()) + "; the state is left out, as if the file were not there");
+        return std::nullopt;
+    }
 }
 
 StoredState read_state(const std::string& file, const RunState& like, bool exactly) {

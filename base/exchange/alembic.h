@@ -13,7 +13,7 @@
 
 namespace wetcurl {
 
-// Curves (linear, or cubic of one basis), PolyMesh and SubD of the file, hidden ones too. An object moves at
+// Curves (linear, or cubic of one basis), PolyMesh and SubD of the file; hidden ones are marked. An object moves at
 // its own samples and at those of the transforms above it: `times` holds both, and between samples points and
 // transforms are interpolated linearly. A warning names curves that are left out: periodic ones, and those of
 // variable order or of a basis that scene_file.h lacks. Throws Error.

@@ -407,7 +407,8 @@ class AbcReader : public SceneReader {
                 axes_.metres_per_unit = value;
         if (const std::string up = value_of(metadata, "wetcurl_up"); up == "x" || up == "y" || up == "z")
             axes_.up = up[0];
-        walk(archive_.top(), "", -1, 0);
+        swaps_y_and_z_ = value_of(metadata, "wetcurl_swaps") == "yz";
+        walk(archive_.top(), "", -1, false, 0);
     }
 
     const FileAxes& axes() const override { return axes_; }
@@ -444,8 +445,8 @@ class AbcReader : public SceneReader {
 
     const OgawaReader& file() const { return archive_.file(); }
 
-    // Takes an object's children, which lie below the transform `above`.
-    void walk(OgawaChild object, const std::string& path, int above, size_t depth) {
+    // Takes an object's children, which lie below the transform `above`; `is_hidden`: where they do not say it.
+    void walk(OgawaChild object, const std::string& path, int above, bool is_hidden, size_t depth) {
         if (depth > most_depth)
             file().fail(path, "objects below one another", "at most " + std::to_string(most_depth));
         if (object.place() != 0 && !seen_.insert(object.place()).second)
@@ -454,15 +455,31 @@ class AbcReader : public SceneReader {
         for (const ObjectHeader& child : archive_.children(object, path.empty() ? "/" : path)) {
             const std::string below = path + "/" + child.name;
             const std::string schema = value_of(child.metadata, "schema");
+            const bool hidden = is_hidden_here(child, below, is_hidden);
             int transform = above;
             if (schema.starts_with("AbcGeom_Xform")) transform = take_transform(child, below, above);
-            if (schema.starts_with("AbcGeom_Curve")) take_curves(child, below, above);
+            if (schema.starts_with("AbcGeom_Curve")) take_curves(child, below, above, hidden);
             if (schema.starts_with("AbcGeom_PolyMesh") || schema.starts_with("AbcGeom_SubD"))
-                take_mesh(child, below, above);
+                take_mesh(child, below, above, hidden);
             if (value_of(child.metadata, "isInstance") == "1")
                 warn(below, "an instance of another object is left out");
-            walk(child.group, below, transform, depth + 1);
+            walk(child.group, below, transform, hidden, depth + 1);
         }
+    }
+
+    // Whether an object is hidden at all times. It says 0 for hidden, 1 for shown, -1 for "as what is above".
+    bool is_hidden_here(const ObjectHeader& header, const std::string& path, bool above) const {
+        const Properties properties = archive_.properties_of_object(header.group, path);
+        const auto said = properties.find("visible");
+        if (said == properties.end() || said->second.is_compound || said->second.samples == 0) return above;
+        const Property& p = said->second;
+        for (uint32_t sample = 0; sample < p.samples; ++sample) {
+            const auto value = archive_.numbers<int>(p, sample);
+            const bool hidden = value.empty() || value[0] < 0 ? above : value[0] == 0;
+            if (!hidden) return false;
+            if (!p.changes()) break;
+        }
+        return true;
     }
 
     void warn(const std::string& path, const std::string& what) const {
@@ -510,13 +527,14 @@ class AbcReader : public SceneReader {
         return at->second;
     }
 
-    void take_curves(const ObjectHeader& header, const std::string& path, int above) {
+    void take_curves(const ObjectHeader& header, const std::string& path, int above, bool is_hidden) {
         const Properties schema =
             archive_.compound(archive_.properties_of_object(header.group, path), ".geom");
         auto source = source_of(schema, path, above);
         if (!source) return;
         CurvesObject object;
         object.path = path;
+        object.hidden = is_hidden ? "invisible" : "";
         const auto kind = archive_.numbers<uint8_t>(required(schema, path, "curveBasisAndType"), 0);
         if (kind.size() < 3) file().fail(path + ", curveBasisAndType", "other values", "4 bytes");
         if (const auto basis = basis_of(AbcCurveType(kind[0]), AbcBasis(kind[2])); basis && kind[1] == 0) {
@@ -568,13 +586,14 @@ class AbcReader : public SceneReader {
         curve_sources_.push_back(std::move(*source));
     }
 
-    void take_mesh(const ObjectHeader& header, const std::string& path, int above) {
+    void take_mesh(const ObjectHeader& header, const std::string& path, int above, bool is_hidden) {
         const Properties schema =
             archive_.compound(archive_.properties_of_object(header.group, path), ".geom");
         auto source = source_of(schema, path, above);
         if (!source) return;
         MeshObject object;
         object.path = path;
+        object.hidden = is_hidden ? "invisible" : "";
         object.points = source->points;
         source->topology = {required(schema, path, ".faceCounts"), required(schema, path, ".faceIndices")};
         for (const Property& p : source->topology) source->stored.push_back(archive_.numbers<int>(p, 0));
@@ -736,6 +755,7 @@ class AbcReader : public SceneReader {
             Vec3f& x = points[i];
             x = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
             if (moves) x = cast<float>(place(cast<double>(x)));
+            if (swaps_y_and_z_) std::swap(x.y, x.z);
             if (!std::isfinite(x.x) || !std::isfinite(x.y) || !std::isfinite(x.z))
                 file().fail(where + ", " + std::to_string(time) + " s",
                             "the point " + std::to_string(i) + ", which is not finite", "finite numbers");
@@ -745,6 +765,7 @@ class AbcReader : public SceneReader {
 
     Archive archive_;
     FileAxes axes_;
+    bool swaps_y_and_z_ = false;  // of our own files for Unreal: as if they were not swapped
     std::vector<Transform> transforms_;
     std::vector<CurvesObject> curves_;
     std::vector<MeshObject> meshes_;

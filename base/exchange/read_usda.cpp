@@ -111,7 +111,9 @@ struct Node {
     int parent = -1;
     std::string path;
     bool resets = false;       // the transforms above it do not count
-    std::vector<XformOp> ops;  // the first is the outermost
+    std::vector<XformOp> ops = {};  // the first is the outermost
+    bool is_invisible = false;      // at all times
+    std::string purpose = {};       // empty: that of the prim above
 };
 
 // ---- attributes
@@ -147,6 +149,8 @@ constexpr std::string_view kept_names[] = {"points",
                                            "faceVertexCounts",
                                            "faceVertexIndices",
                                            "orientation",
+                                           "visibility",
+                                           "purpose",
                                            "xformOpOrder",
                                            "primvars:widths",
                                            "primvars:groom_id",
@@ -239,6 +243,8 @@ class UsdaReader : public SceneReader {
     std::vector<std::array<float, 3>> stored_points(const Source& source, double time) const;
     std::vector<Vec3f> points_of(const Source& source, const std::string& object, size_t sample) const;
     RowMatrix world_of(size_t node, double time) const;
+    bool is_invisible(const Attributes& attributes) const;
+    std::string hidden(size_t node) const;
 
     TextFile file_;
     UsdaScanner in_;
@@ -343,7 +349,7 @@ void UsdaReader::read_prim(bool is_real, int parent, int depth) {
     if (in_.next_is_word()) type = in_.word("the type of a prim");
     const std::string name = in_.quoted("the name of a prim");
     const size_t number = nodes_.size();
-    nodes_.push_back({parent, (parent < 0 ? "" : nodes_[size_t(parent)].path) + "/" + name, false, {}});
+    nodes_.push_back({parent, (parent < 0 ? "" : nodes_[size_t(parent)].path) + "/" + name});
     if (in_.next_is('('))
         read_metadata([&](const std::string& key) {
             for (const char* arc : {"references", "payload", "inherits", "specializes", "clips"})
@@ -533,6 +539,8 @@ void UsdaReader::finish_prim(size_t number, const std::string& type, const Attri
     auto ops = read_ops(attributes, resets);
     nodes_[number].ops = std::move(ops);
     nodes_[number].resets = resets;
+    nodes_[number].is_invisible = is_invisible(attributes);
+    nodes_[number].purpose = token(attributes, "purpose", "");
     if (type == "BasisCurves") add_curves(number, attributes);
     if (type == "Mesh") add_mesh(number, attributes);
     if (type == "NurbsCurves" || type == "HermiteCurves")
@@ -753,6 +761,26 @@ RowMatrix UsdaReader::world_of(size_t node, double time) const {
     return world;
 }
 
+// At all times.
+bool UsdaReader::is_invisible(const Attributes& attributes) const {
+    const Attribute* found = find(attributes, {"visibility"});
+    if (!found) return false;
+    const auto invisible = [&](const TextSpan& span) { return values(span).string() == "invisible"; };
+    if (found->samples.empty()) return invisible(*found->value);
+    return std::all_of(found->samples.begin(), found->samples.end(),
+                       [&](const Sample& sample) { return invisible(sample.value); });
+}
+
+// How an object is hidden, as MeshObject says it.
+std::string UsdaReader::hidden(size_t node) const {
+    std::string purpose;
+    for (int at = int(node); at >= 0; at = nodes_[size_t(at)].parent) {
+        if (nodes_[size_t(at)].is_invisible) return "invisible";
+        if (purpose.empty()) purpose = nodes_[size_t(at)].purpose;
+    }
+    return purpose == "guide" || purpose == "proxy" ? "for " + purpose : "";
+}
+
 // The times at which the object's points or a transform above them have a sample; 0 where none has.
 std::vector<double> UsdaReader::codes_of(const Source& source) const {
     std::vector<double> codes;
@@ -778,10 +806,14 @@ void UsdaReader::finish() {
         for (double code : source.codes) times.push_back(code / a_second);
         return times;
     };
-    for (size_t k = 0; k < curves_.size(); ++k) curves_[k].times = times_of(of_curves_[k]);
+    for (size_t k = 0; k < curves_.size(); ++k) {
+        curves_[k].times = times_of(of_curves_[k]);
+        curves_[k].hidden = hidden(of_curves_[k].node);
+    }
     for (size_t k = 0; k < meshes_.size(); ++k) {
         MeshObject& mesh = meshes_[k];
         mesh.times = times_of(of_meshes_[k]);
+        mesh.hidden = hidden(of_meshes_[k].node);
         const bool mirrored = world_of(of_meshes_[k].node, of_meshes_[k].codes[0]).determinant() < 0;
         if (mirrored == left_handed_[k]) continue;
         size_t begin = 0;

@@ -28,6 +28,7 @@ struct FileAxes {
 // Strands, or one object of them, without their points: what is the same at all times.
 struct CurvesObject {
     std::string path;                           // in the file: "/hair/strands"
+    std::string hidden;                         // as MeshObject's
     std::vector<int> counts;                    // (strand): control points, root first
     CurveBasis basis = CurveBasis::linear;      // of all strands
     std::vector<float> widths;                  // (point): diameter; empty: not said
@@ -47,6 +48,7 @@ struct CurvesObject {
 // A mesh without its points.
 struct MeshObject {
     std::string path;
+    std::string hidden;        // how the file hides it: "invisible", "for guide"; empty: it is shown
     std::vector<int> counts;   // (face): its corners
     std::vector<int> corners;  // indices of points, counterclockwise seen from outside
     size_t points = 0;
@@ -68,6 +70,13 @@ class SceneReader {
 // Whether the ending is one of Alembic or USD.
 bool is_scene_file(const std::string& path);
 
+// Numbers of the objects that are meant: `object` itself, those below it, or all for "". Of them those that
+// the file shows; all where it shows none. What is left out, or taken though it is hidden, is told in the log.
+// Empty where no object is there. `what` names them in messages: "meshes".
+template <class Object>
+std::vector<size_t> chosen_objects(const std::string& path, const std::vector<Object>& objects,
+                                   const std::string& object, const std::string& what);
+
 // By the file's ending, .abc or .usda. Throws Misuse for another ending, Error for a file that is missing,
 // cut short, foreign, or of a kind that is not read (HDF5 Alembic, .usd and .usdc: the text says what to
 // run).
@@ -87,6 +96,9 @@ struct SceneFileSettings {
     int every = 1;               // from one frame's number to the next one's
     double metres_per_unit = 1;  // of the points as they are given; said where the format can say it
     char up = 'y';
+    // The points' y and z have changed places, for a program that counts them so: said where the format can
+    // say it, and taken back by our reader.
+    bool swaps_y_and_z = false;
     bool for_unreal = false;  // the attributes that Unreal's groom importer asks for
 };
 

@@ -31,9 +31,7 @@ SceneMesh::SceneMesh(const std::string& path, const std::string& object) : file_
     std::string listed;
     for (const auto& mesh : meshes) listed += "\n  " + mesh.path;
     if (meshes.empty()) throw Error(path + ": has no mesh");
-    for (size_t k = 0; k < meshes.size(); ++k)
-        if (object.empty() || meshes[k].path == object || meshes[k].path.starts_with(object + "/"))
-            objects_.push_back(k);
+    objects_ = chosen_objects(path, meshes, object, "meshes");
     if (objects_.empty()) throw Misuse(path + ": found no mesh '" + object + "'; it has" + listed);
     times_ = meshes[objects_[0]].times;
     for (const size_t k : objects_)

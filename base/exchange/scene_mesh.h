@@ -13,7 +13,8 @@ namespace wetcurl {
 // In the file's own unit and axes. Samples are read as they are asked for.
 class SceneMesh {
   public:
-    // `object`: the path of one mesh in the file, as "/body/skin", or of a group of them; "": all of them.
+    // `object`: the path of one mesh in the file, as "/body/skin", or of a group of them; "": all of them;
+    // chosen_objects says which.
     // Throws Misuse where the file has no such object (the text lists those that are there), Error for bad
     // data, a file without a mesh, and meshes whose times differ.
     SceneMesh(const std::string& path, const std::string& object);

@@ -16,6 +16,7 @@ namespace wetcurl {
 // - Widths become one a control point; ids, groups and uv of roots are those of primvars (groom_id, id;
 //   groom_group_id; groom_root_uv, st, surface_uv_coordinate).
 // - Curves of wrap "pinned" get the two control points that this word stands for.
+// - Hidden objects are marked: invisible at all times, or of purpose guide or proxy, they or a prim above.
 // - Faces of left-handed meshes, and of mirrored ones, are turned round.
 // - Left out with a warning: closed curves, NurbsCurves, objects without points; what a skeleton would do.
 // - Not followed: references, payloads, sublayers, variants. Without geometry of its own such a file is an

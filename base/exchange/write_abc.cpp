@@ -514,6 +514,7 @@ class AbcWriter : public SceneWriter {
             {"_ai_Description", "revision " + fact("revision")},
             {"wetcurl_metres_per_unit", number(settings_.metres_per_unit)},
             {"wetcurl_up", std::string(1, settings_.up)}};
+        if (settings_.swaps_y_and_z) facts.emplace_back("wetcurl_swaps", "yz");
         std::string all;
         for (auto& [key, value] : facts) {
             std::replace_if(

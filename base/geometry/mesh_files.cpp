@@ -33,6 +33,8 @@ std::string whole_file(const std::string& path) {
     if (!in || !std::filesystem::is_regular_file(path, ignored)) fail(path, "cannot be read as a file");
     std::string text{std::istreambuf_iterator<char>(in), {}};
     if (text.empty()) fail(path, "the file is empty, expected a mesh");
+    // Some programs mark UTF-8 so.
+    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
     refuse_lfs_pointer(text, path);
     return text;
 }

@@ -32,6 +32,7 @@ jitter() { metric "$1" .jitter_mm; }
 spread() { metric "$1" .tip_spread_ratio; }
 curl_kept() { metric "$1" .curl_radius_ratio; }
 method_of() { metric "$1" .method | jq -r 'sub("^simulated wet, "; "") | sub("^simulated wet$"; "ours")'; }
+said() { sed -n "s/^$2 = //p" "$root/scenes/$1.toml"; }  # SCENE KEY: what the scene file says
 whole_run() { jq -r 'if .diverged then "diverged after \(.frames) frames" else "yes" end' "$1.json"; }
 last_of() { for run in "$@"; do jq .frames "$run.json"; done | sort -n | head -n 1 | jq '. - 1'; }
 
@@ -54,9 +55,10 @@ trembling_of() {
         row "jitter on a still head [mm], $(method_of "$run")" "$paper" "$noise" $low "$high" \
             "root mean square third difference over frames; calm is below $calm, 1 % of a segment"
         [[ -z $alone || $run == *ours* ]] || row "the same over that of Iben's chain alone, $(method_of "$run")" "above 1: the paper blames the wet force" \
-            "$(value "$noise / $alone")" 1.2 1e12 "the chain alone trembles by $(short "$alone") mm: as printed, Eq 4 and 5 push particles without a reaction, and feed energy in"
+            "$(value "$noise / $alone")" 1.2 1e12 "agrees from 1.2. The chain alone trembles by $(short "$alone") mm: as printed, Eq 4 and 5 push particles without a reaction, and feed energy in"
     done
     numbers "On a still head" "$(printf '%s\n' "${rows[@]}" | jq -sc .)"
+    [[ " $* " != *lin* && " $* " != *kim* ]] || note "On Iben's chain Lin's force has the strength $(said compare_lin_iben strength), Kim's $(said compare_kim_iben strength) and for the area $(said compare_kim_iben area): the keys of [baseline] in scenes/compare_lin_iben.toml and compare_kim_iben.toml, where the choice is explained."
 }
 clumping_of() {
     local name=$1 dry=$2 run rows=()

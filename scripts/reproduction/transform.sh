@@ -155,4 +155,5 @@ chart_of() {
           [$gains[] as $g | [$all[] | select(.colours == $colours and (.gain == null or .gain == $g))][0].error_mm | if . > 1.5 * $none then null else . end]}]}' <<<"${all[demo]}"
 }
 for input in "${inputs[@]}"; do chart_of "$input" >"transform/$input.chart.json"; done
+note "In the picture a line ends before the gain at which the error passes 1.5 times that of no network."
 chart transform transform/dry_low.chart.json transform/wet_low.chart.json

@@ -95,8 +95,10 @@ static void arrange(ImportedStrands& in, const GroomTable& groom, const std::str
     in.origin = groom.scale * rotate(turn, in.origin) + groom.offset;
     for (auto& widths : in.widths)
         for (float& width : widths) width *= float(groom.scale);
-    if (groom.repair)
-        log_info(file + ": " + std::to_string(repair(in)) + " strands had stray points, which are left out");
+    if (!groom.repair) return;
+    const Repaired repaired = repair(in);
+    log_info(file + ": left out " + std::to_string(repaired.points) + " stray points of " +
+             std::to_string(repaired.strands) + " strands");
 }
 
 ImportedStrands import_strands(const GroomTable& groom) {

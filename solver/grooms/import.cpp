@@ -13,6 +13,7 @@
 #include "base/geometry/file_frame.h"
 #include "base/geometry/mesh_winding.h"
 #include "base/log.h"
+#include "base/median.h"
 #include "base/number_text.h"
 #include "base/output_file.h"
 #include "base/strands.h"
@@ -48,12 +49,15 @@ Unit unit_named(const std::string& path, const std::string& name) {
     throw Misuse(path + ": found the units '" + name + "', allowed m, cm, mm, auto");
 }
 
-// A head with its hair measures about half a metre across: the unit that comes nearest to it, by ratio.
-Unit unit_of_a_head(double diagonal) {
-    constexpr double usual = 0.5;
+// A head with its hair measures about half a metre across: the unit that comes nearest to it, by ratio. A lock
+// by itself is smaller: one of a finer unit in which its strands are no longer than hair is.
+Unit guessed_unit(double diagonal, double length_of_strands) {
+    constexpr double usual = 0.5, longest = 1.5;
     auto off = [&](const Unit& unit) { return std::abs(std::log(diagonal * unit.metres / usual)); };
-    return *std::min_element(std::begin(units), std::end(units),
-                             [&](const Unit& a, const Unit& b) { return off(a) < off(b); });
+    const Unit* unit = std::min_element(std::begin(units), std::end(units),
+                                        [&](const Unit& a, const Unit& b) { return off(a) < off(b); });
+    while (unit + 1 != std::end(units) && length_of_strands * unit->metres > longest) ++unit;
+    return *unit;
 }
 
 // File coordinates to metres, Y up.
@@ -90,7 +94,7 @@ std::optional<Unit> unit_of_file(const std::string& path, const std::string& pre
 }
 
 ToMetres conversion(const std::string& path, const FileUnits& meant, const std::string& prescribed,
-                    const FileAxes& says, const Bounds& box) {
+                    const FileAxes& says, const Bounds& box, double length_of_strands = 0) {
     const std::string told_up = up_axis(path, meant.up, says), up = told_up.empty() ? "y" : told_up;
     const bool up_told = !told_up.empty();
     const auto of_file = unit_of_file(path, prescribed, says);
@@ -103,7 +107,7 @@ ToMetres conversion(const std::string& path, const FileUnits& meant, const std::
     }
     if (says.metres_per_unit) return {*of_file, false, up, up_told};
     const double diagonal = norm(box.high - box.low);
-    const Unit unit = of_file ? *of_file : unit_of_a_head(diagonal);
+    const Unit unit = of_file ? *of_file : guessed_unit(diagonal, length_of_strands);
     char size[64];
     std::snprintf(size, sizeof size, "%.4g units across, %.3g m", diagonal, diagonal * unit.metres);
     log_warning(path + ": units not given, " + (prescribed.empty() ? "guessed " : "took the format's ") +
@@ -222,8 +226,10 @@ std::string readable_endings() { return endings(formats); }
 std::string writable_endings() { return endings(writers); }
 
 ImportedStrands import_strands(const std::string& path, const FileUnits& meant) {
+    // Other endings of USD: its bytes decide whether it is text, and the error for binary files says what to run.
+    const std::string ending = ending_of(path) != ".abc" && is_scene_file(path) ? ".usda" : ending_of(path);
     const auto* format = std::find_if(std::begin(formats), std::end(formats),
-                                      [&](const Format& f) { return ending_of(path) == f.ending; });
+                                      [&](const Format& f) { return ending == f.ending; });
     if (format == std::end(formats)) unknown_ending(path, readable_endings());
     StrandFile file = format->read(path);
     const StrandPoints& raw = file.points;
@@ -236,7 +242,9 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
         file.widths.clear();
     }
 
-    ToMetres to_metres = conversion(path, meant, format->units, file.axes, usual_bounds(raw));
+    std::vector<double> lengths;
+    for (const auto& strand : raw) lengths.push_back(arc_length(strand.data(), int(strand.size())));
+    ToMetres to_metres = conversion(path, meant, format->units, file.axes, usual_bounds(raw), median(lengths));
     const Guess up = guessed_up(raw);
     if (!to_metres.up_told) to_metres.up = up.word;
     ImportedStrands out = taken(path, file, to_metres);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "solver/grooms/readers.h"
 
 namespace wetcurl {
@@ -55,30 +56,42 @@ std::vector<Blend> points_of_curve(CurveBasis basis, size_t count, const std::st
 
 StrandFile read_curves(const std::string& path) {
     const auto scene = open_scene_file(path);
-    const auto& objects = scene->curves();
-    if (objects.empty())
+    if (scene->curves().empty())
         throw Error(path + ": found " +
                     (scene->meshes().empty()
                          ? std::string("no curves")
                          : std::to_string(scene->meshes().size()) + " meshes and no curves") +
                     ", allowed are strands as curves");
+    const std::vector<size_t> objects = chosen_objects(path, scene->curves(), "", "objects of curves");
+    // Guides are strands that others follow: with these in the file, hair would be there twice.
+    size_t strands = 0, guides = 0;
+    for (size_t o : objects) {
+        const CurvesObject& object = scene->curves()[o];
+        strands += object.counts.size();
+        guides += object.is_guide.size() - size_t(std::count(object.is_guide.begin(), object.is_guide.end(), 0));
+    }
+    const bool leaves_guides = guides > 0 && guides < strands;
+    if (leaves_guides)
+        log_warning(path + ": " + std::to_string(guides) + " of " + std::to_string(strands) +
+                    " strands left out, which the file marks as guides (groom_guide)");
+
     StrandFile out;
     out.axes = scene->axes();
     // What only some objects say is said by none: the arrays would not fit the strands.
     auto all_say = [&](auto member) {
-        return std::all_of(objects.begin(), objects.end(),
-                           [&](const CurvesObject& o) { return o.counts.empty() || !(o.*member).empty(); });
+        return std::all_of(objects.begin(), objects.end(), [&](size_t o) {
+            const CurvesObject& object = scene->curves()[o];
+            return object.counts.empty() || !(object.*member).empty();
+        });
     };
     const bool have_widths = all_say(&CurvesObject::widths), have_ids = all_say(&CurvesObject::ids),
                have_groups = all_say(&CurvesObject::groups), have_uv = all_say(&CurvesObject::root_uv);
-    auto join = [](auto& to, const auto& from, bool have) {
-        if (have) to.insert(to.end(), from.begin(), from.end());
-    };
-    for (size_t o = 0; o < objects.size(); ++o) {
-        const CurvesObject& object = objects[o];
+    for (size_t o : objects) {
+        const CurvesObject& object = scene->curves()[o];
         const std::vector<Vec3f> points = scene->points_of_curves(o, 0);
         size_t begin = 0;
-        for (size_t s = 0; s < object.counts.size(); ++s) {
+        for (size_t s = 0; s < object.counts.size(); begin += size_t(object.counts[s++])) {
+            if (leaves_guides && !object.is_guide.empty() && object.is_guide[s]) continue;
             const auto blends = points_of_curve(object.basis, size_t(object.counts[s]),
                                                 path + ": " + object.path + ", strand " + std::to_string(s));
             auto& strand = out.points.emplace_back();
@@ -97,11 +110,10 @@ StrandFile read_curves(const std::string& path) {
                 strand.push_back(x);
                 if (have_widths) out.widths.back().push_back(float(width));
             }
-            begin += size_t(object.counts[s]);
+            if (have_ids) out.ids.push_back(object.ids[s]);
+            if (have_groups) out.groups.push_back(object.groups[s]);
+            if (have_uv) out.root_uv.push_back(object.root_uv[s]);
         }
-        join(out.ids, object.ids, have_ids);
-        join(out.groups, object.groups, have_groups);
-        join(out.root_uv, object.root_uv, have_uv);
     }
     return out;
 }

@@ -1,6 +1,7 @@
 // Strands of .obj files: `v` and `l` lines (Wavefront). Everything else is passed over.
 #include <charconv>
 #include <cstdint>
+#include <map>
 
 #include "base/error.h"
 #include "solver/grooms/byte_reader.h"
@@ -31,7 +32,8 @@ class Lines {
         first_ = number_ + 1;
         while (in_.left() > 0) {
             line += in_.last_line();
-            ++number_;
+            // Some programs mark UTF-8 so.
+            if (++number_ == 1 && line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);
             while (!line.empty() && line.back() == '\0') line.pop_back();
             if (line.empty() || line.back() != '\\') return true;
             line.back() = ' ';
@@ -71,8 +73,27 @@ size_t vertex_of(const Lines& lines, std::string_view word, size_t vertices) {
     const long long count = (long long)(vertices), from_0 = index < 0 ? count + index : index - 1;
     if (error != std::errc() || end != text.data() + text.size() || from_0 < 0 || from_0 >= count)
         lines.fail("the vertex " + shown(word),
-                   "1 to " + std::to_string(count) + ", or -1 back to -" + std::to_string(count));
+                   "1 to " + std::to_string(count) + ", or -1 back to -" + std::to_string(count) +
+                       (error == std::errc() && index == 0 ? "; a file that counts from 0 needs 1 more in each `l` line" : ""));
     return size_t(from_0);
+}
+
+// Edges that each have two vertices of their own, as some programs write strands: those in the same place as one;
+// the lines as they are where they are longer, or strands would branch then.
+std::vector<std::vector<size_t>> welded(const std::vector<std::vector<size_t>>& lines, const std::vector<Vec3d>& vertices) {
+    std::map<std::array<double, 3>, size_t> first;
+    std::vector<int> ends(vertices.size(), 0);
+    std::vector<std::vector<size_t>> out = lines;
+    for (auto& line : out) {
+        if (line.size() != 2) return lines;
+        for (size_t& vertex : line) {
+            const Vec3d& x = vertices[vertex];
+            vertex = first.try_emplace({x.x, x.y, x.z}, vertex).first->second;
+            if (++ends[vertex] > 2) return lines;
+        }
+        if (line[0] == line[1]) return lines;
+    }
+    return out;
 }
 
 // Lines that share no vertex are strands as they stand; those that do, as where each edge has a line of its
@@ -114,6 +135,9 @@ StrandFile read_obj(const std::string& path) {
             auto& polyline = polylines.emplace_back();
             for (auto word = next_word(line); !word.empty(); word = next_word(line))
                 polyline.push_back(vertex_of(lines, word, vertices.size()));
+            if (polyline.size() > 2 && polyline.front() == polyline.back())
+                lines.fail("a closed line, which ends at its first vertex", "strands with two ends; without that "
+                           "vertex at its end it is one");
         } else if (kind == "f") {
             ++faces;
         }
@@ -124,7 +148,7 @@ StrandFile read_obj(const std::string& path) {
                            : std::string("no `l` line")) +
                     ", allowed are strands as `l` lines");
     StrandFile out;
-    for (const auto& strand : strands_of(polylines, vertices.size(), path)) {
+    for (const auto& strand : strands_of(welded(polylines, vertices), vertices.size(), path)) {
         auto& points = out.points.emplace_back();
         for (size_t vertex : strand) points.push_back(vertices[vertex]);
     }

@@ -49,6 +49,54 @@ void find_stray_points(std::vector<Finding>& out, const ImportedStrands& in, con
              "repair = true in [groom], which leaves such points out"});
 }
 
+// The share of a strand's inner points at which it turns back by more than 120 degrees.
+double turned_back(const std::vector<Vec3d>& strand) {
+    size_t sharp = 0;
+    for (size_t i = 1; i + 1 < strand.size(); ++i) {
+        const Vec3d a = strand[i] - strand[i - 1], b = strand[i + 1] - strand[i];
+        sharp += dot(a, b) < -0.5 * norm(a) * norm(b);
+    }
+    return sharp < 2 ? 0 : double(sharp) / double(strand.size() - 2);
+}
+
+// The strand's longest segment over its median one; 0 where it is no tenth of the strand.
+double longest_of_usual(const std::vector<Vec3d>& strand) {
+    std::vector<double> lengths;
+    double sum = 0;
+    for (size_t i = 0; i + 1 < strand.size(); ++i) {
+        lengths.push_back(norm(strand[i + 1] - strand[i]));
+        sum += lengths.back();
+    }
+    const double longest = *std::max_element(lengths.begin(), lengths.end());
+    return longest > 0.1 * sum ? longest / median(lengths) : 0;
+}
+
+// Points of a strand against each other.
+void find_odd_points(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file) {
+    constexpr double often = 1.0 / 3, much = 10, spoilt = 0.2;
+    std::vector<size_t> turned, uneven;
+    double most = 0;
+    for (size_t s = 0; s < in.strands.size(); ++s) {
+        if (turned_back(in.strands[s]) > often) turned.push_back(in.numbers[s]);
+        const double longest = longest_of_usual(in.strands[s]);
+        if (longest > much) uneven.push_back(in.numbers[s]);
+        most = std::max(most, longest);
+    }
+    const double strands = double(in.strands.size());
+    if (!turned.empty())
+        out.push_back({double(turned.size()) > spoilt * strands ? Level::error : Level::warning, "point_order",
+                       fmt::format("{}: {} of {} strands turn back by more than 120 degrees at a third of their "
+                                   "points or more: strand {}",
+                                   file, turned.size(), in.strands.size(), listed(turned, 8)),
+                       "a file with the points of each strand from root to tip, one after the other"});
+    if (!uneven.empty())
+        out.push_back({Level::warning, "long_segments",
+                       fmt::format("{}: {} of {} strands have a segment of more than {:g} times their median one, {:.3g} "
+                                   "times at most: strand {}",
+                                   file, uneven.size(), in.strands.size(), much, most, listed(uneven, 8)),
+                       "a file in which they are strands of their own, if strands are joined there"});
+}
+
 // Against the median strand.
 void find_odd_lengths(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file,
                       const std::vector<double>& lengths, double usual) {
@@ -133,6 +181,7 @@ std::vector<Finding> findings_of_strands(const ImportedStrands& in, const std::s
     const double length = median(lengths);
     find_size(out, length, file, in.units);
     find_stray_points(out, in, file);
+    find_odd_points(out, in, file);
     find_odd_lengths(out, in, file, lengths, length);
     find_up(out, in, file);
     return out;

@@ -69,9 +69,9 @@ std::optional<StrayPoints> StraySearch::first_in(const std::vector<Vec3d>& stran
     return std::nullopt;
 }
 
-size_t repair(ImportedStrands& in) {
+Repaired repair(ImportedStrands& in) {
     const StraySearch search(in);
-    size_t changed = 0;
+    Repaired out;
     std::vector<size_t> kept;
     for (size_t s = 0; s < in.strands.size(); ++s) {
         bool is_changed = false;
@@ -81,12 +81,13 @@ size_t repair(ImportedStrands& in) {
         while (const auto stray = search.first_in(in.strands[s])) {
             leave_out(in.strands[s], *stray);
             if (!in.widths.empty()) leave_out(in.widths[s], *stray);
+            out.points += stray->last - stray->first;
             is_changed = true;
         }
-        changed += is_changed;
+        out.strands += is_changed;
         if (in.strands[s].size() > 1) kept.push_back(s);
     }
-    if (kept.size() == in.strands.size()) return changed;
+    if (kept.size() == in.strands.size()) return out;
     auto keep = [&](auto& values) {
         if (values.empty()) return;
         for (size_t k = 0; k < kept.size(); ++k) values[k] = values[kept[k]];
@@ -94,7 +95,7 @@ size_t repair(ImportedStrands& in) {
     };
     in.one_point += in.strands.size() - kept.size();
     keep(in.strands), keep(in.numbers), keep(in.widths), keep(in.ids), keep(in.groups), keep(in.root_uv);
-    return changed;
+    return out;
 }
 
 }  // namespace wetcurl

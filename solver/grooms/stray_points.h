@@ -31,8 +31,10 @@ class StraySearch {
     bool roots_elsewhere_ = false, jumps_ = false;
 };
 
-// Leaves stray points out. Strands of which a single point is left are dropped, and counted as such. Returns
-// how many strands lost points.
-size_t repair(ImportedStrands& in);
+struct Repaired {
+    size_t strands = 0, points = 0;  // strands that lost points, and how many these were
+};
+// Leaves stray points out. Strands of which a single point is left are dropped, and counted as such.
+Repaired repair(ImportedStrands& in);
 
 }  // namespace wetcurl

@@ -94,17 +94,19 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
     if (head.surfaces().empty()) return;
     const auto& hair = scene.groom.rest;
     std::vector<double> distances;
-    size_t nearer_tips = 0;
+    const std::vector<StrandOrigin> origins = origins_of(scene.groom);
+    std::vector<size_t> turned_round;  // numbers of strands whose tip is the nearer end
     Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
     for (int s = 0; s < hair.count; ++s) {
         const Vec3d root = cast<double>(hair.at(s, 0)), tip = cast<double>(hair.at(s, hair.particles - 1));
         const double phi = head.distance_to(root);
         constexpr double clearly = 0.02;                                 // [m]
-        nearer_tips += std::abs(head.distance_to(tip)) + clearly < phi;  // a root inside it says nothing
+        // A root inside it says nothing.
+        if (std::abs(head.distance_to(tip)) + clearly < phi) turned_round.push_back(size_t(origins[size_t(s)].number));
         distances.push_back(phi);
         for (const Vec3d& x : {root, tip}) low = lower(low, x), high = upper(high, x);
     }
-    const std::vector<StrandOrigin> origins = origins_of(scene.groom);
+    std::sort(turned_round.begin(), turned_round.end());
     const auto text_of = [&](const RootsOnSurface& roots, const std::string& surface) {
         return roots.text(surface, distances.size(), origins[roots.farthest].number);
     };
@@ -112,7 +114,7 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
     const double usual = roots.usual;
     const std::string place = text_of(roots, "the head");
     const auto deep = std::ranges::count_if(distances, [](double phi) { return phi < -off; });
-    const bool tips_first = double(nearer_tips) > 0.5 * hair.count;
+    const bool tips_first = double(turned_round.size()) > 0.5 * hair.count;
     std::vector<size_t> lost;
     for (size_t s = 0; s < distances.size(); ++s)
         if (std::abs(distances[s]) > too_far) lost.push_back(size_t(origins[s].number));
@@ -158,14 +160,18 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
                        "units of [groom] or of the [[solid]] that is the head"});
     const bool fits = size == 0 || (size <= ratio * across && size * ratio >= across);
     const std::string turned =
-        fmt::format("{} of {} strands end nearer to the head than they begin", nearer_tips, hair.count);
+        fmt::format("{} of {} strands end nearer to the head than they begin{}", turned_round.size(), hair.count,
+                    turned_round.empty() ? "" : ": strands " + listed(turned_round, 8));
     if (!fits) return;  // which end is nearer says nothing
+    const bool of_file = !scene.groom.origin.empty();
     if (tips_first)
         out.push_back({Level::error, "order", turned,
-                       "order = \"tip_first\" in [groom], if the file's strands run from tip to root"});
-    else if (double(nearer_tips) > 0.05 * hair.count)
+                       of_file ? "order = \"tip_first\" in [groom], if the file's strands run from tip to root"
+                               : "place and size of the [[solid]] that is the head"});
+    else if (double(turned_round.size()) > 0.05 * hair.count)
         out.push_back({Level::warning, "order", turned,
-                       "those strands turned round in their file, if they run from tip to root"});
+                       of_file ? "those strands turned round in their file, if they run from tip to root"
+                               : "place and size of the [[solid]] that is the head"});
 }
 
 // Hair that lies on a mesh that deforms, and does not ride on it.

@@ -104,8 +104,18 @@ TEST_F(Export, speaks_the_units_and_axes_of_other_programs) {
     EXPECT_NEAR(maya->points_of_curves(0, 0)[1].z, 52, 1e-4);  // of strand 5, which came first
     o.target = "unreal", o.output = path("unreal.abc");
     const auto unreal = exported();
-    EXPECT_NEAR(unreal->points_of_curves(0, 0)[1].z, -1, 1e-5);
-    EXPECT_NEAR(unreal->points_of_curves(0, 0)[1].y, 52, 1e-4);
+    // Stored with z up and mirrored, as Unreal counts; read by us as it was.
+    const Vec3f x = unreal->points_of_curves(0, 0)[1];
+    EXPECT_NEAR(x.y, -1, 1e-5);
+    EXPECT_NEAR(x.z, 52, 1e-4);
+    const float stored[] = {x.x, x.z, x.y};
+    EXPECT_NE(bytes_of(o.output).find(std::string(reinterpret_cast<const char*>(stored), sizeof stored)), std::string::npos);
+    const ImportedStrands back = import_strands(o.output, {});
+    const ImportedStrands metres = import_strands(path("maya.usda"), {});
+    ASSERT_EQ(back.strands.size(), metres.strands.size());
+    for (size_t s = 0; s < back.strands.size(); ++s)
+        for (size_t i = 0; i < back.strands[s].size(); ++i)
+            EXPECT_LT(norm(back.strands[s][i] - metres.strands[s][i]), 1e-6);
     EXPECT_NEAR(unreal->curves()[0].widths[0], 100 * std::sqrt(4 * 6.5e-6 / (3.14159265 * 1300)), 1e-6);
 }
 

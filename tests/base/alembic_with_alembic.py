@@ -209,19 +209,30 @@ def they_write():
     curves_at(free, "strands", 0, [strand], [4])
     hidden = mesh_at(top, "hidden", 0, [triangle])
     CreateVisibilityProperty(hidden, 0).setValue(0)
+    # What is below a hidden object is hidden, unless it says that it is shown; what appears later is shown.
+    group, _ = transform_at(top, "group", 0, [[("Translate", (0, 0, 0))]])
+    CreateVisibilityProperty(group, 0).setValue(0)
+    curves_at(group, "below", 0, [strand], [4])
+    CreateVisibilityProperty(mesh_at(group, "shown", 0, [triangle]), 0).setValue(1)
+    later = CreateVisibilityProperty(mesh_at(top, "later", 0, [triangle]), even)
+    for value in (0, 0, 1):
+        later.setValue(value)
     mirror, _ = transform_at(top, "mirror", 0, [[("Scale", (-1, 1, 1))]])
     mesh_at(mirror, "mesh", 0, [triangle])
     # Samples of a mesh lie between those of the transform above it.
     finer, _ = transform_at(top, "finer", even, [[("Translate", (0, 6 * k, 0))] for k in range(3)])
     mesh_at(finer, "mesh", archive.addTimeSampling(TimeSampling(1 / 48, 2 / 24)), [moved(triangle, k) for k in range(5)])
-    del archive, top, outer, inner, free, hidden, mirror, finer
+    del archive, top, outer, inner, free, hidden, mirror, finer, group, later
 
     theirs = read(path)
     curves = {o["path"]: o for o in theirs["curves"]}
     meshes = {o["path"]: o for o in theirs["meshes"]}
-    check(sorted(curves) == ["/cubic", "/outer/free/strands", "/paused", "/shutter", "/uneven"], "all curves are read")
-    check(sorted(meshes) == ["/finer/mesh", "/hidden", "/mirror/mesh", "/outer/inner/both", "/outer/inner/rigid"],
-          "all meshes are read")
+    check(sorted(curves) == ["/cubic", "/group/below", "/outer/free/strands", "/paused", "/shutter", "/uneven"],
+          "all curves are read")
+    check(sorted(meshes) == ["/finer/mesh", "/group/shown", "/hidden", "/later", "/mirror/mesh", "/outer/inner/both",
+                              "/outer/inner/rigid"], "all meshes are read")
+    check(sorted(o["path"] for o in theirs["curves"] + theirs["meshes"] if o["hidden"]) == ["/group/below", "/hidden"],
+          "what the file hides is marked")
     o = curves["/uneven"]
     check(near(o["times"], [0.1, 0.25, 0.9], 1e-12), "times of an acyclic sampling")
     check(near(o["samples"], samples) and o["basis"] == "linear", "linear curves")
@@ -243,7 +254,7 @@ def they_write():
     check(near(o["samples"], expected) and not near(expected[0], expected[1], 0.5), "transforms above a rigid object")
     expected = [placed(moved(triangle, by), inner_matrices[0], m) for by, m in zip((0, 1, 5), outer_matrices)]
     check(near(meshes["/outer/inner/both"]["samples"], expected), "transforms above a mesh that changes")
-    check(near(meshes["/hidden"]["samples"], [triangle]), "hidden objects are read")
+    check(near(meshes["/hidden"]["samples"], [triangle]), "hidden objects can be read")
     # The library lists corners clockwise.
     check(meshes["/hidden"]["corners"] == [2, 1, 0], "corners are turned round")
     check(meshes["/mirror/mesh"]["corners"] == [0, 1, 2], "but not those that a transform mirrors")

@@ -33,6 +33,7 @@ static void print(const std::string& path) {
         for (size_t s = 0; s < o.times.size(); ++s)
             samples.push_back(numbers_of(file->points_of_curves(k, s)));
         out["curves"].push_back({{"path", o.path},
+                                 {"hidden", o.hidden},
                                  {"counts", o.counts},
                                  {"basis", bases[int(o.basis)]},
                                  {"widths", o.widths},
@@ -50,6 +51,7 @@ static void print(const std::string& path) {
         nlohmann::json samples = nlohmann::json::array();
         for (size_t s = 0; s < o.times.size(); ++s) samples.push_back(numbers_of(file->points_of_mesh(k, s)));
         out["meshes"].push_back({{"path", o.path},
+                                 {"hidden", o.hidden},
                                  {"counts", o.counts},
                                  {"corners", o.corners},
                                  {"points", o.points},
@@ -75,7 +77,7 @@ static void write_strands(const std::string& path, char up, double metres_per_un
         curves.ids.push_back(int(100 + s));
         curves.root_uv.push_back({0.25f * float(s), 0.5f});
     }
-    const MeshObject still{"/head/scalp", {4, 3}, {0, 1, 2, 3, 0, 1, 4}, 5, {}};
+    const MeshObject still{"/head/scalp", {}, {4, 3}, {0, 1, 2, 3, 0, 1, 4}, 5, {}};
     MeshObject moving = still;
     moving.path = "/head/jaw";
     const auto out = create_scene_file(

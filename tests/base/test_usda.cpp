@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -497,6 +498,36 @@ def Scope "s" (
     EXPECT_TRUE(is_at(in->points_of_curves(0, 0)[1], 1, 0.5f, -1e-3f));
     EXPECT_TRUE(is_at(in->points_of_curves(0, 1)[1], 1, 2, 100));
     EXPECT_TRUE(in->meshes().empty());
+}
+
+TEST_F(UsdaReader, marks_what_the_file_hides) {
+    auto mesh = [](const std::string& name, const std::string& properties) {
+        return "def Mesh \"" + name + "\" {\nint[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2]\n"
+               "point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n" + properties + "\n}\n";
+    };
+    auto group = [](const std::string& name, const std::string& properties, const std::string& below) {
+        return "def Xform \"" + name + "\" {\n" + below + properties + "\n}\n";
+    };
+    const auto in = open("#usda 1.0\n" + mesh("plain", "") + mesh("off", "token visibility = \"invisible\"") +
+                         mesh("later", "token visibility.timeSamples = { 1: \"invisible\", 5: \"inherited\" }") +
+                         mesh("never", "token visibility.timeSamples = { 1: \"invisible\", 5: \"invisible\" }") +
+                         mesh("proxy", "uniform token purpose = \"proxy\"") +
+                         group("off_group", "token visibility = \"invisible\"", mesh("below", "token visibility = \"inherited\"")) +
+                         group("guides", "uniform token purpose = \"guide\"", mesh("below", "") + mesh("render", "uniform token purpose = \"render\"")));
+    std::map<std::string, std::string> hidden;
+    for (const auto& object : in->meshes()) hidden[object.path] = object.hidden;
+    EXPECT_EQ(hidden, (std::map<std::string, std::string>{{"/plain", ""}, {"/off", "invisible"}, {"/later", ""}, {"/never", "invisible"}, {"/proxy", "for proxy"},
+                                                          {"/off_group/below", "invisible"}, {"/guides/below", "for guide"}, {"/guides/render", ""}}));
+    const auto chosen = [&](const std::string& object) {
+        std::set<std::string> paths;
+        for (size_t k : chosen_objects("a.usda", in->meshes(), object, "meshes")) paths.insert(in->meshes()[k].path);
+        return paths;
+    };
+    EXPECT_EQ(chosen(""), (std::set<std::string>{"/plain", "/later", "/guides/render"}));
+    EXPECT_EQ(chosen("/off"), (std::set<std::string>{"/off"}));
+    EXPECT_EQ(chosen("/guides"), (std::set<std::string>{"/guides/render"}));
+    EXPECT_EQ(chosen("/off_group"), (std::set<std::string>{"/off_group/below"}));
+    EXPECT_TRUE(chosen("/none").empty());
 }
 
 TEST_F(UsdaReader, files_whose_geometry_lies_elsewhere_say_how_to_flatten_them) {

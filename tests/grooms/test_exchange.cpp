@@ -104,13 +104,36 @@ TEST(Obj, edges_with_a_line_each_are_joined) {
         {"b.obj", "vertex 1", "branch"});
 }
 
+// Each edge with two vertices of its own.
+TEST(Obj, edges_that_meet_in_equal_points_are_joined_unless_strands_would_branch) {
+    Scratch scratch;
+    const std::string edges = "v 0 0 0\nv 0 1 0\nv 0 1 0\nv 0 2 0\nl 1 2\nl 3 4\nv 5 0 0\nv 5 1 0\nl 5 6\n";
+    EXPECT_TRUE(same(read_obj(scratch.file("a.obj", edges)).points, {{{0, 0, 0}, {0, 1, 0}, {0, 2, 0}}, {{5, 0, 0}, {5, 1, 0}}}));
+    const std::string fork = edges + "v 0 1 0\nv 3 1 0\nl 7 8\n";
+    EXPECT_EQ(read_obj(scratch.file("b.obj", fork)).points.size(), 4u);
+    // Longer lines that begin in one place are strands as they stand.
+    const std::string tuft = "v 0 0 0\nv 0 1 0\nv 0 2 0\nv 0 0 0\nv 1 1 0\nv 1 2 0\nl 1 2 3\nl 4 5 6\n";
+    EXPECT_EQ(read_obj(scratch.file("c.obj", tuft)).points.size(), 2u);
+}
+
+TEST(Obj, a_mark_of_utf8_takes_no_vertex) {
+    Scratch scratch;
+    EXPECT_TRUE(same(read_obj(scratch.file("a.obj", "\xef\xbb\xbfv 7 0 0\nv 7 1 0\nl 1 2\n")).points, {{{7, 0, 0}, {7, 1, 0}}}));
+    const Mesh mesh = read_mesh(scratch.file("m.obj", "\xef\xbb\xbfv 7 0 0\nv 8 0 0\nv 7 1 0\nf 1 2 3\n"), 1);
+    EXPECT_EQ(mesh.vertices.size(), 3u);
+    EXPECT_EQ(read_ply(scratch.file("a.ply", "\xef\xbb\xbfply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+                                             "property float z\nelement edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+                                             "0 0 0\n0 1 0\n0 1\n")).points.size(), 1u);
+}
+
 TEST(Obj, bad_lines_are_named) {
     Scratch scratch;
     for (const auto& [text, line, what] : std::initializer_list<std::tuple<std::string, int, std::string>>{
              {"v 0 0\nl 1 1\n", 1, "coordinates"},
              {"v 0 0 nan\n", 1, "coordinates"},
              {"v 0 0 0\nl 1 2\n", 2, "'2'"},
-             {"v 0 0 0\nl 0\n", 2, "'0'"},
+             {"v 0 0 0\nl 0\n", 2, "counts from 0"},
+             {"v 0 0 0\nv 0 1 0\nv 1 1 0\nl 1 2 3 1\n", 4, "closed line"},
              {"v 0 0 0\nl -2\n", 2, "-1 back to -1"},
              {"v 0 0 0\nl x\n", 2, "'x'"}}) {
         const std::string file = scratch.file("a.obj", text);
@@ -299,6 +322,43 @@ TEST(Curves, of_all_objects_are_joined_with_what_the_file_says_of_them) {
     ASSERT_EQ(in.widths[1].size(), 2u);
     EXPECT_FLOAT_EQ(in.widths[1][0], 0.03f);
     EXPECT_FLOAT_EQ(in.widths[1][1], 0.05f);
+}
+
+TEST(Curves, that_the_file_hides_or_marks_as_guides_are_left_out_and_said) {
+    Scratch scratch;
+    auto curves = [](const std::string& name, double x, const std::string& properties) {
+        const std::string at = std::to_string(x);
+        return "def BasisCurves \"" + name + "\"\n{\nuniform token type = \"linear\"\nint[] curveVertexCounts = [2, 2]\n"
+               "point3f[] points = [(" + at + ",0,0), (" + at + ",1,0), (" + at + ",0,1), (" + at + ",1,1)]\n"
+               "int[] primvars:groom_id = [" + std::to_string(int(x)) + ", " + std::to_string(int(x) + 1) + "] (\ninterpolation = \"uniform\"\n)\n" + properties + "\n}\n";
+    };
+    const std::string start = "#usda 1.0\n(\nmetersPerUnit = 1\nupAxis = \"Y\"\n)\n", off = "token visibility = \"invisible\"",
+                      marks = "int[] primvars:groom_guide = [1, 0] (\ninterpolation = \"uniform\"\n)\n";
+    auto ids = [&](const std::string& text, std::string& log) {
+        const std::string file = scratch.file("a.usda", start + text);
+        ::testing::internal::CaptureStderr();
+        const auto in = import_strands(file, {"auto", "auto"});
+        log = ::testing::internal::GetCapturedStderr();
+        EXPECT_EQ(in.ids.size(), in.strands.size());
+        return in.ids;
+    };
+    std::string log;
+    EXPECT_EQ(ids(curves("a", 10, "") + curves("b", 20, off), log), (std::vector<int>{10, 11}));
+    EXPECT_NE(log.find("/b (invisible)"), std::string::npos) << log;
+    EXPECT_EQ(ids(curves("b", 20, off), log), (std::vector<int>{20, 21}));
+    EXPECT_NE(log.find("read nevertheless"), std::string::npos) << log;
+    EXPECT_EQ(ids(curves("a", 10, marks) + curves("b", 20, "uniform token purpose = \"guide\""), log), (std::vector<int>{11}));
+    EXPECT_NE(log.find("1 of 2 strands left out"), std::string::npos) << log;
+}
+
+TEST(Curves, binary_usd_names_what_makes_text_of_it_and_text_is_read_whatever_its_ending) {
+    Scratch scratch;
+    for (const char* name : {"a.usdc", "a.usd", "a.usda"})
+        expect_error([&] { import_strands(scratch.file(name, "PXR-USDC and more"), {"m", "y"}); }, {name, "usdcat"});
+    expect_error([&] { import_strands(scratch.file("a.usdz", "PK\x03\x04 and more"), {"m", "y"}); }, {"a.usdz", "usdcat"});
+    const std::string text = "#usda 1.0\ndef BasisCurves \"c\"\n{\nuniform token type = \"linear\"\nint[] curveVertexCounts = [2]\n"
+                             "point3f[] points = [(0,0,0), (0,1,0)]\n}\n";
+    EXPECT_EQ(import_strands(scratch.file("b.usd", text), {"m", "y"}).strands.size(), 1u);
 }
 
 TEST(Curves, units_and_axis_that_are_told_hold_against_the_file_with_a_warning) {

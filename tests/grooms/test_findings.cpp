@@ -114,6 +114,7 @@ TEST_F(Findings, some_strands_that_are_turned_are_seen_and_roots_in_the_head_say
     StrandPoints strands = falling(200);
     for (size_t s = 0; s < 40; ++s) std::reverse(strands[5 * s].begin(), strands[5 * s].end());
     EXPECT_TRUE(found(strands).contains("order"));
+    EXPECT_NE(texts(scene_of(strands), "order").find("strands 0, 5, 10, 15"), std::string::npos) << texts(scene_of(strands), "order");
     EXPECT_NO_THROW(scene_of(strands, "", head, true));  // a warning
     // A head that is three times too large.
     std::string large = head;
@@ -204,6 +205,37 @@ TEST_F(Findings, strands_of_very_uneven_segments_are_not_stray) {
         for (int i = 1; i <= 40; ++i) strand.push_back(at + (i / 40.0) * (tip - at));
     }
     EXPECT_FALSE(found(strands).contains("stray_points"));
+}
+
+TEST_F(Findings, points_in_a_wrong_order_are_seen_without_a_head_too) {
+    // Taken alternately from both ends.
+    const auto mixed = [](const std::vector<Vec3d>& strand) {
+        std::vector<Vec3d> out;
+        for (size_t i = 0, j = strand.size(); i < j;) {
+            out.push_back(strand[i++]);
+            if (i < j) out.push_back(strand[--j]);
+        }
+        return out;
+    };
+    StrandPoints strands = falling(200);
+    for (size_t s : {3, 50}) strands[s] = mixed(strands[s]);
+    EXPECT_EQ(found(strands, "", ""), Names{"point_order"});
+    EXPECT_NE(texts(scene_of(strands, "", ""), "point_order").find("warning: point_order"), std::string::npos);
+    EXPECT_NE(texts(scene_of(strands, "", ""), "point_order").find("strand 3, 50"), std::string::npos);
+    for (auto& strand : strands) strand = mixed(strand);
+    expect_error([&] { scene_of(strands, "", "", true); }, {"point_order", "120 degrees", "allow = "});
+}
+
+TEST_F(Findings, strands_that_are_joined_have_a_long_segment) {
+    StrandPoints strands = falling(200), joined;
+    for (size_t s = 0; s < 200; s += 2) {
+        joined.push_back(strands[s]);
+        joined.back().insert(joined.back().end(), strands[s + 1].begin(), strands[s + 1].end());
+    }
+    EXPECT_TRUE(found(joined, "", "").contains("long_segments"));
+    strands[7].insert(strands[7].end(), strands[150].begin(), strands[150].end());
+    EXPECT_NE(texts(scene_of(strands, "", ""), "long_segments").find("1 of 200 strands"), std::string::npos);
+    EXPECT_NE(texts(scene_of(strands, "", ""), "long_segments").find("strand 7"), std::string::npos);
 }
 
 TEST_F(Findings, hair_that_starts_far_from_its_head_stops_the_scene) {

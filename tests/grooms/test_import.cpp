@@ -67,6 +67,15 @@ TEST(Import, units_guessed_from_the_size_are_right_and_said) {
     }
 }
 
+TEST(Import, the_unit_of_a_lock_by_itself_makes_it_no_longer_than_hair_is) {
+    Scratch scratch;
+    StrandPoints lock;
+    for (int s = 0; s < 20; ++s) lock.push_back({{0.02 * s, 0, 0}, {0.02 * s, -1.5, 0}, {0.02 * s, -3, 0}});
+    const ImportedStrands in = import_strands(scratch.file("a.data", data_file(lock)), {"auto", "y"});
+    EXPECT_EQ(in.units, "cm");
+    EXPECT_TRUE(in.guessed);
+}
+
 TEST(Import, z_up_becomes_y_up_without_mirroring) {
     Scratch scratch;
     const StrandPoints tripod{{{0, 0, 0}, {1, 0, 0}}, {{0, 0, 0}, {0, 1, 0}}, {{0, 0, 0}, {0, 0, 1}}};
