@@ -31,6 +31,27 @@ Image enlarged(const GeometryPanel& panel, int times) {
     return image;
 }
 
+GeometryPanel without_padding(const GeometryPanel& panel) {
+    GeometryPanel out = panel;
+    out.height = out.width = 0;
+    for (int row = 0; row < panel.height; ++row)
+        for (int column = 0; column < panel.width; ++column)
+            if (panel.mask[size_t(row) * size_t(panel.width) + size_t(column)])
+                out.height = std::max(out.height, row + 1), out.width = std::max(out.width, column + 1);
+    if (out.height == 0) return panel;
+    out.height = std::min(out.height + 1, panel.height), out.width = std::min(out.width + 1, panel.width);
+    out.mask.clear(), out.values.clear();
+    const auto cut = [&](auto& to, const auto& from, int channel) {
+        for (int row = 0; row < out.height; ++row) {
+            const auto begin = from.begin() + (long(channel) * panel.height + row) * panel.width;
+            to.insert(to.end(), begin, begin + out.width);
+        }
+    };
+    cut(out.mask, panel.mask, 0);
+    for (int channel = 0; channel < 3; ++channel) cut(out.values, panel.values, channel);
+    return out;
+}
+
 namespace {
 
 void paste(Image& onto, const Image& image, int left, int top) {
@@ -50,7 +71,9 @@ void draw_caption(Image& image, const std::string& text, int left, int row, int 
 
 }  // namespace
 
-Image draw_geometry(const std::vector<GeometryPanel>& panels, int least) {
+Image draw_geometry(const std::vector<GeometryPanel>& given, int least) {
+    std::vector<GeometryPanel> panels;
+    for (const GeometryPanel& panel : given) panels.push_back(without_padding(panel));
     int side = least;  // the smaller side of the largest
     for (const auto& p : panels)
         side = std::max(side, enlargement(p.height, p.width, least) * std::min(p.height, p.width));

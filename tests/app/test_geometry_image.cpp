@@ -55,6 +55,26 @@ TEST(GeometryImage, shows_values_about_a_middle_and_no_further_than_its_colours_
     EXPECT_EQ(p.colour(2, 0), 1);
 }
 
+TEST(GeometryImage, padding_is_left_out_but_for_one_row_and_column) {
+    GeometryPanel p;
+    p.height = 5, p.width = 6;
+    for (int k = 0; k < 90; ++k) p.values.push_back(0.01f * float(k));
+    p.mask.assign(30, 0);
+    p.mask[0 * 6 + 2] = p.mask[1 * 6 + 0] = 1;
+    const GeometryPanel cut = without_padding(p);
+    ASSERT_EQ(cut.height, 3);
+    ASSERT_EQ(cut.width, 4);
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 4; ++column) {
+            const size_t to = size_t(row * 4 + column), from = size_t(row * 6 + column);
+            EXPECT_EQ(cut.mask[to], p.mask[from]);
+            for (size_t c = 0; c < 3; ++c) EXPECT_EQ(cut.values[c * 12 + to], p.values[c * 30 + from]);
+        }
+    EXPECT_EQ(without_padding(small_panel()).width, 3);
+    p.mask.assign(30, 0);
+    EXPECT_EQ(without_padding(p).height, 5);
+}
+
 TEST(GeometryImage, panels_are_at_least_as_large_as_asked_and_all_alike) {
     EXPECT_EQ(enlargement(32, 32, 400), 13);
     EXPECT_EQ(enlargement(64, 128, 400), 7);
