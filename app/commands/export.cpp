@@ -215,7 +215,8 @@ const Target& target_named(const std::string& name) {
                          [&](const Target& t) { return name == t.name; });
 }
 
-SceneFileSettings settings_of(const ExportOptions& o, const Target& target, const Axes& axes, double fps, int first) {
+SceneFileSettings settings_of(const ExportOptions& o, const Target& target, const Axes& axes, double fps,
+                              int first) {
     return {.fps = fps,
             .first_frame = o.first_number + first,
             .every = o.every,
@@ -252,7 +253,9 @@ class AnimatedExport {
         // guides, for Unreal by their ids.
         CurvesObject all = strands.layout("/hair/strands", axes_);
         if (target.for_unreal && repeat(all.ids)) {
-            log_warning(o.output + ": ids of strands repeat and could not name a guide; groom_id is the strand's number");
+            log_warning(
+                o.output +
+                ": ids of strands repeat and could not name a guide; groom_id is the strand's number");
             std::iota(all.ids.begin(), all.ids.end(), 0);
             animated.ids = *some_;
         }

@@ -36,11 +36,12 @@ float neutral_grey(int column, int row);
 // The image alone, each pixel `times` x `times`.
 Image enlarged(const GeometryPanel& panel, int times);
 
-// Without the rows and columns at its end that hold no data anywhere, but one of each, which shows that it goes on.
+// Without the rows and columns at its end that hold no data anywhere, but one of each, which shows that it
+// goes on.
 GeometryPanel without_padding(const GeometryPanel& panel);
 
-// Panels side by side with their captions, without padding, each at least `least` pixels each way and all about as large.
-// Throws Error without OpenCV, which draws the letters.
+// Panels side by side with their captions, without padding, each at least `least` pixels each way and all
+// about as large. Throws Error without OpenCV, which draws the letters.
 Image draw_geometry(const std::vector<GeometryPanel>& panels, int least);
 
 }  // namespace wetcurl

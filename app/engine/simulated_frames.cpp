@@ -25,9 +25,10 @@ Diverged::Diverged(const Scene& scene, const FrameExtreme& stretch, const std::s
           "rest length{}, allowed are {:g} ([integrator] allow_stretch), largest term '{}'; {}",
           stretch.frame, stretch.strand, stretch.particle, stretch.value, where,
           scene.integrator.allow_stretch, largest_term,
-          where.empty() ? remedies(scene)
-                        : "that solid further from the roots may help, or attached = \"head\", in which hair lies "
-                          "as it is drawn")) {}
+          where.empty()
+              ? remedies(scene)
+              : "that solid further from the roots may help, or attached = \"head\", in which hair lies "
+                "as it is drawn")) {}
 
 // The solid that lies over a strand's root at `time` [s], and so stretches the strand; "" where none does.
 // What is attached to the head lets hair lie in it as it is drawn.

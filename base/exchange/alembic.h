@@ -13,10 +13,10 @@
 
 namespace wetcurl {
 
-// Curves (linear, or cubic of one basis), PolyMesh and SubD of the file; hidden ones are marked. An object moves at
-// its own samples and at those of the transforms above it: `times` holds both, and between samples points and
-// transforms are interpolated linearly. A warning names curves that are left out: periodic ones, and those of
-// variable order or of a basis that scene_file.h lacks. Throws Error.
+// Curves (linear, or cubic of one basis), PolyMesh and SubD of the file; hidden ones are marked. An object
+// moves at its own samples and at those of the transforms above it: `times` holds both, and between samples
+// points and transforms are interpolated linearly. A warning names curves that are left out: periodic ones,
+// and those of variable order or of a basis that scene_file.h lacks. Throws Error.
 std::unique_ptr<SceneReader> open_abc(const std::string& path);
 
 // Each folder of an object's path becomes a Xform at rest. What stays the same over all frames, and equal

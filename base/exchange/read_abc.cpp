@@ -445,7 +445,8 @@ class AbcReader : public SceneReader {
 
     const OgawaReader& file() const { return archive_.file(); }
 
-    // Takes an object's children, which lie below the transform `above`; `is_hidden`: where they do not say it.
+    // Takes an object's children, which lie below the transform `above`; `is_hidden`: where they do not say
+    // it.
     void walk(OgawaChild object, const std::string& path, int above, bool is_hidden, size_t depth) {
         if (depth > most_depth)
             file().fail(path, "objects below one another", "at most " + std::to_string(most_depth));

@@ -110,7 +110,7 @@ RowMatrix XformOp::at(double time) const {
 struct Node {
     int parent = -1;
     std::string path;
-    bool resets = false;       // the transforms above it do not count
+    bool resets = false;            // the transforms above it do not count
     std::vector<XformOp> ops = {};  // the first is the outermost
     bool is_invisible = false;      // at all times
     std::string purpose = {};       // empty: that of the prim above

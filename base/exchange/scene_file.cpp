@@ -37,7 +37,8 @@ std::vector<size_t> chosen_objects(const std::string& path, const std::vector<Ob
         if (!object.empty() && o.path != object && !o.path.starts_with(object + "/")) continue;
         (o.hidden.empty() ? shown : hidden).push_back(k);
         if (constexpr size_t most = 12; !o.hidden.empty() && hidden.size() <= most)
-            listed += (listed.empty() ? "" : ", ") + (hidden.size() == most ? "..." : o.path + " (" + o.hidden + ")");
+            listed += (listed.empty() ? "" : ", ") +
+                      (hidden.size() == most ? "..." : o.path + " (" + o.hidden + ")");
     }
     if (hidden.empty()) return shown;
     const std::string some = path + ": " + std::to_string(hidden.size()) + " " + what;

@@ -71,8 +71,8 @@ class SceneReader {
 bool is_scene_file(const std::string& path);
 
 // Numbers of the objects that are meant: `object` itself, those below it, or all for "". Of them those that
-// the file shows; all where it shows none. What is left out, or taken though it is hidden, is told in the log.
-// Empty where no object is there. `what` names them in messages: "meshes".
+// the file shows; all where it shows none. What is left out, or taken though it is hidden, is told in the
+// log. Empty where no object is there. `what` names them in messages: "meshes".
 template <class Object>
 std::vector<size_t> chosen_objects(const std::string& path, const std::vector<Object>& objects,
                                    const std::string& object, const std::string& what);

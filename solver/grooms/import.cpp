@@ -49,8 +49,8 @@ Unit unit_named(const std::string& path, const std::string& name) {
     throw Misuse(path + ": found the units '" + name + "', allowed m, cm, mm, auto");
 }
 
-// A head with its hair measures about half a metre across: the unit that comes nearest to it, by ratio. A lock
-// by itself is smaller: one of a finer unit in which its strands are no longer than hair is.
+// A head with its hair measures about half a metre across: the unit that comes nearest to it, by ratio. A
+// lock by itself is smaller: one of a finer unit in which its strands are no longer than hair is.
 Unit guessed_unit(double diagonal, double length_of_strands) {
     constexpr double usual = 0.5, longest = 1.5;
     auto off = [&](const Unit& unit) { return std::abs(std::log(diagonal * unit.metres / usual)); };
@@ -226,7 +226,8 @@ std::string readable_endings() { return endings(formats); }
 std::string writable_endings() { return endings(writers); }
 
 ImportedStrands import_strands(const std::string& path, const FileUnits& meant) {
-    // Other endings of USD: its bytes decide whether it is text, and the error for binary files says what to run.
+    // Other endings of USD: its bytes decide whether it is text, and the error for binary files says what to
+    // run.
     const std::string ending = ending_of(path) != ".abc" && is_scene_file(path) ? ".usda" : ending_of(path);
     const auto* format = std::find_if(std::begin(formats), std::end(formats),
                                       [&](const Format& f) { return ending == f.ending; });
@@ -244,7 +245,8 @@ ImportedStrands import_strands(const std::string& path, const FileUnits& meant) 
 
     std::vector<double> lengths;
     for (const auto& strand : raw) lengths.push_back(arc_length(strand.data(), int(strand.size())));
-    ToMetres to_metres = conversion(path, meant, format->units, file.axes, usual_bounds(raw), median(lengths));
+    ToMetres to_metres =
+        conversion(path, meant, format->units, file.axes, usual_bounds(raw), median(lengths));
     const Guess up = guessed_up(raw);
     if (!to_metres.up_told) to_metres.up = up.word;
     ImportedStrands out = taken(path, file, to_metres);

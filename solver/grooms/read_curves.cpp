@@ -68,7 +68,8 @@ StrandFile read_curves(const std::string& path) {
     for (size_t o : objects) {
         const CurvesObject& object = scene->curves()[o];
         strands += object.counts.size();
-        guides += object.is_guide.size() - size_t(std::count(object.is_guide.begin(), object.is_guide.end(), 0));
+        guides +=
+            object.is_guide.size() - size_t(std::count(object.is_guide.begin(), object.is_guide.end(), 0));
     }
     const bool leaves_guides = guides > 0 && guides < strands;
     if (leaves_guides)

@@ -74,13 +74,16 @@ size_t vertex_of(const Lines& lines, std::string_view word, size_t vertices) {
     if (error != std::errc() || end != text.data() + text.size() || from_0 < 0 || from_0 >= count)
         lines.fail("the vertex " + shown(word),
                    "1 to " + std::to_string(count) + ", or -1 back to -" + std::to_string(count) +
-                       (error == std::errc() && index == 0 ? "; a file that counts from 0 needs 1 more in each `l` line" : ""));
+                       (error == std::errc() && index == 0
+                            ? "; a file that counts from 0 needs 1 more in each `l` line"
+                            : ""));
     return size_t(from_0);
 }
 
-// Edges that each have two vertices of their own, as some programs write strands: those in the same place as one;
-// the lines as they are where they are longer, or strands would branch then.
-std::vector<std::vector<size_t>> welded(const std::vector<std::vector<size_t>>& lines, const std::vector<Vec3d>& vertices) {
+// Edges that each have two vertices of their own, as some programs write strands: those in the same place as
+// one; the lines as they are where they are longer, or strands would branch then.
+std::vector<std::vector<size_t>> welded(const std::vector<std::vector<size_t>>& lines,
+                                        const std::vector<Vec3d>& vertices) {
     std::map<std::array<double, 3>, size_t> first;
     std::vector<int> ends(vertices.size(), 0);
     std::vector<std::vector<size_t>> out = lines;
@@ -136,7 +139,8 @@ StrandFile read_obj(const std::string& path) {
             for (auto word = next_word(line); !word.empty(); word = next_word(line))
                 polyline.push_back(vertex_of(lines, word, vertices.size()));
             if (polyline.size() > 2 && polyline.front() == polyline.back())
-                lines.fail("a closed line, which ends at its first vertex", "strands with two ends; without that "
+                lines.fail("a closed line, which ends at its first vertex",
+                           "strands with two ends; without that "
                            "vertex at its end it is one");
         } else if (kind == "f") {
             ++faces;

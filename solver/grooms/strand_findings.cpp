@@ -84,17 +84,20 @@ void find_odd_points(std::vector<Finding>& out, const ImportedStrands& in, const
     }
     const double strands = double(in.strands.size());
     if (!turned.empty())
-        out.push_back({double(turned.size()) > spoilt * strands ? Level::error : Level::warning, "point_order",
-                       fmt::format("{}: {} of {} strands turn back by more than 120 degrees at a third of their "
-                                   "points or more: strand {}",
-                                   file, turned.size(), in.strands.size(), listed(turned, 8)),
-                       "a file with the points of each strand from root to tip, one after the other"});
+        out.push_back(
+            {double(turned.size()) > spoilt * strands ? Level::error : Level::warning, "point_order",
+             fmt::format("{}: {} of {} strands turn back by more than 120 degrees at a third of their "
+                         "points or more: strand {}",
+                         file, turned.size(), in.strands.size(), listed(turned, 8)),
+             "a file with the points of each strand from root to tip, one after the other"});
     if (!uneven.empty())
-        out.push_back({Level::warning, "long_segments",
-                       fmt::format("{}: {} of {} strands have a segment of more than {:g} times their median one, {:.3g} "
-                                   "times at most: strand {}",
-                                   file, uneven.size(), in.strands.size(), much, most, listed(uneven, 8)),
-                       "a file in which they are strands of their own, if strands are joined there"});
+        out.push_back(
+            {Level::warning, "long_segments",
+             fmt::format(
+                 "{}: {} of {} strands have a segment of more than {:g} times their median one, {:.3g} "
+                 "times at most: strand {}",
+                 file, uneven.size(), in.strands.size(), much, most, listed(uneven, 8)),
+             "a file in which they are strands of their own, if strands are joined there"});
 }
 
 // Against the median strand.

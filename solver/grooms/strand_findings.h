@@ -16,9 +16,9 @@ struct Finding {
     std::string remedy;                               // the line that would mend it; may be empty
 
     static constexpr const char* names[] = {
-        "size",          "up",           "order",          "stray_points", "point_order",   "long_segments",
-        "short_strands", "long_strands", "roots_off_head", "head_size",    "open_mesh",     "doubled_faces",
-        "turned_faces",  "no_area",      "no_inside",      "dry_water",    "wide_radius",   "few_particles"};
+        "size",          "up",           "order",          "stray_points", "point_order", "long_segments",
+        "short_strands", "long_strands", "roots_off_head", "head_size",    "open_mesh",   "doubled_faces",
+        "turned_faces",  "no_area",      "no_inside",      "dry_water",    "wide_radius", "few_particles"};
 };
 const char* name_of(Finding::Level level);
 // "up: groom.data: from roots to tips the hair runs along -z; up = \"z\" in [groom], if ...".

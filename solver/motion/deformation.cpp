@@ -129,8 +129,9 @@ std::shared_ptr<const Deformation::Vertices> Deformation::vertices_of(size_t k) 
     if (const auto found = near_.find(k); found != near_.end()) return found->second;
     Vertices vertices = frames_->vertices(k);
     if (const Bounds box = bounding_box({vertices, {}}); !(norm(box.high - box.low) > 0))
-        throw Error(frames_->name_of(k) + ": all " + std::to_string(vertices.size()) +
-                    " vertices stand in one place, allowed is a mesh with an extent: export this frame again");
+        throw Error(
+            frames_->name_of(k) + ": all " + std::to_string(vertices.size()) +
+            " vertices stand in one place, allowed is a mesh with an extent: export this frame again");
     frame_.place(vertices);
     return near_[k] = std::make_shared<const Vertices>(std::move(vertices));
 }

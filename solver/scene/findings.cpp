@@ -100,9 +100,10 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
     for (int s = 0; s < hair.count; ++s) {
         const Vec3d root = cast<double>(hair.at(s, 0)), tip = cast<double>(hair.at(s, hair.particles - 1));
         const double phi = head.distance_to(root);
-        constexpr double clearly = 0.02;                                 // [m]
+        constexpr double clearly = 0.02;  // [m]
         // A root inside it says nothing.
-        if (std::abs(head.distance_to(tip)) + clearly < phi) turned_round.push_back(size_t(origins[size_t(s)].number));
+        if (std::abs(head.distance_to(tip)) + clearly < phi)
+            turned_round.push_back(size_t(origins[size_t(s)].number));
         distances.push_back(phi);
         for (const Vec3d& x : {root, tip}) low = lower(low, x), high = upper(high, x);
     }
@@ -160,14 +161,15 @@ void find_roots(std::vector<Finding>& out, const Scene& scene) {
                        "units of [groom] or of the [[solid]] that is the head"});
     const bool fits = size == 0 || (size <= ratio * across && size * ratio >= across);
     const std::string turned =
-        fmt::format("{} of {} strands end nearer to the head than they begin{}", turned_round.size(), hair.count,
-                    turned_round.empty() ? "" : ": strands " + listed(turned_round, 8));
+        fmt::format("{} of {} strands end nearer to the head than they begin{}", turned_round.size(),
+                    hair.count, turned_round.empty() ? "" : ": strands " + listed(turned_round, 8));
     if (!fits) return;  // which end is nearer says nothing
     const bool of_file = !scene.groom.origin.empty();
     if (tips_first)
         out.push_back({Level::error, "order", turned,
-                       of_file ? "order = \"tip_first\" in [groom], if the file's strands run from tip to root"
-                               : "place and size of the [[solid]] that is the head"});
+                       of_file
+                           ? "order = \"tip_first\" in [groom], if the file's strands run from tip to root"
+                           : "place and size of the [[solid]] that is the head"});
     else if (double(turned_round.size()) > 0.05 * hair.count)
         out.push_back({Level::warning, "order", turned,
                        of_file ? "those strands turned round in their file, if they run from tip to root"

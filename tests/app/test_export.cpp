@@ -109,7 +109,8 @@ TEST_F(Export, speaks_the_units_and_axes_of_other_programs) {
     EXPECT_NEAR(x.y, -1, 1e-5);
     EXPECT_NEAR(x.z, 52, 1e-4);
     const float stored[] = {x.x, x.z, x.y};
-    EXPECT_NE(bytes_of(o.output).find(std::string(reinterpret_cast<const char*>(stored), sizeof stored)), std::string::npos);
+    EXPECT_NE(bytes_of(o.output).find(std::string(reinterpret_cast<const char*>(stored), sizeof stored)),
+              std::string::npos);
     const ImportedStrands back = import_strands(o.output, {});
     const ImportedStrands metres = import_strands(path("maya.usda"), {});
     ASSERT_EQ(back.strands.size(), metres.strands.size());

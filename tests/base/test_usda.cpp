@@ -502,25 +502,37 @@ def Scope "s" (
 
 TEST_F(UsdaReader, marks_what_the_file_hides) {
     auto mesh = [](const std::string& name, const std::string& properties) {
-        return "def Mesh \"" + name + "\" {\nint[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2]\n"
-               "point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n" + properties + "\n}\n";
+        return "def Mesh \"" + name +
+               "\" {\nint[] faceVertexCounts = [3]\nint[] faceVertexIndices = [0, 1, 2]\n"
+               "point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n" +
+               properties + "\n}\n";
     };
     auto group = [](const std::string& name, const std::string& properties, const std::string& below) {
         return "def Xform \"" + name + "\" {\n" + below + properties + "\n}\n";
     };
-    const auto in = open("#usda 1.0\n" + mesh("plain", "") + mesh("off", "token visibility = \"invisible\"") +
-                         mesh("later", "token visibility.timeSamples = { 1: \"invisible\", 5: \"inherited\" }") +
-                         mesh("never", "token visibility.timeSamples = { 1: \"invisible\", 5: \"invisible\" }") +
-                         mesh("proxy", "uniform token purpose = \"proxy\"") +
-                         group("off_group", "token visibility = \"invisible\"", mesh("below", "token visibility = \"inherited\"")) +
-                         group("guides", "uniform token purpose = \"guide\"", mesh("below", "") + mesh("render", "uniform token purpose = \"render\"")));
+    const auto in =
+        open("#usda 1.0\n" + mesh("plain", "") + mesh("off", "token visibility = \"invisible\"") +
+             mesh("later", "token visibility.timeSamples = { 1: \"invisible\", 5: \"inherited\" }") +
+             mesh("never", "token visibility.timeSamples = { 1: \"invisible\", 5: \"invisible\" }") +
+             mesh("proxy", "uniform token purpose = \"proxy\"") +
+             group("off_group", "token visibility = \"invisible\"",
+                   mesh("below", "token visibility = \"inherited\"")) +
+             group("guides", "uniform token purpose = \"guide\"",
+                   mesh("below", "") + mesh("render", "uniform token purpose = \"render\"")));
     std::map<std::string, std::string> hidden;
     for (const auto& object : in->meshes()) hidden[object.path] = object.hidden;
-    EXPECT_EQ(hidden, (std::map<std::string, std::string>{{"/plain", ""}, {"/off", "invisible"}, {"/later", ""}, {"/never", "invisible"}, {"/proxy", "for proxy"},
-                                                          {"/off_group/below", "invisible"}, {"/guides/below", "for guide"}, {"/guides/render", ""}}));
+    EXPECT_EQ(hidden, (std::map<std::string, std::string>{{"/plain", ""},
+                                                          {"/off", "invisible"},
+                                                          {"/later", ""},
+                                                          {"/never", "invisible"},
+                                                          {"/proxy", "for proxy"},
+                                                          {"/off_group/below", "invisible"},
+                                                          {"/guides/below", "for guide"},
+                                                          {"/guides/render", ""}}));
     const auto chosen = [&](const std::string& object) {
         std::set<std::string> paths;
-        for (size_t k : chosen_objects("a.usda", in->meshes(), object, "meshes")) paths.insert(in->meshes()[k].path);
+        for (size_t k : chosen_objects("a.usda", in->meshes(), object, "meshes"))
+            paths.insert(in->meshes()[k].path);
         return paths;
     };
     EXPECT_EQ(chosen(""), (std::set<std::string>{"/plain", "/later", "/guides/render"}));

@@ -108,7 +108,8 @@ TEST(Obj, edges_with_a_line_each_are_joined) {
 TEST(Obj, edges_that_meet_in_equal_points_are_joined_unless_strands_would_branch) {
     Scratch scratch;
     const std::string edges = "v 0 0 0\nv 0 1 0\nv 0 1 0\nv 0 2 0\nl 1 2\nl 3 4\nv 5 0 0\nv 5 1 0\nl 5 6\n";
-    EXPECT_TRUE(same(read_obj(scratch.file("a.obj", edges)).points, {{{0, 0, 0}, {0, 1, 0}, {0, 2, 0}}, {{5, 0, 0}, {5, 1, 0}}}));
+    EXPECT_TRUE(same(read_obj(scratch.file("a.obj", edges)).points,
+                     {{{0, 0, 0}, {0, 1, 0}, {0, 2, 0}}, {{5, 0, 0}, {5, 1, 0}}}));
     const std::string fork = edges + "v 0 1 0\nv 3 1 0\nl 7 8\n";
     EXPECT_EQ(read_obj(scratch.file("b.obj", fork)).points.size(), 4u);
     // Longer lines that begin in one place are strands as they stand.
@@ -118,12 +119,19 @@ TEST(Obj, edges_that_meet_in_equal_points_are_joined_unless_strands_would_branch
 
 TEST(Obj, a_mark_of_utf8_takes_no_vertex) {
     Scratch scratch;
-    EXPECT_TRUE(same(read_obj(scratch.file("a.obj", "\xef\xbb\xbfv 7 0 0\nv 7 1 0\nl 1 2\n")).points, {{{7, 0, 0}, {7, 1, 0}}}));
+    EXPECT_TRUE(same(read_obj(scratch.file("a.obj", "\xef\xbb\xbfv 7 0 0\nv 7 1 0\nl 1 2\n")).points,
+                     {{{7, 0, 0}, {7, 1, 0}}}));
     const Mesh mesh = read_mesh(scratch.file("m.obj", "\xef\xbb\xbfv 7 0 0\nv 8 0 0\nv 7 1 0\nf 1 2 3\n"), 1);
     EXPECT_EQ(mesh.vertices.size(), 3u);
-    EXPECT_EQ(read_ply(scratch.file("a.ply", "\xef\xbb\xbfply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
-                                             "property float z\nelement edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
-                                             "0 0 0\n0 1 0\n0 1\n")).points.size(), 1u);
+    EXPECT_EQ(
+        read_ply(
+            scratch.file(
+                "a.ply",
+                "\xef\xbb\xbfply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+                "property float z\nelement edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+                "0 0 0\n0 1 0\n0 1\n"))
+            .points.size(),
+        1u);
 }
 
 TEST(Obj, bad_lines_are_named) {
@@ -328,11 +336,17 @@ TEST(Curves, that_the_file_hides_or_marks_as_guides_are_left_out_and_said) {
     Scratch scratch;
     auto curves = [](const std::string& name, double x, const std::string& properties) {
         const std::string at = std::to_string(x);
-        return "def BasisCurves \"" + name + "\"\n{\nuniform token type = \"linear\"\nint[] curveVertexCounts = [2, 2]\n"
-               "point3f[] points = [(" + at + ",0,0), (" + at + ",1,0), (" + at + ",0,1), (" + at + ",1,1)]\n"
-               "int[] primvars:groom_id = [" + std::to_string(int(x)) + ", " + std::to_string(int(x) + 1) + "] (\ninterpolation = \"uniform\"\n)\n" + properties + "\n}\n";
+        return "def BasisCurves \"" + name +
+               "\"\n{\nuniform token type = \"linear\"\nint[] curveVertexCounts = [2, 2]\n"
+               "point3f[] points = [(" +
+               at + ",0,0), (" + at + ",1,0), (" + at + ",0,1), (" + at +
+               ",1,1)]\n"
+               "int[] primvars:groom_id = [" +
+               std::to_string(int(x)) + ", " + std::to_string(int(x) + 1) +
+               "] (\ninterpolation = \"uniform\"\n)\n" + properties + "\n}\n";
     };
-    const std::string start = "#usda 1.0\n(\nmetersPerUnit = 1\nupAxis = \"Y\"\n)\n", off = "token visibility = \"invisible\"",
+    const std::string start = "#usda 1.0\n(\nmetersPerUnit = 1\nupAxis = \"Y\"\n)\n",
+                      off = "token visibility = \"invisible\"",
                       marks = "int[] primvars:groom_guide = [1, 0] (\ninterpolation = \"uniform\"\n)\n";
     auto ids = [&](const std::string& text, std::string& log) {
         const std::string file = scratch.file("a.usda", start + text);
@@ -347,17 +361,28 @@ TEST(Curves, that_the_file_hides_or_marks_as_guides_are_left_out_and_said) {
     EXPECT_NE(log.find("/b (invisible)"), std::string::npos) << log;
     EXPECT_EQ(ids(curves("b", 20, off), log), (std::vector<int>{20, 21}));
     EXPECT_NE(log.find("read nevertheless"), std::string::npos) << log;
-    EXPECT_EQ(ids(curves("a", 10, marks) + curves("b", 20, "uniform token purpose = \"guide\""), log), (std::vector<int>{11}));
+    EXPECT_EQ(ids(curves("a", 10, marks) + curves("b", 20, "uniform token purpose = \"guide\""), log),
+              (std::vector<int>{11}));
     EXPECT_NE(log.find("1 of 2 strands left out"), std::string::npos) << log;
 }
 
 TEST(Curves, binary_usd_names_what_makes_text_of_it_and_text_is_read_whatever_its_ending) {
     Scratch scratch;
     for (const char* name : {"a.usdc", "a.usd", "a.usda"})
-        expect_error([&] { import_strands(scratch.file(name, "PXR-USDC and more"), {"m", "y"}); }, {name, "usdcat"});
-    expect_error([&] { import_strands(scratch.file("a.usdz", "PK\x03\x04 and more"), {"m", "y"}); }, {"a.usdz", "usdcat"});
-    const std::string text = "#usda 1.0\ndef BasisCurves \"c\"\n{\nuniform token type = \"linear\"\nint[] curveVertexCounts = [2]\n"
-                             "point3f[] points = [(0,0,0), (0,1,0)]\n}\n";
+        expect_error(
+            [&] {
+                import_strands(scratch.file(name, "PXR-USDC and more"), {"m", "y"});
+            },
+            {name, "usdcat"});
+    expect_error(
+        [&] {
+            import_strands(scratch.file("a.usdz", "PK\x03\x04 and more"), {"m", "y"});
+        },
+        {"a.usdz", "usdcat"});
+    const std::string text =
+        "#usda 1.0\ndef BasisCurves \"c\"\n{\nuniform token type = \"linear\"\nint[] curveVertexCounts = "
+        "[2]\n"
+        "point3f[] points = [(0,0,0), (0,1,0)]\n}\n";
     EXPECT_EQ(import_strands(scratch.file("b.usd", text), {"m", "y"}).strands.size(), 1u);
 }
 

@@ -114,7 +114,8 @@ TEST_F(Findings, some_strands_that_are_turned_are_seen_and_roots_in_the_head_say
     StrandPoints strands = falling(200);
     for (size_t s = 0; s < 40; ++s) std::reverse(strands[5 * s].begin(), strands[5 * s].end());
     EXPECT_TRUE(found(strands).contains("order"));
-    EXPECT_NE(texts(scene_of(strands), "order").find("strands 0, 5, 10, 15"), std::string::npos) << texts(scene_of(strands), "order");
+    EXPECT_NE(texts(scene_of(strands), "order").find("strands 0, 5, 10, 15"), std::string::npos)
+        << texts(scene_of(strands), "order");
     EXPECT_NO_THROW(scene_of(strands, "", head, true));  // a warning
     // A head that is three times too large.
     std::string large = head;
@@ -220,7 +221,8 @@ TEST_F(Findings, points_in_a_wrong_order_are_seen_without_a_head_too) {
     StrandPoints strands = falling(200);
     for (size_t s : {3, 50}) strands[s] = mixed(strands[s]);
     EXPECT_EQ(found(strands, "", ""), Names{"point_order"});
-    EXPECT_NE(texts(scene_of(strands, "", ""), "point_order").find("warning: point_order"), std::string::npos);
+    EXPECT_NE(texts(scene_of(strands, "", ""), "point_order").find("warning: point_order"),
+              std::string::npos);
     EXPECT_NE(texts(scene_of(strands, "", ""), "point_order").find("strand 3, 50"), std::string::npos);
     for (auto& strand : strands) strand = mixed(strand);
     expect_error([&] { scene_of(strands, "", "", true); }, {"point_order", "120 degrees", "allow = "});
