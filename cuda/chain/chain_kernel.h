@@ -42,6 +42,11 @@ void with_set(unsigned set, F f) {
                        wet = these<Stretch, Bend, Twist, Core, Stiffness>, solid = 1u << contact;
     if (set == dry) return f(ExactSet<dry>());
     if (set == (wet | solid)) return f(ExactSet<wet | solid>());
+    // Of fibres, which have no core.
+    constexpr unsigned fibre_dry = these<Stretch, Bend, Twist> | 1u << fibre,
+                       fibre_wet = these<Stretch, Bend, Twist, Stiffness> | 1u << fibre | solid;
+    if (set == fibre_dry) return f(ExactSet<fibre_dry>());
+    if (set == fibre_wet) return f(ExactSet<fibre_wet>());
     f(AnySet{set});
 }
 

@@ -20,7 +20,8 @@ ChainConstants<T> chain_constants(const Scene& scene, double dt) {
 }
 
 inline unsigned set_of(const Scene& scene, bool given = false) {
-    return set_of(scene.chain, !scene.solids.empty(), given, scene.riding.has_value());
+    return set_of(scene.chain, !scene.solids.empty(), given, scene.riding.has_value(),
+                  scene.fibre.has_value());
 }
 
 // The shapes of the scene's rigid and deforming solids lie in the device's memory; the motion's

@@ -23,7 +23,7 @@ struct Window {
     Vec3<T> x[3], v[3];
     T mass[3];
     Quat<T> frame[2];
-    T rest_length[2];
+    T rest_length[2], stretch_spring[2], bend_spring[2], twist_spring[2];
     Vec3<T> target[2], core[2], push[2], limit_edge[2], air[3], chord;
     T saturation[3], touching[3], phi[3], given_adhesion[3];
     Vec3<T> normal[3], surface_velocity[3];
@@ -86,6 +86,8 @@ class StrandParts {
         view.n = 3;
         view.x = w.x, view.v = w.v, view.mass = w.mass, view.rest_length = w.rest_length;
         view.limit_edge = w.limit_edge;
+        if (set.has(present::fibre))
+            view.stretch_spring = w.stretch_spring, view.bend_spring = w.bend_spring, view.twist_spring = w.twist_spring;
         view.target = w.target, view.frame = w.frame, view.core_pull = w.core, view.push = w.push;
         view.saturation = w.saturation, view.touching = w.touching, view.phi = w.phi, view.normal = w.normal;
         view.surface_velocity = w.surface_velocity, view.air = w.air;

@@ -370,6 +370,13 @@ class StrandStep {
                                           of(m_.rest_core, k));
         });
     }
+    // Where it is of the memory's `springs`; null without a fibre.
+    WETCURL_HD const T* own(const T* springs, int k) const {
+        return set_.has(present::fibre) ? springs + place(k) : nullptr;
+    }
+    WETCURL_HD Twist::Lag<T> lag(int k) const {
+        return get<Twist>(k_.rules.terms).lag(scheme_.h, of(m_.mass, k), own(m_.bend_spring, k));
+    }
     // In the end a chunk's rows are coupled to the last ones of this chunk and of the one before alone.
     WETCURL_HD void eliminate_twists(int g, const Chunk& c) const {
         const Twist& springs = get<Twist>(k_.rules.terms);
@@ -377,8 +384,8 @@ class StrandStep {
         if (first >= c.end) return;
         TwistRow* rows = twist(g);
         Q frame = frame_[cell(g, first)];
-        TwistJoint<T> before =
-            springs.joint(of(m_.rest_length, cell(g, first)), Q(frame_[cell(g, first - 1)]), frame);
+        TwistJoint<T> before = springs.joint(own(m_.twist_spring, cell(g, first)), of(m_.rest_length, cell(g, first)),
+                                             Q(frame_[cell(g, first - 1)]), frame);
         TwistRow near{};
         for (int i = first; i < c.end; ++i) {
             const int k = cell(g, i);
@@ -387,11 +394,12 @@ class StrandStep {
             Q next{};
             if (i + 2 < m_.n) {
                 next = frame_[k + 1];
-                after = springs.joint(of(m_.rest_length, k + 1), frame, next);
-                bend_by_turn(get<Bend>(k_.rules.terms), frame, of(m_.target, k + 1), edge_at(k + 1), slope,
-                             bound);
+                after = springs.joint(own(m_.twist_spring, k + 1), of(m_.rest_length, k + 1), frame, next);
+                const T* bend = own(m_.bend_spring, k + 1);
+                bend_by_turn(bend ? *bend : T(get<Bend>(k_.rules.terms).k_b), frame, of(m_.target, k + 1),
+                             edge_at(k + 1), slope, bound);
             }
-            TwistRow row = twist_row(i, before, after, slope, bound, springs.lag(scheme_.h, of(m_.mass, k)));
+            TwistRow row = twist_row(i, before, after, slope, bound, lag(k).of_each);
             if (i > first) row.take_before(near);
             rows[i] = near = row;
             frame = next, before = after;
@@ -414,8 +422,10 @@ class StrandStep {
             const TwistRow row = twist(g)[i];
             const T angle =
                 i + 1 == c.end ? x : (row.before * x_before + row.after * x + row.right) * row.inverse();
-            Frame& frame = frame_[cell(g, i)];
-            frame = Frame{turned_about_itself(Q(frame), angle)};
+            const int k = cell(g, i);
+            Frame& frame = frame_[k];
+            frame = Frame{
+                turned_about_itself(Q(frame), set_.has(present::fibre) ? angle / (T(1) + lag(k).of_all) : angle)};
         }
     }
 
@@ -428,6 +438,10 @@ class StrandStep {
         for (int l = 0; l < 3; ++l)
             w.x[l] = at_[k - 2 + l], w.v[l] = rate_[k - 2 + l], w.mass[l] = of(m_.mass, k - 2 + l);
         w.rest_length[1] = of(m_.rest_length, k - 1);
+        if (set_.has(present::fibre)) {
+            w.stretch_spring[1] = of(m_.stretch_spring, k - 1), w.bend_spring[1] = of(m_.bend_spring, k - 1);
+            w.twist_spring[1] = of(m_.twist_spring, k - 1);
+        }
         if (has<Bend>(set_))
             w.frame[0] = frame_[k - 2], w.frame[1] = frame_[k - 1], w.target[1] = of(m_.target, k - 1);
         if (has<Core>(set_)) w.core[1] = core_[k - 1];

@@ -6,8 +6,8 @@
 namespace wetcurl {
 
 // What is there of a scene, by its place in ChainTerms; contact after them, then what others give, then
-// roots that ride on a solid. A kernel
-// for one set knows it at compile time; the general one asks at each use.
+// roots that ride on a solid, then springs of a fibre. A
+// kernel for one set knows it at compile time; the general one asks at each use.
 namespace present {
 template <class Term, size_t k = 0>
 constexpr int place_of() {
@@ -16,7 +16,7 @@ constexpr int place_of() {
     else
         return place_of<Term, k + 1>();
 }
-inline constexpr int contact = int(std::tuple_size_v<ChainTerms>), given = contact + 1, riding = contact + 2;
+inline constexpr int contact = int(std::tuple_size_v<ChainTerms>), given = contact + 1, riding = contact + 2, fibre = contact + 3;
 template <class... Term>
 inline constexpr unsigned these = (0u | ... | (1u << place_of<Term>()));
 }  // namespace present
@@ -29,9 +29,9 @@ struct AnySet {
     unsigned bits;
     WETCURL_HD bool has(int place) const { return (bits >> place) & 1; }
 };
-inline unsigned set_of(const ChainTerms& terms, bool contact, bool given, bool riding) {
+inline unsigned set_of(const ChainTerms& terms, bool contact, bool given, bool riding, bool fibre) {
     unsigned bits = unsigned(contact) << present::contact | unsigned(given) << present::given |
-                    unsigned(riding) << present::riding;
+                    unsigned(riding) << present::riding | unsigned(fibre) << present::fibre;
     int place = 0;
     std::apply([&](const auto&... term) { ((bits |= unsigned(term.has_value()) << place++), ...); }, terms);
     return bits;

@@ -29,7 +29,7 @@ class SoakingDevice {
     DeviceBuffer<CurlOfStrand> curl_;
     DeviceBuffer<Vec3d> vectors_, printed_edge_;
     DeviceBuffer<Quatd> rotations_;
-    DeviceBuffer<double> lengths_;
+    DeviceBuffer<double> lengths_, springs_;
     DeviceBuffer<Vec3d> target_, points_;  // room: (edge, strand), (particle, strand)
 };
 

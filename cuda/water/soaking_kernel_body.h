@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/strided.h"
+#include "solver/terms/fibre.h"
 #include "solver/terms/wet_curl.h"
 #include "solver/terms/wetness.h"
 
@@ -12,6 +13,7 @@ namespace wetcurl {
 template <class T>
 struct SoakedStrands {
     T *mass, *saturation, *rest_core;
+    T *stretch_spring, *bend_spring, *twist_spring;
     Vec3<T>*target, *push;
     float *volume, *wet_volume;  // of Eq 10: V and sigma V [m³]
 };
@@ -22,6 +24,9 @@ struct Weighing {
     double absorbed, volume_density;  // m_absorbed, rho [kg/m³]
     double push_weight;               // w_h
     const Vec3d* printed_edge;        // (strand, particle); null: no curl is printed
+    Fibre fibre;                      // and the dry springs of its edges, (3, strand, particle); null: none
+    const double* springs;
+    size_t count;  // of particles
 
     // Particle k of (strand, particle), of `dry_mass` [kg].
     template <class T>
@@ -32,6 +37,12 @@ struct Weighing {
         if (to.volume) {
             const float volume = float(mass / volume_density);
             to.volume[k] = volume, to.wet_volume[k] = volume * sigma;
+        }
+        if (springs) {
+            const Fibre::WetShares by = fibre.wet_shares(double(sigma));
+            to.stretch_spring[k] = T(springs[k] * by.stretch);
+            to.bend_spring[k] = T(springs[count + k] * by.bend);
+            if (to.twist_spring) to.twist_spring[k] = T(springs[2 * count + k] * by.twist);
         }
         if (printed_edge && (k + 1) % size_t(particles) != 0)
             to.push[k] = cast<T>(push_weight * sigma * printed_edge[k]);

@@ -1,6 +1,7 @@
 // What soaking on a device needs of a scene. Host only.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "cuda/water/soaking_kernel_body.h"
@@ -74,9 +75,31 @@ std::vector<Vec3d> printed_edges(const Scene& scene, const std::vector<T>& rest_
         }
     return out;
 }
-inline Weighing weighing(const Scene& scene, const Vec3d* printed_edge) {
-    return {scene.groom.rest.particles, scene.wetness->absorbed, scene.volume_density,
-            scene.curl ? scene.curl->w_h : 0, printed_edge};
+// Dry springs of a fibre, (3, strand, particle); empty without one.
+inline std::vector<double> dry_springs(const Scene& scene) {
+    if (!scene.fibre) return {};
+    const size_t n = size_t(scene.groom.rest.particles), count = size_t(scene.groom.rest.count) * n;
+    std::vector<double> out(3 * count, 0);
+#pragma omp parallel for schedule(static)
+    for (int s = 0; s < scene.groom.rest.count; ++s) {
+        Soaking soaking;
+        rest_state_of(scene, s, &soaking);
+        const Fibre::Springs& own = soaking.springs;
+        const std::vector<double>* kinds[] = {&own.stretch, &own.bend, &own.twist};
+        for (size_t kind = 0; kind < 3; ++kind)
+            std::copy(kinds[kind]->begin(), kinds[kind]->end(), out.begin() + long(kind * count + size_t(s) * n));
+    }
+    return out;
+}
+inline Weighing weighing(const Scene& scene, const Vec3d* printed_edge, const double* springs) {
+    return {.particles = scene.groom.rest.particles,
+            .absorbed = scene.wetness->absorbed,
+            .volume_density = scene.volume_density,
+            .push_weight = scene.curl ? scene.curl->w_h : 0,
+            .printed_edge = printed_edge,
+            .fibre = scene.fibre ? *scene.fibre : Fibre{},
+            .springs = scene.fibre ? springs : nullptr,
+            .count = size_t(scene.groom.rest.count) * size_t(scene.groom.rest.particles)};
 }
 
 }  // namespace wetcurl

@@ -31,7 +31,7 @@ struct ChainState : StrandArrays<S, HostArray> {
     using Arrays = StrandArrays<S, HostArray>;
     using Arrays::mass, Arrays::saturation, Arrays::rest_core, Arrays::target, Arrays::push, Arrays::x,
         Arrays::x_before, Arrays::root, Arrays::rest_depth, Arrays::rest_length, Arrays::frame,
-        Arrays::touching;
+        Arrays::touching, Arrays::stretch_spring, Arrays::bend_spring, Arrays::twist_spring;
     static constexpr bool plain = std::is_arithmetic_v<S>;
     static constexpr int lanes = [] {
         if constexpr (plain)
@@ -182,6 +182,9 @@ struct ChainState : StrandArrays<S, HostArray> {
             put(mass[k], lane, rest.mass[size_t(i)]);
             if (!saturation.empty()) put(saturation[k], lane, sigma[i]);
             if (i + 1 == n) continue;
+            if (!stretch_spring.empty()) put(stretch_spring[k], lane, rest.springs.stretch[size_t(i)]);
+            if (!bend_spring.empty()) put(bend_spring[k], lane, rest.springs.bend[size_t(i)]);
+            if (!twist_spring.empty()) put(twist_spring[k], lane, rest.springs.twist[size_t(i)]);
             if (!rest.rest_core.empty()) put(rest_core[k], lane, rest.rest_core[size_t(i)]);
             if (!target.empty() && !rest.target.empty()) put(target[k], lane, rest.target[size_t(i)]);
             if (!push.empty())

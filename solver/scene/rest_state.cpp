@@ -59,11 +59,18 @@ void wet(const Scene& scene, std::vector<double>& mass, const float* saturation)
 // G_{i-1}). What lies along the edge goes to the stretch's rest length, the rest to the bend's target. The
 // bends then turn their frames, which the twist must hold: the angle at each edge [rad] is returned.
 std::vector<double> free_of_sag(const Scene& scene, const std::vector<Vec3d>& p,
-                                const std::vector<double>& dry_mass, StrandRest& rest) {
+                                const std::vector<double>& dry_mass, const Fibre::Springs& springs,
+                                StrandRest& rest) {
     const size_t edges = p.size() - 1;
-    const double k_s = scene.term<Stretch>() ? scene.term<Stretch>()->k_s : 0;
+    // Of the dry strand: a drawn style is what it looks like dry.
     const Bend& bend = *scene.term<Bend>();
     const auto& twist = scene.term<Twist>();
+    const auto own = [](const std::vector<double>& all, size_t i) { return all.empty() ? nullptr : &all[i]; };
+    const auto stretch_spring = [&](size_t i) {
+        if (!scene.term<Stretch>()) return 0.0;
+        return springs.empty() ? scene.term<Stretch>()->k_s : springs.stretch[i];
+    };
+    const auto bend_spring = [&](size_t i) { return springs.empty() ? bend.k_b : springs.bend[i]; };
     const std::vector<Quatd> frame = frames_along(p);
     std::vector<Vec3d> target(edges, Vec3d{0, 0, 0});
     std::vector<double> angle(edges, 0);
@@ -73,7 +80,7 @@ std::vector<double> free_of_sag(const Scene& scene, const std::vector<Vec3d>& p,
         const Vec3d e = p[i + 1] - p[i], before = p[i] - p[i - 1];
         if (twist && i + 1 < edges) {
             double slope, bound;
-            bend_by_turn(bend, frame[i], rotate(conjugate(frame[i]), target[i + 1]), p[i + 2] - p[i + 1],
+            bend_by_turn(bend_spring(i + 1), frame[i], rotate(conjugate(frame[i]), target[i + 1]), p[i + 2] - p[i + 1],
                          slope, bound);
             torque -= slope;
         }
@@ -82,11 +89,11 @@ std::vector<double> free_of_sag(const Scene& scene, const std::vector<Vec3d>& p,
         const Vec3d need = weight - reaction - torque * gradient.after;
         const double l = norm(e);
         const Vec3d e_hat = normalized(e, Vec3d{1, 0, 0});
-        const double pull = k_s > 0 ? dot(need, e_hat) : 0;
+        const double k_s = stretch_spring(i), pull = k_s > 0 ? dot(need, e_hat) : 0;
         if (k_s > 0) rest.rest_length[i] = l - pull / k_s;
         if (twist)
-            angle[i] = std::asin(std::clamp(torque / twist->stiffness(rest.rest_length[i]), -0.99, 0.99));
-        const Vec3d g = need - pull * e_hat, t = e - (1 / bend.k_b) * g;
+            angle[i] = std::asin(std::clamp(torque / twist->stiffness(own(springs.twist, i), rest.rest_length[i]), -0.99, 0.99));
+        const Vec3d g = need - pull * e_hat, t = e - (1 / bend_spring(i)) * g;
         target[i] = t;
         reaction =
             (1 / dot(before, before)) * (dot(before, g) * t - dot(t, before) * g) + torque * gradient.before;
@@ -110,6 +117,7 @@ void soak(const Scene& scene, const Soaking& soaking, const float* saturation, S
           std::vector<Vec3d>& points) {
     rest.mass = soaking.dry_mass;
     wet(scene, rest.mass, saturation);
+    if (scene.fibre) rest.springs = scene.fibre->soaked(soaking.springs, scene.wetness ? saturation : nullptr);
     if (!soaking.curl) return;
     soaking.curl->at(saturation, rest.target, points);
     if (soaking.core.empty()) return;
@@ -128,9 +136,10 @@ StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking) {
     StrandRest rest;
     rest.start = p;
     for (size_t i = 0; i + 1 < p.size(); ++i) rest.rest_length.push_back(norm(p[i + 1] - p[i]));
+    if (scene.fibre) dry.springs = scene.fibre->springs(rest.rest_length);
     rest.target = intrinsic_shape(p);
     std::vector<double> angle(p.size() - 1, 0);
-    if (scene.rest == "sag_free") angle = free_of_sag(scene, p, dry.dry_mass, rest);
+    if (scene.rest == "sag_free") angle = free_of_sag(scene, p, dry.dry_mass, dry.springs, rest);
     const auto& core = scene.term<Core>();
     if (core) rest.rest_core = core_lengths(p, core->beta);
     const float* sigma = saturation_along(scene, s);

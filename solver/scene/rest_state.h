@@ -16,6 +16,7 @@ struct StrandRest {
     std::vector<Vec3d> target;        // (n-1) tbar_i, curl included
     std::vector<double> rest_core;    // (n-1) |bbar_i| [m]
     std::vector<Quatd> frame;         // (n-1) F_i at the start, in the head's frame
+    Fibre::Springs springs;           // (n-1) wet; empty without a fibre
 };
 
 // Frames along p (n), n at least 2, without any twist, from the root's -> (n-1).
@@ -30,12 +31,13 @@ struct Soaking {
     std::optional<WetCurl> curl;   // that is blended
     std::vector<double> core,
         rest_core;  // (n-1) |bbar_i| of the dry target, and as drawn; empty without both
+    Fibre::Springs springs;  // (n-1) dry; empty without a fibre
 };
 
 // Strand `s` of the scene's groom; `soaking`, where given, receives what `soak` needs of it.
 StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking = nullptr);
-// Mass, target and core lengths of `rest` at another saturation (n) of the strand; the last two are left as
-// they are where no curl blends them. In the memory of `rest`; `points`: room.
+// Mass, springs, target and core lengths of `rest` at another saturation (n) of the strand; the last two are
+// left as they are where no curl blends them. In the memory of `rest`; `points`: room.
 void soak(const Scene& scene, const Soaking& soaking, const float* saturation, StrandRest& rest,
           std::vector<Vec3d>& points);
 

@@ -33,10 +33,49 @@ void read_term(TermSlot& slot, const Table& root) {
     read_parameters(*slot, Term::parameters, t);
 }
 
-void read_chain(Scene& scene, const Table& root) {
+// The chain of a fibre. What is one number a scene is the largest spring of each kind.
+void make_chain_of_fibre(Scene& scene, const Groom& full) {
+    const Fibre& fibre = *scene.fibre;
+    Fibre::Springs most{{0}, {0}, {0}};
+    for (int s = 0; s < full.rest.count; ++s) {
+        std::vector<double> rest_length;
+        for (int i = 0; i + 1 < full.rest.particles; ++i)
+            rest_length.push_back(norm(cast<double>(full.rest.at(s, i + 1)) - cast<double>(full.rest.at(s, i))));
+        const Fibre::Springs own = fibre.springs(rest_length);
+        const auto larger = [](double& most, const std::vector<double>& all) {
+            for (double k : all) most = std::max(most, k);
+        };
+        larger(most.stretch[0], own.stretch), larger(most.bend[0], own.bend), larger(most.twist[0], own.twist);
+    }
+    Stretch& stretch = scene.term<Stretch>().emplace();
+    stretch.k_s = most.stretch[0], stretch.c_s = fibre.damping * stretch.k_s, stretch.delay = fibre.damping;
+    Bend& bend = scene.term<Bend>().emplace();
+    bend.k_b = most.bend[0], bend.c_b = fibre.damping * bend.k_b, bend.delay = fibre.damping;
+    Twist& twist = scene.term<Twist>().emplace();
+    twist.torsion = fibre.torsional_rigidity() / fibre.flexural_rigidity(), twist.k_b = bend.k_b;
+}
+
+void read_fibre(Scene& scene, const Table& root) {
+    read_term(scene.fibre, root);
+    if (!scene.fibre) return;
+    for (const char* table : {"stretch", "bend"})
+        if (root.has(table))
+            root.fail(table, std::string("found beside [fibre], which says the springs of the hair; allowed is one of "
+                                         "both: leave out [") + table + "] or [fibre]");
+    const Table groom = root.table("groom");
+    for (const char* key : {"linear_density", "density"})
+        if (groom.has(key))
+            groom.fail(key, "found beside [fibre], whose diameter and density say it; allowed is one of both");
+    if (scene.baseline<Iben2013>())
+        root.fail("fibre", "[baseline] chain = \"iben\" has springs of segments: [stretch] and [bend] in place of [fibre]");
+    scene.linear_density = scene.fibre->linear_density(), scene.volume_density = scene.fibre->density;
+}
+
+void read_chain(Scene& scene, const Table& root, const Groom& full) {
     std::apply([&](auto&... slot) { (read_term(slot, root), ...); }, scene.chain);
+    if (scene.fibre) make_chain_of_fibre(scene, full);
     if (auto& twist = scene.term<Twist>()) {
-        twist->k_b = scene.term<Bend>()->k_b;
+        if (!scene.fibre) twist->k_b = scene.term<Bend>()->k_b;
         if (!(twist->torsion * twist->k_b > 0)) twist.reset();
     }
     auto& limit = scene.term<StrainLimit>();
@@ -210,6 +249,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     read_integrator(scene, root.table("integrator"));
     const Table g = root.table("groom");
     read_parameters(scene, Scene::groom_parameters, g);
+    read_fibre(scene, root);
     const double last = options.endless ? std::numeric_limits<double>::infinity()
                                         : options.start + (scene.frames - 1) / scene.fps;
     read_head(scene, root.table("motion"), last);
@@ -236,7 +276,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
         },
         &scene.groom_findings, brought.strands);
     if (!scalp) read_all(roots_of(full.rest));
-    read_chain(scene, root);
+    read_chain(scene, root, full);
     // Of the full groom, so that a thinned run is smoothed as its twin.
     if (auto& core = scene.term<Core>()) core->beta = filter_beta(mean_segment(full), core->alpha_c);
     read_term(scene.strand_contact, root);

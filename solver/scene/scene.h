@@ -20,6 +20,7 @@
 #include "solver/terms/air.h"
 #include "solver/terms/cohesion.h"
 #include "solver/terms/curl.h"
+#include "solver/terms/fibre.h"
 #include "solver/terms/flow.h"
 #include "solver/terms/list.h"
 #include "solver/terms/strand_contact.h"
@@ -127,6 +128,7 @@ struct Scene {
     std::string rest = "drawn";      // drawn | sag_free
     Integrator integrator;
     ChainTerms chain;
+    Slot<Fibre> fibre;  // its springs are those of `chain`
     Slot<Wetness> wetness;
     Slot<Flow> flow;  // of the water
     Slot<Curl> curl;

@@ -78,6 +78,7 @@ std::vector<TableRow> listed() {
     list.add(Gravity::parameters);
     list.add_guests();
 
+    list.add_term<Fibre>();
     list.add_motion("motion", "the head", true, true);
     list.add_chain_terms();
     for (auto& table : list.tables)

@@ -72,6 +72,11 @@ StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer,
     if (auto& t = scene.term<Bend>()) t->k_b *= stiffer;
     if (auto& t = scene.term<Twist>()) t->k_b *= stiffer;
     if (auto& t = scene.term<Core>()) t->k_c *= stiffer;
+    if (auto& f = scene.fibre) {
+        for (double* modulus : {&f->youngs_modulus, &f->shear_modulus, &f->wet_youngs_modulus, &f->wet_shear_modulus})
+            *modulus *= stiffer;
+        f->strain /= stiffer;
+    }
     Trial trial(b.method, std::move(scene));
     trial.advance_for(6);
     // Soft hair takes long to come to rest.

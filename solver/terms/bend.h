@@ -5,6 +5,7 @@
 #pragma once
 
 #include "solver/terms/chain.h"
+#include "solver/terms/fibre.h"
 #include "solver/terms/form.h"
 
 namespace wetcurl {
@@ -14,6 +15,7 @@ struct Bend {
                                 *about = "Springs which turn edges back to the rest shape, and torsion.";
     static constexpr bool couples_two_edges = true;
     double k_b, c_b;
+    double delay = 0;  // [s] of a fibre: its damping over its spring
     bool printed = false;
     static constexpr Parameter<Bend> parameters[] = {
         {KeyRow::number("stiffness", "N/m", 0.05, 0, 1e12,
@@ -34,24 +36,29 @@ struct Bend {
         return rotate(c.frame[i - 1], c.target[i]);
     }
 
-    // Energy of edge i for a target turned by frame f of the edge before.
+    // Squared distance of an edge from its target, turned by frame f of the edge before.
     template <class S>
-    WETCURL_HD S edge_energy(const Quat<S>& f, const Vec3<S>& tbar, const Vec3<S>& e) const {
+    WETCURL_HD static S squared(const Quat<S>& f, const Vec3<S>& tbar, const Vec3<S>& e) {
         const Vec3<S> d = e - rotate(f, tbar);
-        return S(0.5 * k_b) * dot(d, d);
+        return dot(d, d);
     }
 
     template <class S>
     WETCURL_HD S energy(const ChainView<S>& c) const {
         S sum(0);
-        for (int i = 1; i + 1 < c.n; ++i) sum += edge_energy(c.frame[i - 1], c.target[i], edge(c, i));
+        for (int i = 1; i + 1 < c.n; ++i)
+            sum += (c.bend_spring ? S(0.5) * c.bend_spring[i] : S(0.5 * k_b)) * squared(c.frame[i - 1], c.target[i], edge(c, i));
         return sum;
     }
 
     template <class S>
     WETCURL_HD void assemble(const ChainView<S>& c, const ChainSystem<S>& a, int begin, int end) const {
-        const S k(k_b), damp(c_b), weight = a.h * a.h * k + a.h * damp;
+        S k(k_b), damp(c_b), weight = a.h * a.h * k + a.h * damp;
         for (int i = maximum(begin - 1, 1); i + 1 < end; ++i) {
+            if (c.bend_spring) {
+                k = c.bend_spring[i], damp = S(delay) * k;
+                weight = a.h * a.h * k + a.h * damp;
+            }
             const Vec3<S> t = target(c, i), e = edge(c, i), e1 = edge(c, i - 1);
             const S inverse = S(1) / maximum(dot(e1, e1), S(tiny_length<S>));
             // How t_i turns with the edge before: dt_i = -B de_{i-1}, B = [t]x[e]x / |e|² = (e t^T - t.e I) /

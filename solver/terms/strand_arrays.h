@@ -55,6 +55,11 @@ struct StrandArrayInfo {
     ROW(rest_length, S, particles, fixed, read, "rest lengths", true)                                  \
     /* tbar_i of edges, in the frame of the edge before; the first is unused */                        \
     ROW(target, Vec3<S>, particles, water, read, "bend targets", scene.term<Bend>().has_value())       \
+    /* [N/m] of edges, [N/m] and [N m] of their joints with those before: of a fibre */                \
+    ROW(stretch_spring, S, particles, water, read, "stretch springs",                                  \
+        scene.fibre && scene.term<Stretch>())                                                          \
+    ROW(bend_spring, S, particles, water, read, "bend springs", scene.fibre && scene.term<Bend>())     \
+    ROW(twist_spring, S, particles, water, read, "twist springs", scene.fibre && scene.term<Twist>())  \
     /* |bbar_i| of edges [m] */                                                                        \
     ROW(rest_core, S, particles, water, read, "core lengths", scene.term<Core>().has_value())          \
     /* sigma_i */                                                                                      \

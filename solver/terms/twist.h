@@ -27,19 +27,25 @@ struct Twist {
          &Twist::torsion},
     };
 
-    // GJ / l [N m], where EI = k_b l³.
+    // GJ / l [N m] of an edge's joint with the one before, where EI = k_b l³. `own`: of a fibre's joint, or null.
     template <class S>
-    WETCURL_HD S stiffness(const S& rest_length) const {
-        return S(torsion * k_b) * rest_length * rest_length;
+    WETCURL_HD S stiffness(const S* own, const S& rest_length) const {
+        return own ? *own : S(torsion * k_b) * rest_length * rest_length;
     }
 
     // How far the frames hang back, 0 to 1: not at all where the step resolves the bend's springs. Where it
     // does not, positions carried ahead by their velocity tell nothing, and frames that follow them at once
-    // swing.
+    // swing. `bend`: of a fibre's joint, or null.
     template <class S>
-    WETCURL_HD S lag(const S& h, const S& mass) const {
-        const S stiff = h * h * S(k_b);
-        return stiff / (stiff + S(1000) * mass);
+    struct Lag {
+        S of_each, of_all;
+    };
+    template <class S>
+    WETCURL_HD Lag<S> lag(const S& h, const S& mass, const S* bend) const {
+        const S stiff = h * h * (bend ? *bend : S(k_b)), lag = stiff / (stiff + S(1000) * mass);
+        // Each edge for itself, a twist takes as many steps as there are edges, squared, to reach the tip: the
+        // springs of a fibre hold back the whole Newton step.
+        return bend ? Lag<S>{S(0), lag} : Lag<S>{lag, S(0)};
     }
 
     // Half the angle m of an edge's frame against the one before, carried along the strand: the turn from one
@@ -61,11 +67,11 @@ struct Twist {
         }
     };
 
-    // Of an edge of that rest length and the one before it.
+    // Of an edge of that rest length and the one before it; `own` as above.
     template <class S>
-    WETCURL_HD TwistJoint<S> joint(const S& rest_length, const Quat<S>& frame_before,
+    WETCURL_HD TwistJoint<S> joint(const S* own, const S& rest_length, const Quat<S>& frame_before,
                                    const Quat<S>& frame) const {
-        const S k = stiffness(rest_length);
+        const S k = stiffness(own, rest_length);
         return {k, k * HalfAngle<S>(frame_before, frame).sine_of_whole()};
     }
 
@@ -96,7 +102,7 @@ struct Twist {
         S sum(0);
         for (int i = 1; i + 1 < c.n; ++i) {
             const HalfAngle<S> m(c.frame[i - 1], c.frame[i]);
-            sum += S(2) * stiffness(c.rest_length[i]) * m.squared_sine();
+            sum += S(2) * stiffness(own_of(c.twist_spring, i), c.rest_length[i]) * m.squared_sine();
         }
         return sum;
     }
@@ -107,7 +113,7 @@ struct Twist {
         if (first + 1 >= end) return;
         Direction<S> before(edge(c, first - 1));
         for (int i = first; i + 1 < end; ++i) {
-            const auto [k, torque] = joint(c.rest_length[i], c.frame[i - 1], c.frame[i]);
+            const auto [k, torque] = joint(own_of(c.twist_spring, i), c.rest_length[i], c.frame[i - 1], c.frame[i]);
             const Direction<S> after(edge(c, i));
             const auto [g1, g] = gradient(before, after);
             before = after;
@@ -143,13 +149,13 @@ struct alignas(std::is_same_v<S, Plain<S>> ? 4 * sizeof(S) : alignof(S)) TwistRo
 };
 
 // How the energy of the bend at an edge e changes as the frame f before it turns about itself: its slope, and
-// a bound of its curvature for any turn.
+// a bound of its curvature for any turn. `k_b`: of the joint of both.
 template <class S>
-WETCURL_HD void bend_by_turn(const Bend& bend, const Quat<S>& f, const Vec3<S>& target, const Vec3<S>& e,
+WETCURL_HD void bend_by_turn(const S& k_b, const Quat<S>& f, const Vec3<S>& target, const Vec3<S>& e,
                              S& slope, S& bound) {
     const Vec3<S> axis = frame_direction(f), e_turn = cross(axis, e), t_turn = cross(axis, rotate(f, target));
-    slope = S(-bend.k_b) * dot(e, t_turn);
-    bound = S(bend.k_b) * sqrt(dot(e_turn, e_turn) * dot(t_turn, t_turn));
+    slope = -k_b * dot(e, t_turn);
+    bound = k_b * sqrt(dot(e_turn, e_turn) * dot(t_turn, t_turn));
 }
 
 // Edge i's row, with what its joints with the edges before and after it and, by `slope` and `bound` of
@@ -172,7 +178,10 @@ WETCURL_HD void relax_twist(const Bend& bend, const Twist& twist, const ChainVie
                             const S& h, S* scratch, Quat<S>* frame) {
     const int n = c.n;
     if (n < 3) return;
-    auto joint = [&](int i) { return twist.joint(c.rest_length[i], frame[i - 1], frame[i]); };
+    auto joint = [&](int i) {
+        return twist.joint(own_of(c.twist_spring, i), c.rest_length[i], frame[i - 1], frame[i]);
+    };
+    auto lag = [&](int i) { return twist.lag(h, c.mass[i], own_of(c.bend_spring, i)); };
     TwistJoint<S> before = joint(1);
     TwistRow<S> row_before{};
     for (int i = 1; i + 1 < n; ++i) {
@@ -180,9 +189,9 @@ WETCURL_HD void relax_twist(const Bend& bend, const Twist& twist, const ChainVie
         TwistJoint<S> after{S(0), S(0)};
         if (i + 2 < n) {
             after = joint(i + 1);
-            bend_by_turn(bend, frame[i], c.target[i + 1], x[i + 2] - x[i + 1], slope, bound);
+            bend_by_turn(spring_of(c.bend_spring, i + 1, bend.k_b), frame[i], c.target[i + 1], x[i + 2] - x[i + 1], slope, bound);
         }
-        TwistRow<S> row = twist_row(i, before, after, slope, bound, twist.lag(h, c.mass[i]));
+        TwistRow<S> row = twist_row(i, before, after, slope, bound, lag(i).of_each);
         if (i > 1) row.take_before(row_before);
         const S inverse = row.inverse();
         scratch[2 * i] = inverse * row.right, scratch[2 * i + 1] = inverse * row.after;
@@ -191,7 +200,7 @@ WETCURL_HD void relax_twist(const Bend& bend, const Twist& twist, const ChainVie
     S turn(0);
     for (int i = n - 2; i > 0; --i) {
         turn = scratch[2 * i] + scratch[2 * i + 1] * turn;
-        frame[i] = turned_about_itself(frame[i], turn);
+        frame[i] = turned_about_itself(frame[i], c.bend_spring ? turn / (S(1) + lag(i).of_all) : turn);
     }
 }
 
