@@ -87,7 +87,8 @@ class StrandParts {
         view.x = w.x, view.v = w.v, view.mass = w.mass, view.rest_length = w.rest_length;
         view.limit_edge = w.limit_edge;
         if (set.has(present::fibre))
-            view.stretch_spring = w.stretch_spring, view.bend_spring = w.bend_spring, view.twist_spring = w.twist_spring;
+            view.stretch_spring = w.stretch_spring, view.bend_spring = w.bend_spring,
+            view.twist_spring = w.twist_spring;
         view.target = w.target, view.frame = w.frame, view.core_pull = w.core, view.push = w.push;
         view.saturation = w.saturation, view.touching = w.touching, view.phi = w.phi, view.normal = w.normal;
         view.surface_velocity = w.surface_velocity, view.air = w.air;

@@ -384,8 +384,9 @@ class StrandStep {
         if (first >= c.end) return;
         TwistRow* rows = twist(g);
         Q frame = frame_[cell(g, first)];
-        TwistJoint<T> before = springs.joint(own(m_.twist_spring, cell(g, first)), of(m_.rest_length, cell(g, first)),
-                                             Q(frame_[cell(g, first - 1)]), frame);
+        TwistJoint<T> before =
+            springs.joint(own(m_.twist_spring, cell(g, first)), of(m_.rest_length, cell(g, first)),
+                          Q(frame_[cell(g, first - 1)]), frame);
         TwistRow near{};
         for (int i = first; i < c.end; ++i) {
             const int k = cell(g, i);
@@ -424,8 +425,8 @@ class StrandStep {
                 i + 1 == c.end ? x : (row.before * x_before + row.after * x + row.right) * row.inverse();
             const int k = cell(g, i);
             Frame& frame = frame_[k];
-            frame = Frame{
-                turned_about_itself(Q(frame), set_.has(present::fibre) ? angle / (T(1) + lag(k).of_all) : angle)};
+            frame = Frame{turned_about_itself(
+                Q(frame), set_.has(present::fibre) ? angle / (T(1) + lag(k).of_all) : angle)};
         }
     }
 

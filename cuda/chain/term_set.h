@@ -16,7 +16,8 @@ constexpr int place_of() {
     else
         return place_of<Term, k + 1>();
 }
-inline constexpr int contact = int(std::tuple_size_v<ChainTerms>), given = contact + 1, riding = contact + 2, fibre = contact + 3;
+inline constexpr int contact = int(std::tuple_size_v<ChainTerms>), given = contact + 1, riding = contact + 2,
+                     fibre = contact + 3;
 template <class... Term>
 inline constexpr unsigned these = (0u | ... | (1u << place_of<Term>()));
 }  // namespace present

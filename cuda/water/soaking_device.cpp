@@ -7,7 +7,9 @@ namespace wetcurl {
 
 template <class T>
 SoakingDevice::SoakingDevice(const Scene& scene, const std::vector<T>& rest_length)
-    : count_(rest_length.size()), printed_edge_(printed_edges(scene, rest_length)), springs_(dry_springs(scene)) {
+    : count_(rest_length.size()),
+      printed_edge_(printed_edges(scene, rest_length)),
+      springs_(dry_springs(scene)) {
     const DryCurlArrays arrays = dry_curl_arrays(scene);
     curl_ = DeviceBuffer<CurlOfStrand>(arrays.curl), vectors_ = DeviceBuffer<Vec3d>(arrays.vectors);
     rotations_ = DeviceBuffer<Quatd>(arrays.rotations), lengths_ = DeviceBuffer<double>(arrays.lengths);

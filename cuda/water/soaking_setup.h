@@ -87,7 +87,8 @@ inline std::vector<double> dry_springs(const Scene& scene) {
         const Fibre::Springs& own = soaking.springs;
         const std::vector<double>* kinds[] = {&own.stretch, &own.bend, &own.twist};
         for (size_t kind = 0; kind < 3; ++kind)
-            std::copy(kinds[kind]->begin(), kinds[kind]->end(), out.begin() + long(kind * count + size_t(s) * n));
+            std::copy(kinds[kind]->begin(), kinds[kind]->end(),
+                      out.begin() + long(kind * count + size_t(s) * n));
     }
     return out;
 }

@@ -46,8 +46,8 @@ S root_torque(const ChainTerms& terms, const ChainView<S>& c) {
     S slope, bound;
     bend_by_turn(spring_of(c.bend_spring, 1, bend->k_b), c.frame[0], c.target[1], edge(c, 1), slope, bound);
     if (twist)
-        slope -=
-            twist->stiffness(own_of(c.twist_spring, 1), c.rest_length[1]) * Twist::HalfAngle<S>(c.frame[0], c.frame[1]).sine_of_whole();
+        slope -= twist->stiffness(own_of(c.twist_spring, 1), c.rest_length[1]) *
+                 Twist::HalfAngle<S>(c.frame[0], c.frame[1]).sine_of_whole();
     return slope;
 }
 // How far that frame was turned about its own edge, beyond what positions say [rad]; up to half a turn.

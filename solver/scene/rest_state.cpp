@@ -80,8 +80,8 @@ std::vector<double> free_of_sag(const Scene& scene, const std::vector<Vec3d>& p,
         const Vec3d e = p[i + 1] - p[i], before = p[i] - p[i - 1];
         if (twist && i + 1 < edges) {
             double slope, bound;
-            bend_by_turn(bend_spring(i + 1), frame[i], rotate(conjugate(frame[i]), target[i + 1]), p[i + 2] - p[i + 1],
-                         slope, bound);
+            bend_by_turn(bend_spring(i + 1), frame[i], rotate(conjugate(frame[i]), target[i + 1]),
+                         p[i + 2] - p[i + 1], slope, bound);
             torque -= slope;
         }
         const auto gradient = Twist::gradient(Twist::Direction<double>(before), Twist::Direction<double>(e));
@@ -92,7 +92,8 @@ std::vector<double> free_of_sag(const Scene& scene, const std::vector<Vec3d>& p,
         const double k_s = stretch_spring(i), pull = k_s > 0 ? dot(need, e_hat) : 0;
         if (k_s > 0) rest.rest_length[i] = l - pull / k_s;
         if (twist)
-            angle[i] = std::asin(std::clamp(torque / twist->stiffness(own(springs.twist, i), rest.rest_length[i]), -0.99, 0.99));
+            angle[i] = std::asin(std::clamp(
+                torque / twist->stiffness(own(springs.twist, i), rest.rest_length[i]), -0.99, 0.99));
         const Vec3d g = need - pull * e_hat, t = e - (1 / bend_spring(i)) * g;
         target[i] = t;
         reaction =
@@ -117,7 +118,8 @@ void soak(const Scene& scene, const Soaking& soaking, const float* saturation, S
           std::vector<Vec3d>& points) {
     rest.mass = soaking.dry_mass;
     wet(scene, rest.mass, saturation);
-    if (scene.fibre) rest.springs = scene.fibre->soaked(soaking.springs, scene.wetness ? saturation : nullptr);
+    if (scene.fibre)
+        rest.springs = scene.fibre->soaked(soaking.springs, scene.wetness ? saturation : nullptr);
     if (!soaking.curl) return;
     soaking.curl->at(saturation, rest.target, points);
     if (soaking.core.empty()) return;

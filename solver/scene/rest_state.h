@@ -30,7 +30,7 @@ struct Soaking {
     std::vector<double> dry_mass;  // (n) [kg]
     std::optional<WetCurl> curl;   // that is blended
     std::vector<double> core,
-        rest_core;  // (n-1) |bbar_i| of the dry target, and as drawn; empty without both
+        rest_core;           // (n-1) |bbar_i| of the dry target, and as drawn; empty without both
     Fibre::Springs springs;  // (n-1) dry; empty without a fibre
 };
 

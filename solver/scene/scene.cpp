@@ -40,12 +40,14 @@ void make_chain_of_fibre(Scene& scene, const Groom& full) {
     for (int s = 0; s < full.rest.count; ++s) {
         std::vector<double> rest_length;
         for (int i = 0; i + 1 < full.rest.particles; ++i)
-            rest_length.push_back(norm(cast<double>(full.rest.at(s, i + 1)) - cast<double>(full.rest.at(s, i))));
+            rest_length.push_back(
+                norm(cast<double>(full.rest.at(s, i + 1)) - cast<double>(full.rest.at(s, i))));
         const Fibre::Springs own = fibre.springs(rest_length);
         const auto larger = [](double& most, const std::vector<double>& all) {
             for (double k : all) most = std::max(most, k);
         };
-        larger(most.stretch[0], own.stretch), larger(most.bend[0], own.bend), larger(most.twist[0], own.twist);
+        larger(most.stretch[0], own.stretch), larger(most.bend[0], own.bend),
+            larger(most.twist[0], own.twist);
     }
     Stretch& stretch = scene.term<Stretch>().emplace();
     stretch.k_s = most.stretch[0], stretch.c_s = fibre.damping * stretch.k_s, stretch.delay = fibre.damping;
@@ -60,14 +62,20 @@ void read_fibre(Scene& scene, const Table& root) {
     if (!scene.fibre) return;
     for (const char* table : {"stretch", "bend"})
         if (root.has(table))
-            root.fail(table, std::string("found beside [fibre], which says the springs of the hair; allowed is one of "
-                                         "both: leave out [") + table + "] or [fibre]");
+            root.fail(
+                table,
+                std::string("found beside [fibre], which says the springs of the hair; allowed is one of "
+                            "both: leave out [") +
+                    table + "] or [fibre]");
     const Table groom = root.table("groom");
     for (const char* key : {"linear_density", "density"})
         if (groom.has(key))
-            groom.fail(key, "found beside [fibre], whose diameter and density say it; allowed is one of both");
+            groom.fail(key,
+                       "found beside [fibre], whose diameter and density say it; allowed is one of both");
     if (scene.baseline<Iben2013>())
-        root.fail("fibre", "[baseline] chain = \"iben\" has springs of segments: [stretch] and [bend] in place of [fibre]");
+        root.fail(
+            "fibre",
+            "[baseline] chain = \"iben\" has springs of segments: [stretch] and [bend] in place of [fibre]");
     scene.linear_density = scene.fibre->linear_density(), scene.volume_density = scene.fibre->density;
 }
 

@@ -73,7 +73,8 @@ StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer,
     if (auto& t = scene.term<Twist>()) t->k_b *= stiffer;
     if (auto& t = scene.term<Core>()) t->k_c *= stiffer;
     if (auto& f = scene.fibre) {
-        for (double* modulus : {&f->youngs_modulus, &f->shear_modulus, &f->wet_youngs_modulus, &f->wet_shear_modulus})
+        for (double* modulus :
+             {&f->youngs_modulus, &f->shear_modulus, &f->wet_youngs_modulus, &f->wet_shear_modulus})
             *modulus *= stiffer;
         f->strain /= stiffer;
     }

@@ -47,7 +47,8 @@ struct Bend {
     WETCURL_HD S energy(const ChainView<S>& c) const {
         S sum(0);
         for (int i = 1; i + 1 < c.n; ++i)
-            sum += (c.bend_spring ? S(0.5) * c.bend_spring[i] : S(0.5 * k_b)) * squared(c.frame[i - 1], c.target[i], edge(c, i));
+            sum += (c.bend_spring ? S(0.5) * c.bend_spring[i] : S(0.5 * k_b)) *
+                   squared(c.frame[i - 1], c.target[i], edge(c, i));
         return sum;
     }
 

@@ -16,8 +16,8 @@ double fourth_power(double d) { return d * d * d * d; }
 
 double Fibre::area() const { return pi / 4 * diameter * diameter; }
 double Fibre::linear_density() const { return density * area(); }
-// Of an ellipse of this area I is pi d⁴ / 64 times the ratio of its axes, or by it; J is pi d⁴ / 16 by the sum
-// of both.
+// Of an ellipse of this area I is pi d⁴ / 64 times the ratio of its axes, or by it; J is pi d⁴ / 16 by the
+// sum of both.
 double Fibre::flexural_rigidity() const {
     return youngs_modulus * pi / 32 * fourth_power(diameter) / (ellipticity + 1 / ellipticity);
 }

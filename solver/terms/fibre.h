@@ -46,10 +46,10 @@ struct Fibre {
          &Fibre::swelling},
     };
 
-    double area() const;              // [m²]
-    double linear_density() const;    // [kg/m]
-    double flexural_rigidity() const; // EI [N m²], of bends all round: the harmonic mean of both axes'
-    double torsional_rigidity() const;// GJ [N m²]
+    double area() const;                // [m²]
+    double linear_density() const;      // [kg/m]
+    double flexural_rigidity() const;   // EI [N m²], of bends all round: the harmonic mean of both axes'
+    double torsional_rigidity() const;  // GJ [N m²]
 
     // Springs of a strand's edges (n-1), and of the joints before them, from edge 1 on.
     struct Springs {

@@ -45,31 +45,30 @@ struct StrandArrayInfo {
     ROW(pushed, S, particles, history, written, "contact momentum", !scene.solids.empty())
 
 // And beside them:
-#define WETCURL_STRAND_ARRAYS(ROW)                                                                     \
-    WETCURL_STATE_ARRAYS(ROW)                                                                          \
-    /* [m] particles 0 and 1 in the frame of the root, the head's at rest */                           \
-    ROW(root, Vec3<S>, roots, fixed, read, "roots", true)                                              \
-    /* [kg] with water */                                                                              \
-    ROW(mass, S, particles, water, read, "mass", true)                                                 \
-    /* [m] of edges */                                                                                 \
-    ROW(rest_length, S, particles, fixed, read, "rest lengths", true)                                  \
-    /* tbar_i of edges, in the frame of the edge before; the first is unused */                        \
-    ROW(target, Vec3<S>, particles, water, read, "bend targets", scene.term<Bend>().has_value())       \
-    /* [N/m] of edges, [N/m] and [N m] of their joints with those before: of a fibre */                \
-    ROW(stretch_spring, S, particles, water, read, "stretch springs",                                  \
-        scene.fibre && scene.term<Stretch>())                                                          \
-    ROW(bend_spring, S, particles, water, read, "bend springs", scene.fibre && scene.term<Bend>())     \
-    ROW(twist_spring, S, particles, water, read, "twist springs", scene.fibre && scene.term<Twist>())  \
-    /* |bbar_i| of edges [m] */                                                                        \
-    ROW(rest_core, S, particles, water, read, "core lengths", scene.term<Core>().has_value())          \
-    /* sigma_i */                                                                                      \
-    ROW(saturation, S, particles, water, read, "saturation",                                           \
-        scene.wetness && (scene.term<Adhesion>() || scene.term<Stiffness>()))                          \
-    /* [m] how deep a particle may lie in solids that move with the roots */                           \
-    ROW(rest_depth, S, particles, fixed, read, "rest depth", scene.has_solid_with_roots())             \
-    /* [m] edges of the helix of Eq 9 as printed, its root-to-tip along x */                           \
-    ROW(push, Vec3<S>, particles, water, coupling, "printed curl", scene.term<CurlPush>().has_value()) \
-    /* [m/s] velocity of the air at particles */                                                       \
+#define WETCURL_STRAND_ARRAYS(ROW)                                                                         \
+    WETCURL_STATE_ARRAYS(ROW)                                                                              \
+    /* [m] particles 0 and 1 in the frame of the root, the head's at rest */                               \
+    ROW(root, Vec3<S>, roots, fixed, read, "roots", true)                                                  \
+    /* [kg] with water */                                                                                  \
+    ROW(mass, S, particles, water, read, "mass", true)                                                     \
+    /* [m] of edges */                                                                                     \
+    ROW(rest_length, S, particles, fixed, read, "rest lengths", true)                                      \
+    /* tbar_i of edges, in the frame of the edge before; the first is unused */                            \
+    ROW(target, Vec3<S>, particles, water, read, "bend targets", scene.term<Bend>().has_value())           \
+    /* [N/m] of edges, [N/m] and [N m] of their joints with those before: of a fibre */                    \
+    ROW(stretch_spring, S, particles, water, read, "stretch springs", scene.fibre&& scene.term<Stretch>()) \
+    ROW(bend_spring, S, particles, water, read, "bend springs", scene.fibre&& scene.term<Bend>())          \
+    ROW(twist_spring, S, particles, water, read, "twist springs", scene.fibre&& scene.term<Twist>())       \
+    /* |bbar_i| of edges [m] */                                                                            \
+    ROW(rest_core, S, particles, water, read, "core lengths", scene.term<Core>().has_value())              \
+    /* sigma_i */                                                                                          \
+    ROW(saturation, S, particles, water, read, "saturation",                                               \
+        scene.wetness && (scene.term<Adhesion>() || scene.term<Stiffness>()))                              \
+    /* [m] how deep a particle may lie in solids that move with the roots */                               \
+    ROW(rest_depth, S, particles, fixed, read, "rest depth", scene.has_solid_with_roots())                 \
+    /* [m] edges of the helix of Eq 9 as printed, its root-to-tip along x */                               \
+    ROW(push, Vec3<S>, particles, water, coupling, "printed curl", scene.term<CurlPush>().has_value())     \
+    /* [m/s] velocity of the air at particles */                                                           \
     ROW(air, Vec3<S>, particles, fixed, coupling, "air velocity", scene.term<AirDrag>().has_value())
 
 // Array: what holds the values V of one of them, a vector or a pointer, empty or null where no present term

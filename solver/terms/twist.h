@@ -27,7 +27,8 @@ struct Twist {
          &Twist::torsion},
     };
 
-    // GJ / l [N m] of an edge's joint with the one before, where EI = k_b l³. `own`: of a fibre's joint, or null.
+    // GJ / l [N m] of an edge's joint with the one before, where EI = k_b l³. `own`: of a fibre's joint, or
+    // null.
     template <class S>
     WETCURL_HD S stiffness(const S* own, const S& rest_length) const {
         return own ? *own : S(torsion * k_b) * rest_length * rest_length;
@@ -43,8 +44,8 @@ struct Twist {
     template <class S>
     WETCURL_HD Lag<S> lag(const S& h, const S& mass, const S* bend) const {
         const S stiff = h * h * (bend ? *bend : S(k_b)), lag = stiff / (stiff + S(1000) * mass);
-        // Each edge for itself, a twist takes as many steps as there are edges, squared, to reach the tip: the
-        // springs of a fibre hold back the whole Newton step.
+        // Each edge for itself, a twist takes as many steps as there are edges, squared, to reach the tip:
+        // the springs of a fibre hold back the whole Newton step.
         return bend ? Lag<S>{S(0), lag} : Lag<S>{lag, S(0)};
     }
 
@@ -113,7 +114,8 @@ struct Twist {
         if (first + 1 >= end) return;
         Direction<S> before(edge(c, first - 1));
         for (int i = first; i + 1 < end; ++i) {
-            const auto [k, torque] = joint(own_of(c.twist_spring, i), c.rest_length[i], c.frame[i - 1], c.frame[i]);
+            const auto [k, torque] =
+                joint(own_of(c.twist_spring, i), c.rest_length[i], c.frame[i - 1], c.frame[i]);
             const Direction<S> after(edge(c, i));
             const auto [g1, g] = gradient(before, after);
             before = after;
@@ -189,7 +191,8 @@ WETCURL_HD void relax_twist(const Bend& bend, const Twist& twist, const ChainVie
         TwistJoint<S> after{S(0), S(0)};
         if (i + 2 < n) {
             after = joint(i + 1);
-            bend_by_turn(spring_of(c.bend_spring, i + 1, bend.k_b), frame[i], c.target[i + 1], x[i + 2] - x[i + 1], slope, bound);
+            bend_by_turn(spring_of(c.bend_spring, i + 1, bend.k_b), frame[i], c.target[i + 1],
+                         x[i + 2] - x[i + 1], slope, bound);
         }
         TwistRow<S> row = twist_row(i, before, after, slope, bound, lag(i).of_each);
         if (i > 1) row.take_before(row_before);
