@@ -69,8 +69,8 @@ Property read_property(const ByteReader& in, std::istringstream& words) {
 }
 
 Header read_header(ByteReader& in) {
-    std::string first = in.line("the header");
-    if (first.starts_with("\xef\xbb\xbf")) first.erase(0, 3);  // some programs mark UTF-8 so
+    std::string_view first = in.line("the header");
+    if (first.starts_with("\xef\xbb\xbf")) first.remove_prefix(3);  // some programs mark UTF-8 so
     if (first != "ply") in.fail_at("byte 0", "another first line", "\"ply\": this is no .ply file");
     Header header;
     bool format_seen = false;

@@ -45,7 +45,7 @@ CurvesObject three_strands() {
     return curves;
 }
 
-MeshObject a_quad() { return {"/head", {4}, {0, 1, 2, 3}, 4, {}}; }
+MeshObject a_quad() { return {"/head", {}, {4}, {0, 1, 2, 3}, 4, {}}; }
 
 TEST(UsdaWriter, what_is_written_reads_back_to_the_bit) {
     Scratch scratch;
