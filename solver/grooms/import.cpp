@@ -56,7 +56,10 @@ Unit guessed_unit(double diagonal, double length_of_strands) {
     auto off = [&](const Unit& unit) { return std::abs(std::log(diagonal * unit.metres / usual)); };
     const Unit* unit = std::min_element(std::begin(units), std::end(units),
                                         [&](const Unit& a, const Unit& b) { return off(a) < off(b); });
-    while (unit + 1 != std::end(units) && length_of_strands * unit->metres > longest) ++unit;
+    constexpr double smallest = 0.005;  // across
+    while (unit + 1 != std::end(units) && length_of_strands * unit->metres > longest &&
+           diagonal * unit[1].metres > smallest)
+        ++unit;
     return *unit;
 }
 

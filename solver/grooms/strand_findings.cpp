@@ -49,15 +49,25 @@ void find_stray_points(std::vector<Finding>& out, const ImportedStrands& in, con
              "repair = true in [groom], which leaves such points out"});
 }
 
-// The share of a strand's inner points at which it turns back by more than 120 degrees.
-double turned_back(const std::vector<Vec3d>& strand) {
-    size_t sharp = 0;
-    for (size_t i = 1; i + 1 < strand.size(); ++i) {
-        const Vec3d a = strand[i] - strand[i - 1], b = strand[i + 1] - strand[i];
-        sharp += dot(a, b) < -0.5 * norm(a) * norm(b);
+// How a strand turns back by more than 120 degrees: at what share of its inner points, and how long its
+// segments are in the mean, as a share of how far it reaches. Few points on a tight coil do so too, by short
+// ones.
+struct TurnsBack {
+    double points = 0, segment = 0;
+    explicit TurnsBack(const std::vector<Vec3d>& strand) {
+        size_t sharp = 0;
+        double reach = 0;
+        for (size_t i = 1; i < strand.size(); ++i) {
+            reach = std::max(reach, norm(strand[i] - strand[0]));
+            if (i + 1 == strand.size()) continue;
+            const Vec3d a = strand[i] - strand[i - 1], b = strand[i + 1] - strand[i];
+            sharp += dot(a, b) < -0.5 * norm(a) * norm(b);
+        }
+        if (sharp < 2) return;
+        points = double(sharp) / double(strand.size() - 2);
+        segment = arc_length(strand.data(), int(strand.size())) / double(strand.size() - 1) / reach;
     }
-    return sharp < 2 ? 0 : double(sharp) / double(strand.size() - 2);
-}
+};
 
 // The strand's longest segment over its median one; 0 where it is no tenth of the strand.
 double longest_of_usual(const std::vector<Vec3d>& strand) {
@@ -73,11 +83,15 @@ double longest_of_usual(const std::vector<Vec3d>& strand) {
 
 // Points of a strand against each other.
 void find_odd_points(std::vector<Finding>& out, const ImportedStrands& in, const std::string& file) {
-    constexpr double often = 1.0 / 3, much = 10, spoilt = 0.2;
+    constexpr double often = 1.0 / 3, far = 0.2, much = 10, spoilt = 0.2;
     std::vector<size_t> turned, uneven;
+    size_t far_turned = 0;
     double most = 0;
     for (size_t s = 0; s < in.strands.size(); ++s) {
-        if (turned_back(in.strands[s]) > often) turned.push_back(in.numbers[s]);
+        if (const TurnsBack back(in.strands[s]); back.points > often) {
+            turned.push_back(in.numbers[s]);
+            far_turned += back.segment > far;
+        }
         const double longest = longest_of_usual(in.strands[s]);
         if (longest > much) uneven.push_back(in.numbers[s]);
         most = std::max(most, longest);
@@ -85,11 +99,13 @@ void find_odd_points(std::vector<Finding>& out, const ImportedStrands& in, const
     const double strands = double(in.strands.size());
     if (!turned.empty())
         out.push_back(
-            {double(turned.size()) > spoilt * strands ? Level::error : Level::warning, "point_order",
+            {double(far_turned) > spoilt * strands ? Level::error : Level::warning, "point_order",
              fmt::format("{}: {} of {} strands turn back by more than 120 degrees at a third of their "
                          "points or more: strand {}",
                          file, turned.size(), in.strands.size(), listed(turned, 8)),
-             "a file with the points of each strand from root to tip, one after the other"});
+             "a file with the points of each strand from root to tip, one after the other, or with more of "
+             "them "
+             "where it coils"});
     if (!uneven.empty())
         out.push_back(
             {Level::warning, "long_segments",

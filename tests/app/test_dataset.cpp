@@ -709,7 +709,7 @@ TEST_F(Dataset, a_changed_base_scene_is_another_recipe) {
 TEST_F(Dataset, a_picked_table_takes_the_place_of_the_base_scenes) {
     auto strands = testing::sample_strands(9, 12);
     for (size_t s = 0; s < strands.size(); ++s)
-        for (auto& x : strands[s]) x.x = 0.05 + 0.02 * double(s % 3), x.z += 0.02 * double(s / 3);
+        for (auto& x : strands[s]) x.x = 0.05 + 0.02 * double(s % 3), x.z = 0.02 * x.z + 0.02 * double(s / 3);
     scratch.file("nine.data", testing::data_file(strands));
     std::string text =
         small_recipe + scenes(2, 0, 0) +

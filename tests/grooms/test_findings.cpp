@@ -228,6 +228,20 @@ TEST_F(Findings, points_in_a_wrong_order_are_seen_without_a_head_too) {
     expect_error([&] { scene_of(strands, "", "", true); }, {"point_order", "120 degrees", "allow = "});
 }
 
+// Three points a turn.
+TEST_F(Findings, a_coarse_coil_is_a_warning_alone) {
+    StrandPoints strands = falling(200);
+    for (auto& strand : strands) {
+        const Vec3d root = strand.front();
+        strand.clear();
+        for (int i = 0; i < 60; ++i)
+            strand.push_back(root +
+                             Vec3d{0.003 * std::cos(2.6 * i) - 0.003, -0.002 * i, 0.003 * std::sin(2.6 * i)});
+    }
+    EXPECT_TRUE(found(strands, "", "").contains("point_order"));
+    EXPECT_NO_THROW(scene_of(strands, "", "", true));
+}
+
 TEST_F(Findings, strands_that_are_joined_have_a_long_segment) {
     StrandPoints strands = falling(200), joined;
     for (size_t s = 0; s < 200; s += 2) {
