@@ -53,6 +53,8 @@ std::vector<Case> cases() {
             {"wet, other solids", wet_scene + others, {grid}, true},
             {"odd substeps", wet_scene, {grid, "integrator.substeps=5"}},
             {"settled", dry_scene, {grid, "integrator.settle=0.3"}},
+            {"fibre", as_fibre(dry_scene), {grid}},
+            {"wet fibre", as_fibre(wet_scene), {grid}},
             {"limited", dry_scene, {grid, "integrator.limiter=0.02", "stretch.stiffness=0.5"}}};
 }
 
@@ -234,6 +236,7 @@ std::vector<Case> coupled(const Scratch& scratch) {
              "center = [0, -0.05, -0.1]\n[[air.source]]\ncenter = [0.1, 0, 0]\nvelocity = [-2, 0, 0]\n",
          {grid}},
         {"flow", wet_scene + "[wetness.flow]\n[[wetness.source]]\nrate = 5\n", {grid}},
+        {"flow in fibres", as_fibre(wet_scene) + "[wetness.flow]\n[[wetness.source]]\nrate = 5\n", {grid}},
         {"deforming",
          dry_scene + breathing_sphere(scratch, {0.05, 0.06, 0.07, 0.06}, 0.05, "[0, -0.06, -0.05]", 0.01),
          {grid}},

@@ -13,8 +13,8 @@ namespace {
 using namespace testing;
 
 // Wet from some way down the strand on, and as it comes; one strand is dry.
-Scene scene_with_water(const std::vector<std::string>& set) {
-    Scene scene = scene_of(wet_scene, set);
+Scene scene_with_water(const std::vector<std::string>& set, const std::string& text = wet_scene) {
+    Scene scene = scene_of(text, set);
     Random random(3);
     const size_t n = size_t(scene.groom.rest.particles);
     for (size_t k = 0; k < scene.saturation.size(); ++k) {
@@ -29,23 +29,40 @@ Scene dried(Scene scene) {
 }
 
 struct Soaked {
-    std::vector<double> mass, saturation, rest_core;
+    std::vector<double> mass, saturation, rest_core, stretch_spring, bend_spring, twist_spring;
     std::vector<Vec3d> target, push;
     std::vector<float> volume, wet_volume;
 };
 // SoakingDevice on the host: its buffers, and its kernels in their order.
 Soaked by_bodies(const Scene& scene, const ChainState<double>& dry) {
     const size_t count = scene.saturation.size(), n = size_t(scene.groom.rest.particles);
-    Soaked out{dry.mass, dry.saturation, dry.rest_core, dry.target, dry.push, {}, {}};
+    Soaked out{dry.mass,
+               dry.saturation,
+               dry.rest_core,
+               dry.stretch_spring,
+               dry.bend_spring,
+               dry.twist_spring,
+               dry.target,
+               dry.push,
+               {},
+               {}};
     out.volume.resize(count), out.wet_volume.resize(count);
-    const SoakedStrands<double> to{out.mass.data(),      out.saturation.data(), out.rest_core.data(),
-                                   out.target.data(),    out.push.data(),       out.volume.data(),
-                                   out.wet_volume.data()};
+    const SoakedStrands<double> to{.mass = out.mass.data(),
+                                   .saturation = out.saturation.data(),
+                                   .rest_core = out.rest_core.data(),
+                                   .stretch_spring = out.stretch_spring.data(),
+                                   .bend_spring = out.bend_spring.data(),
+                                   .twist_spring = out.twist_spring.data(),
+                                   .target = out.target.data(),
+                                   .push = out.push.data(),
+                                   .volume = out.volume.data(),
+                                   .wet_volume = out.wet_volume.data()};
+    const std::vector<double> springs = dry_springs(scene);
     const DryCurlArrays arrays = dry_curl_arrays(scene);
     const DryCurls curls = dry_curls(scene, arrays.curl.data(), arrays.vectors.data(),
                                      arrays.rotations.data(), arrays.lengths.data());
     const auto printed = printed_edges(scene, dry.rest_length);
-    const Weighing weigh = weighing(scene, printed.empty() ? nullptr : printed.data());
+    const Weighing weigh = weighing(scene, printed.empty() ? nullptr : printed.data(), springs.data());
     for (size_t k = 0; k < count; ++k) weigh(k, scene.saturation[k], dry.mass[k], to);
     std::vector<Vec3d> target(arrays.vectors.size() / 5), points(count);
     for (int s = 0; curls.curl && s < curls.strands; ++s)
@@ -92,6 +109,23 @@ TEST(SoakingBodies, wet_strands_are_the_hosts) {
         for (size_t i = 0; i + 1 < size_t(dry.n); ++i)
             EXPECT_EQ(norm(got.target[dry.at(1, int(i))] - dry.target[dry.at(1, int(i))]), 0) << i;
     }
+}
+
+TEST(SoakingBodies, springs_of_wet_fibres_are_the_hosts) {
+    const Scene scene = scene_with_water({"groom.grid=[5, 5]"}, as_fibre(wet_scene));
+    const ChainState<double> dry(dried(scene)), wanted(scene);
+    const Soaked got = by_bodies(scene, dry);
+    const auto nearly_equal = [&](const std::vector<double>& a, const std::vector<double>& b) {
+        ASSERT_EQ(a.size(), b.size());
+        for (size_t k = 0; k < a.size(); ++k) {
+            if ((k + 1) % size_t(dry.n) == 0) continue;  // no edge
+            EXPECT_NEAR(a[k] / b[k], 1, 1e-12) << k;
+        }
+    };
+    ASSERT_GT(farthest(dry.bend_spring, wanted.bend_spring), 0.01 * dry.bend_spring[1]);
+    nearly_equal(got.stretch_spring, wanted.stretch_spring);
+    nearly_equal(got.bend_spring, wanted.bend_spring);
+    nearly_equal(got.twist_spring, wanted.twist_spring);
 }
 
 TEST(SoakingBodies, the_printed_curl_pushes_as_the_hosts) {

@@ -124,6 +124,8 @@ std::vector<Case> cases() {
              wet_scene,
              {"bend.form='printed'", "core.form='printed'", "curl.form='printed'", "curl.radius=0.008",
               "curl.pitch=0.02"}},
+            {"fibre", as_fibre(dry_scene), {}},
+            {"wet fibre", as_fibre(wet_scene), {}},
             {"attached", wet_scene + "[[solid]]\nradius = 0.097\nattached = \"head\"\n", {}},
             {"several solids",
              wet_scene + "[[solid]]\nshape = \"capsule\"\nradius = 0.03\n[[solid.motion.keyframe]]\n"
@@ -272,6 +274,12 @@ TEST(StrandStep, of_a_set_known_at_compile_time_is_the_general_one) {
     constexpr unsigned set = these<Stretch, Bend, Twist, Core>;
     ASSERT_EQ(set_of(scene), set);
     EXPECT_LT(farthest(stepped<double>(scene, ExactSet<set>(), 3), stepped<double>(scene, AnySet{set}, 3)),
+              1e-7);
+    const Scene fibres = scene_of(as_fibre(dry_scene));
+    constexpr unsigned of_fibres = these<Stretch, Bend, Twist> | 1u << fibre;
+    ASSERT_EQ(set_of(fibres), of_fibres);
+    EXPECT_LT(farthest(stepped<double>(fibres, ExactSet<of_fibres>(), 3),
+                       stepped<double>(fibres, AnySet{of_fibres}, 3)),
               1e-7);
 }
 

@@ -28,16 +28,11 @@ substeps = 4
 [core]
 )";
 
-// The same hair as a fibre.
-inline const std::string fibre_scene = R"(fps = 24
-[groom]
-grid = [4, 4]
-particles = 28
-length = 0.15
-[integrator]
-substeps = 10
-[fibre]
-)";
+// The same hair as a fibre, of a scene that names these terms.
+inline std::string as_fibre(std::string scene) {
+    const std::string terms = "[stretch]\n[bend]\n[core]\n";
+    return scene.replace(scene.find(terms), terms.size(), "[fibre]\n");
+}
 
 // All that a wet scene may name, a turning head, and a ball that lifts hair and lets it go.
 inline const std::string wet_scene = dry_scene + R"([motion]
