@@ -1,4 +1,4 @@
-// `wetcurl stability`: the battery S1-S9 on every way of stepping, as a table and as JSON.
+// `wetcurl stability`: the battery S1-S10 on every way of stepping, as a table and as JSON.
 #include "app/commands/stability.h"
 
 #include <fmt/format.h>
@@ -216,9 +216,9 @@ void add_options(OptionList& options, StabilityCommandOptions& o) {
                 "scene (TOML) whose head comes to rest, for S9 in place of the battery's own")
         .input_file();
     options.option("--method", o.methods, "by name (repeatable); none: all").repeatable();
-    options.option("--case", o.only, "S1 to S9 (repeatable); none: all")
+    options.option("--case", o.only, "S1 to S10 (repeatable); none: all")
         .repeatable()
-        .one_of({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"});
+        .one_of({"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9", "S10"});
     options.flag("--quick", o.quick, "fewer values of each parameter: under a minute");
     options
         .option("--storm", o.storm,

@@ -7,7 +7,7 @@ namespace wetcurl {
 
 struct StabilityCommandOptions : CommonOptions {
     static constexpr const char *command = "stability",
-                                *summary = "put ways of stepping through the battery of stability, S1 to S9";
+                                *summary = "put ways of stepping through the battery of stability, S1 to S10";
     static constexpr bool uses_device = false;
     std::string scene;                       // of S9; "": one of our own
     std::vector<std::string> methods, only;  // by name, cases by id; none: all

@@ -91,6 +91,9 @@ std::vector<StabilityJob> stability_jobs(const StabilityMethod& method, const St
         for (double k : b.some({1e4, 1e6, 1e8}, {1e4}))
             add("S8", [=] { return Cases{limiter_honesty(b, k)}; });
     }
+    if (method.dry && method.takes_drag && method.settings.empty() && !method.compared())
+        for (double diameter : b.some({40e-6, 70e-6, 120e-6}, {70e-6}))
+            add("S10", [=] { return fibres(b, diameter); });
     for (double k : b.some({1e4, 1e6, 1e8}, {1e6})) {
         if (method.on_strands) add("S1", [=] { return Cases{noise_beside_neighbours(b, k)}; });
         if (wet) {

@@ -1,4 +1,4 @@
-// The battery of stability, S1 to S9: what a way of stepping hair must stand, and figures for how it does.
+// The battery of stability, S1 to S10: what a way of stepping hair must stand, and figures for how it does.
 #pragma once
 
 #include <functional>
@@ -53,7 +53,7 @@ struct StabilityCase {
     double rest_error = NAN;  // from the shape at rest, over the strand's length
 };
 
-// S2, S9: what energy may rise by over max(K + |W|), and the jitter of still hair over a segment.
+// S2, S9, S10: what energy may rise by over max(K + |W|), and the jitter of still hair over a segment.
 constexpr double energy_bound = 1e-3, jitter_bound = 1e-3;
 
 struct StabilityOptions {

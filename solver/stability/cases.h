@@ -56,6 +56,9 @@ Cases invariances(const Battery& b, const StrandSetup& plain, const std::string&
 // S9, everything.cpp: a whole scene; stiffnesses of the strand times `stiffer`.
 Cases everything_at_once(const Battery& b, double stiffer);
 
+// S10, fibres.cpp: hair of a real diameter [m] keeps its length, gains no energy and comes to rest.
+Cases fibres(const Battery& b, double diameter);
+
 // --- shared by several groups
 
 // Wet curls beside each other, one amid six, none turned as another and each in reach of its neighbours only.

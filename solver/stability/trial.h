@@ -18,6 +18,7 @@ struct StrandSetup {
     double drag = 0;                    // [1/s], Eq 13; 0, or a method without it: no such term
     std::string more = {};              // TOML that is added: motion, solids, wet terms
     std::vector<std::string> set = {};  // key.path=value
+    double fibre = 0;  // [m] diameter of a fibre in the place of springs, in ten substeps of dt; 0: springs
 };
 // key.path=value of a number, all digits kept.
 std::string setting(const std::string& key, double value);

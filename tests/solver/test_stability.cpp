@@ -114,7 +114,7 @@ StabilityMethod ours_assembled_with(Change change) {
 
 TEST(Battery, ours_stands_it_in_single_and_double) {
     for (const char* precision : {"double", "float"})
-        for (const char* id : {"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9"})
+        for (const char* id : {"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "S9", "S10"})
             for (const auto& c : cases_of(ours(precision), id))
                 EXPECT_TRUE(c.passed) << precision << " " << c.id << " " << c.what;
 }
@@ -158,6 +158,7 @@ TEST(Battery, sees_energy_that_comes_from_nowhere) {
     for (const char* what : {"small sway", "large sway", "fall", "shaken root", "wet lock released",
                              "wet lock in a large sway", "wet lock, shaken root", "wet, swept by a ball"})
         EXPECT_TRUE(sees(broken, "S2", what)) << what;
+    EXPECT_TRUE(sees(broken, "S10", "fibres that fall"));
     for (const char* what : {"noise at rest", "noise beside wet neighbours"})
         EXPECT_TRUE(sees(broken, "S1", what)) << what;
 }
