@@ -40,8 +40,9 @@ struct Fibre {
         {KeyRow::number("wet_youngs_modulus", "Pa", 1.6e9, 1e3, 1e13,
                         "At saturation 1; the default is an estimate, 0.4 of the dry one."),
          &Fibre::wet_youngs_modulus},
-        {KeyRow::number("wet_shear_modulus", "Pa", 0.2e9, 0, 1e13,
-                        "At saturation 1; the default is an estimate: water softens twist more than stretch."),
+        {KeyRow::number(
+             "wet_shear_modulus", "Pa", 0.2e9, 0, 1e13,
+             "At saturation 1; the default is an estimate: water softens twist more than stretch."),
          &Fibre::wet_shear_modulus},
         {KeyRow::number("swelling", "1", 0.14, 0, 2, "By how much saturation 1 widens the diameter.",
                         "Robbins"),

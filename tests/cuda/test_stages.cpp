@@ -516,8 +516,11 @@ constexpr const char* names_of_variants[] = {"as shipped", "dry", "limited"};
 Scene cut_scene(const std::string& name, Variant variant) {
     SceneOptions options;
     options.set = {"groom.grid=[" + std::to_string(S::lanes / 2) + ", 2]"};
-    if (variant == Variant::limited)
-        options.set.insert(options.set.end(), {"integrator.limiter=0.02", "stretch.stiffness=0.05"});
+    if (variant == Variant::limited) {
+        options.set.push_back("integrator.limiter=0.02");
+        const bool fibre = load_scene(shipped_scene(name), options).fibre.has_value();
+        options.set.push_back(fibre ? "fibre.strain=1" : "stretch.stiffness=0.05");
+    }
     Scene scene = load_scene(shipped_scene(name), options);
     if (variant == Variant::dry) make_dry(scene);
     return scene;
