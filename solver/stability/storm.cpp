@@ -68,6 +68,9 @@ const std::set<std::string> left_alone{
     "grid",    "particles", "frames", "fps",   "substeps", "settle", "file",  "radius_noise",
     "include", "looks",     "grow",   "title", "seed",     "passes", "allow", "allow_stretch"};
 
+// Keys of [groom] that [fibre] says.
+const std::set<std::string> said_by_fibre{"linear_density", "density"};
+
 class Storm {
   public:
     explicit Storm(unsigned long long seed) : dice_(seed) {}
@@ -76,11 +79,15 @@ class Storm {
         const size_t frames = 8 + dice_.one_of(8);
         text_ = fmt::format("frames = {}\n", frames);
         const bool rides = dice_.falls(0.2);
+        fibre_ = dice_.falls(0.3);
         write("groom", 0.25,
               fmt::format("grid = [{}, {}]\nparticles = {}\n{}", 2 + dice_.one_of(5), 2 + dice_.one_of(5),
                           8 + dice_.one_of(40), rides ? "scalp = \"skin\"\n" : ""));
         write("integrator", 0.15, fmt::format("substeps = {}\n", 1 + dice_.one_of(12)));
-        write("stretch", 0.3), write("bend", 0.3);
+        if (fibre_)
+            write("fibre", 0.3);
+        else
+            write("stretch", 0.3), write("bend", 0.3);
         for (const char* term : {"core", "stiffness"}) maybe(term, 0.5);
         const bool wet = dice_.falls(0.7);
         if (wet) {
@@ -108,7 +115,8 @@ class Storm {
         std::set<std::string> written;
         for (const auto& row : found->rows) {
             if (*row.when.keys || row.kind == Kind::path || row.kind == Kind::text ||
-                row.kind == Kind::words || left_alone.contains(row.key))
+                row.kind == Kind::words || left_alone.contains(row.key) ||
+                (fibre_ && said_by_fibre.contains(row.key)))
                 continue;
             bool falls = dice_.falls(chance);
             // Of a helix both are written, or neither.
@@ -172,6 +180,7 @@ class Storm {
     }
 
     Dice dice_;
+    bool fibre_ = false;  // in the place of springs
     std::string text_;
     std::map<std::string, std::string> files_;
 };
