@@ -441,7 +441,7 @@ class StrandStep {
         w.rest_length[1] = of(m_.rest_length, k - 1);
         if (set_.has(present::fibre)) {
             w.stretch_spring[1] = of(m_.stretch_spring, k - 1), w.bend_spring[1] = of(m_.bend_spring, k - 1);
-            w.twist_spring[1] = of(m_.twist_spring, k - 1);
+            if (has<Twist>(set_)) w.twist_spring[1] = of(m_.twist_spring, k - 1);
         }
         if (has<Bend>(set_))
             w.frame[0] = frame_[k - 2], w.frame[1] = frame_[k - 1], w.target[1] = of(m_.target, k - 1);

@@ -125,6 +125,7 @@ std::vector<Case> cases() {
              {"bend.form='printed'", "core.form='printed'", "curl.form='printed'", "curl.radius=0.008",
               "curl.pitch=0.02"}},
             {"fibre", as_fibre(dry_scene), {}},
+            {"fibre without twist", as_fibre(dry_scene), {"fibre.shear_modulus=0"}},
             {"wet fibre", as_fibre(wet_scene), {}},
             {"attached", wet_scene + "[[solid]]\nradius = 0.097\nattached = \"head\"\n", {}},
             {"several solids",
