@@ -71,14 +71,9 @@ struct TurnsBack {
 
 // The strand's longest segment over its median one; 0 where it is no tenth of the strand.
 double longest_of_usual(const std::vector<Vec3d>& strand) {
-    std::vector<double> lengths;
-    double sum = 0;
-    for (size_t i = 0; i + 1 < strand.size(); ++i) {
-        lengths.push_back(norm(strand[i + 1] - strand[i]));
-        sum += lengths.back();
-    }
-    const double longest = *std::max_element(lengths.begin(), lengths.end());
-    return longest > 0.1 * sum ? longest / median(lengths) : 0;
+    const Segments segments(strand);
+    const double longest = std::ranges::max(segments.lengths);
+    return longest > 0.1 * arc_length(strand.data(), int(strand.size())) ? longest / segments.usual : 0;
 }
 
 // Points of a strand against each other.
@@ -103,9 +98,8 @@ void find_odd_points(std::vector<Finding>& out, const ImportedStrands& in, const
              fmt::format("{}: {} of {} strands turn back by more than 120 degrees at a third of their "
                          "points or more: strand {}",
                          file, turned.size(), in.strands.size(), listed(turned, 8)),
-             "a file with the points of each strand from root to tip, one after the other, or with more of "
-             "them "
-             "where it coils"});
+             "a file with the points of each strand in order from root to tip, or with more of them where it "
+             "coils"});
     if (!uneven.empty())
         out.push_back(
             {Level::warning, "long_segments",

@@ -7,24 +7,18 @@
 
 namespace wetcurl {
 
-namespace {
+Segments::Segments(const std::vector<Vec3d>& strand) {
+    for (size_t i = 0; i + 1 < strand.size(); ++i) lengths.push_back(norm(strand[i + 1] - strand[i]));
+    usual = median(lengths);
+}
 
-// Of a strand [m].
-struct Segments {
-    std::vector<double> lengths;
-    double usual = 0;  // the median one
-    explicit Segments(const std::vector<Vec3d>& strand) {
-        for (size_t i = 0; i + 1 < strand.size(); ++i) lengths.push_back(norm(strand[i + 1] - strand[i]));
-        usual = median(lengths);
-    }
-    bool is_long(size_t i) const { return lengths[i] > 5 * usual; }
-    bool is_jump(size_t i) const { return lengths.size() > 2 && lengths[i] > 20 * usual; }
-    double length_without_jumps() const {
-        double sum = 0;
-        for (size_t i = 0; i < lengths.size(); ++i) sum += is_jump(i) ? 0 : lengths[i];
-        return sum;
-    }
-};
+double Segments::length_without_jumps() const {
+    double sum = 0;
+    for (size_t i = 0; i < lengths.size(); ++i) sum += is_jump(i) ? 0 : lengths[i];
+    return sum;
+}
+
+namespace {
 
 constexpr double far_from_origin = 1e-3;  // [m]
 constexpr double share_of_strand = 0.25, share_of_strands = 0.2;

@@ -7,6 +7,16 @@
 
 namespace wetcurl {
 
+// Of a strand [m].
+struct Segments {
+    std::vector<double> lengths;
+    double usual = 0;  // the median one
+    explicit Segments(const std::vector<Vec3d>& strand);
+    bool is_long(size_t i) const { return lengths[i] > 5 * usual; }
+    bool is_jump(size_t i) const { return lengths.size() > 2 && lengths[i] > 20 * usual; }
+    double length_without_jumps() const;
+};
+
 // Of one strand: points [first, last).
 struct StrayPoints {
     size_t first, last;
