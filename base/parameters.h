@@ -18,8 +18,9 @@ template <class Owner>
 struct Parameter : KeyRow {
     std::variant<double Owner::*, int Owner::*, unsigned long long Owner::*, bool Owner::*,
                  std::string Owner::*, Vec3d Owner::*, std::array<int, 2> Owner::*,
-                 std::array<int, 3> Owner::*, std::vector<int> Owner::*, std::vector<std::string> Owner::*,
-                 std::optional<double> Owner::*, std::optional<int> Owner::*, std::optional<Vec3d> Owner::*>
+                 std::array<int, 3> Owner::*, std::vector<int> Owner::*, std::vector<double> Owner::*,
+                 std::vector<std::string> Owner::*, std::optional<double> Owner::*,
+                 std::optional<int> Owner::*, std::optional<Vec3d> Owner::*>
         member;
 };
 
@@ -44,6 +45,9 @@ void read_row(const KeyRow& row, const Table& table, std::array<int, n>& value) 
 inline void read_row(const KeyRow& row, const Table& table, std::vector<int>& value) {
     const auto v = table.numbers(row);
     value.assign(v.begin(), v.end());
+}
+inline void read_row(const KeyRow& row, const Table& table, std::vector<double>& value) {
+    value = table.numbers(row);
 }
 inline void read_row(const KeyRow& row, const Table& table, std::vector<std::string>& value) {
     value = table.words(row);

@@ -81,7 +81,14 @@ struct KeyRow {
         row.kind = Kind::integers;
         return row;
     }
-    // Any number of whole numbers, none by default.
+    // Any number of numbers, none by default.
+    static constexpr KeyRow list_of_numbers(const char* key, const char* unit, double minimum, double maximum,
+                                            const char* meaning, const char* source = "", When when = {}) {
+        KeyRow row = number(key, unit, 0, minimum, maximum, meaning, source, when);
+        row.kind = Kind::vector, row.size = 0;
+        return row;
+    }
+    // Of whole numbers.
     static constexpr KeyRow list(const char* key, double minimum, double maximum, const char* meaning,
                                  const char* source = "", When when = {}) {
         KeyRow row = number(key, "1", 0, minimum, maximum, meaning, source, when);

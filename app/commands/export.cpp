@@ -96,12 +96,13 @@ class ExportedStrands {
     double width_at(int s, int i) const {
         if (options_.width > 0) return options_.width;
         const std::vector<float>& width = run_.header().groom.width;
-        if (width.empty()) return usual_width_;
+        if (width.empty()) return usual_width(s, i);
         const float* own = &width[size_t(s) * size_t(particles_)];
         const bool is_said = std::any_of(own, own + particles_, [](float w) { return w > 0; });
-        return is_said ? double(value_at(own, i)) : usual_width_;
+        return is_said ? double(value_at(own, i)) : usual_width(s, i);
     }
-    void set_usual_width(double metres) { usual_width_ = metres; }
+    // Whose hair has the width of what no file says.
+    void take_widths_of(const Scene& scene) { scene_ = &scene; }
 
     // (strand, point) [m] of a frame of the run.
     std::vector<Vec3f> points(int frame) const {
@@ -130,6 +131,9 @@ class ExportedStrands {
 
   private:
     const StrandOrigin& origin(int s) const { return origin_[size_t(s)]; }
+    double usual_width(int s, int i) const {
+        return scene_->hair_width(s, double(i) / (points_of_each() - 1));
+    }
     // At a point that is written, of values at the particles of its strand.
     float value_at(const float* strand, int i) const {
         const double at = double(i) * (particles_ - 1) / (points_of_each() - 1);
@@ -153,7 +157,7 @@ class ExportedStrands {
     std::vector<Vec3f> roots_;          // (strand written) [m]
     Guides guides_;                     // strands written
     int particles_ = 0;
-    double usual_width_ = 0;
+    const Scene* scene_ = nullptr;
 };
 
 // Points of some strands.
@@ -163,17 +167,6 @@ std::vector<T> of_strands(const std::vector<T>& all, const std::vector<int>& som
     for (int s : some)
         out.insert(out.end(), all.begin() + long(s) * points, all.begin() + long(s + 1) * points);
     return out;
-}
-
-// What a run's header leaves to its scene.
-struct OfScene {
-    double width;   // [m] diameter of a hair
-    ShotCuts cuts;  // across which nothing has a velocity
-};
-OfScene of_scene(const RunHeader& header) {
-    const auto scene = scene_of_run(header);
-    const double width = std::sqrt(4 * scene->linear_density / (std::numbers::pi * scene->volume_density));
-    return {width, scene->cuts};
 }
 
 // Frames of the run that are written.
@@ -457,13 +450,13 @@ int export_command(const ExportOptions& given) {
         for (const int f : frames) require_place(numbered(o.output, o.first_number + f), o.overwrite);
     const Target& target = target_named(o.target);
     ExportedStrands strands(run, o);
-    const OfScene scene = of_scene(run.header());
-    strands.set_usual_width(scene.width);
+    const auto scene = scene_of_run(run.header());
+    strands.take_widths_of(*scene);
 
     InterruptGuard guard;
     std::optional<AnimatedExport> hair;
     std::optional<SolidsExport> solids;
-    if (animated) hair.emplace(o, run, strands, scene.cuts, target, frames);
+    if (animated) hair.emplace(o, run, strands, scene->cuts, target, frames);
     if (!o.solids.empty()) solids.emplace(o, run, target, frames);
     Progress progress("export", int(frames.size()), "frame");
     for (size_t k = 0; k < frames.size(); ++k) {

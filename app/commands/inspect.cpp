@@ -270,6 +270,43 @@ void show_keys(const InspectOptions& o) {
     show(o, json, text);
 }
 
+// Kinds of hair that [fibre] names, with what follows from their numbers, dry and drenched.
+void show_hair(const InspectOptions& o) {
+    Json kinds = Json::array();
+    std::string text = fmt::format("{:8} {:>5} {:>6} {:>8} {:>8} {:>8} {:>8}  {}\n", "hair", "um", "a / b",
+                                   "EI nNm2", "GJ nNm2", "curl mm", "turn mm", "what it is; fibre; curl");
+    for (const HairKind& kind : hair_kinds) {
+        Fibre fibre;
+        fibre.diameter = kind.diameter, fibre.ellipticity = kind.ellipticity;
+        fibre.youngs_modulus = kind.youngs_modulus, fibre.shear_modulus = kind.shear_modulus;
+        const WetSprings::Factors wet = fibre.wet_springs().at(1);
+        const double ei = fibre.flexural_rigidity(), gj = fibre.torsional_rigidity();
+        kinds.push_back({{"hair", kind.name},
+                         {"about", kind.about},
+                         {"diameter", kind.diameter},
+                         {"ellipticity", kind.ellipticity},
+                         {"youngs_modulus", kind.youngs_modulus},
+                         {"shear_modulus", kind.shear_modulus},
+                         {"curl_radius", kind.curl_radius},
+                         {"pitch", kind.pitch},
+                         {"source_of_fibre", kind.of_fibre},
+                         {"source_of_curl", kind.of_curl},
+                         {"linear_density", fibre.linear_density()},
+                         {"flexural_rigidity", ei},
+                         {"torsional_rigidity", gj},
+                         {"wet_flexural_rigidity", wet.bend * ei},
+                         {"wet_torsional_rigidity", wet.twist * gj}});
+        const auto of_curl = [&](const char* digits, double value) {
+            return kind.curl_radius > 0 ? fmt::format(fmt::runtime(digits), 1e3 * value) : "-";
+        };
+        text += fmt::format("{:8} {:5.0f} {:6.2f} {:8.2f} {:8.2f} {:>8} {:>8}  {}; {}; {}\n", kind.name,
+                            1e6 * kind.diameter, kind.ellipticity, 1e9 * ei, 1e9 * gj,
+                            of_curl("{:.1f}", kind.curl_radius), of_curl("{:.0f}", kind.pitch), kind.about,
+                            kind.of_fibre, kind.of_curl);
+    }
+    show(o, {{"kinds", kinds}}, text);
+}
+
 }  // namespace
 
 void add_options(OptionList& options, InspectOptions& o) {
@@ -277,9 +314,10 @@ void add_options(OptionList& options, InspectOptions& o) {
         .option(
             "what", o.what,
             "scene | run | pairs | model: a file of that kind; keys: every key of a scene, or of a recipe; "
-            "schema: those of a scene as a JSON schema, for editors; device: this machine")
+            "schema: those of a scene as a JSON schema, for editors; hair: kinds of hair that [fibre] names; "
+            "device: this machine")
         .required()
-        .one_of({"scene", "run", "pairs", "model", "keys", "schema", "device"});
+        .one_of({"scene", "run", "pairs", "model", "keys", "schema", "hair", "device"});
     options.option("file", o.file, "the file; with keys: scene (default) | dataset | train").input_file();
     options.option("-o,--output", o.output, "").hidden();  // once images of pairs: said in the error
     options.footer("`wetcurl render --image PAIRS.h5 -o out.png` draws the geometry images of pairs.");
@@ -293,7 +331,7 @@ int inspect_command(const InspectOptions& given) {
             "inspect: -o " + o.output +
             ": it writes no pictures; `wetcurl render --image PAIRS.h5 -o out.png` draws the geometry "
             "images of pairs, --json FILE writes what inspect says");
-    const bool needs_file = o.what != "keys" && o.what != "schema" && o.what != "device";
+    const bool needs_file = o.what != "keys" && o.what != "schema" && o.what != "hair" && o.what != "device";
     if (needs_file && o.file.empty()) throw Misuse("inspect " + o.what + " needs a file");
     if (!needs_file && o.what != "keys" && !o.file.empty())
         throw Misuse("inspect " + o.what + ": found the file " + o.file + ", none is needed");
@@ -308,6 +346,7 @@ int inspect_command(const InspectOptions& given) {
         const Json schema = schema_of(scene_rows(), "A scene of wetcurl");
         show(o, schema, json_text(schema, 2) + "\n");
     }
+    if (o.what == "hair") show_hair(o);
     if (o.what == "device") show(o, device_json());
     return 0;
 }

@@ -71,8 +71,8 @@ std::string values_of(const KeyRow& row) {
 }
 
 std::string kind_of(const KeyRow& row) {
+    if (row.is_vector() && row.size == 0) return row.is_whole() ? "integers" : "numbers";
     if (row.kind == Kind::vector) return fmt::format("{} numbers", row.size);
-    if (row.is_vector() && row.size == 0) return "integers";
     if (row.kind == Kind::integers) return fmt::format("{} integers", row.size);
     return name_of(row.kind);
 }

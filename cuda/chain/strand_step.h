@@ -374,8 +374,15 @@ class StrandStep {
     WETCURL_HD const T* own(const T* springs, int k) const {
         return set_.has(present::fibre) ? springs + place(k) : nullptr;
     }
-    WETCURL_HD Twist::Lag<T> lag(int k) const {
-        return get<Twist>(k_.rules.terms).lag(scheme_.h, of(m_.mass, k), own(m_.bend_spring, k));
+    // Of springs, edge by edge; of a fibre's edge i, of its whole turn.
+    WETCURL_HD T lag(int k) const {
+        return set_.has(present::fibre) ? T(0) : get<Twist>(k_.rules.terms).lag(scheme_.h, of(m_.mass, k));
+    }
+    WETCURL_HD T lag_of_turn(int i, int k) const {
+        return set_.has(present::fibre) && i + 2 < m_.n
+                   ? Twist::lag_of_fibre(scheme_.h, of(m_.mass, k), m_.bend_spring[place(k + 1)],
+                                         of(m_.target, k + 1))
+                   : T(0);
     }
     // In the end a chunk's rows are coupled to the last ones of this chunk and of the one before alone.
     WETCURL_HD void eliminate_twists(int g, const Chunk& c) const {
@@ -400,7 +407,7 @@ class StrandStep {
                 bend_by_turn(bend ? *bend : T(get<Bend>(k_.rules.terms).k_b), frame, of(m_.target, k + 1),
                              edge_at(k + 1), slope, bound);
             }
-            TwistRow row = twist_row(i, before, after, slope, bound, lag(k).of_each);
+            TwistRow row = twist_row(i, before, after, slope, bound, lag(k));
             if (i > first) row.take_before(near);
             rows[i] = near = row;
             frame = next, before = after;
@@ -425,8 +432,7 @@ class StrandStep {
                 i + 1 == c.end ? x : (row.before * x_before + row.after * x + row.right) * row.inverse();
             const int k = cell(g, i);
             Frame& frame = frame_[k];
-            frame = Frame{turned_about_itself(
-                Q(frame), set_.has(present::fibre) ? angle / (T(1) + lag(k).of_all) : angle)};
+            frame = Frame{turned_about_itself(Q(frame), angle / (T(1) + lag_of_turn(i, k)))};
         }
     }
 

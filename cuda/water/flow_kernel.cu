@@ -64,25 +64,24 @@ double total(const std::vector<double>& of_strands) {
 
 }  // namespace
 
-FlowDevice::FlowDevice(const Flow& flow, const Strands& rest, double density, double absorbed,
-                       const Vec3d& gravity, const Vec3f& origin)
+FlowDevice::FlowDevice(const Flow& flow, const FlowHair& hair, double absorbed, const Vec3d& gravity,
+                       const Vec3f& origin)
     : flow_(flow),
-      strands_(rest.count),
-      n_(rest.particles),
-      density_(density),
+      strands_(hair.strands),
+      n_(hair.particles),
+      density_(hair.density),
       absorbed_(absorbed),
       down_(FlowRules::down(gravity)),
-      search_(rest.points.size(), rest.particles, flow.reach, origin),
-      sigma_(rest.points.size()),
-      next_(rest.points.size()),
-      limit_(rest.points.size()),
-      shown_(rest.points.size()),
-      rows_(rest.points.size()),
+      search_(hair.mass.size(), hair.particles, flow.reach, origin),
+      sigma_(hair.mass.size()),
+      next_(hair.mass.size()),
+      limit_(hair.mass.size()),
+      shown_(hair.mass.size()),
+      rows_(hair.mass.size()),
       ledger_(size_t(strands_)),
       held_(size_t(strands_)),
       host_sources_(flow.sources.size()),
       sources_(flow.sources.size()) {
-    const FlowHair hair(rest, density);
     mass_ = DeviceBuffer<double>(hair.mass), length_ = DeviceBuffer<double>(hair.length);
     for (const auto& source : flow.sources) {
         const auto* level_set = std::get_if<std::shared_ptr<const LevelSet>>(&source.shape);

@@ -17,7 +17,7 @@ namespace wetcurl {
 class FlowDevice {
   public:
     // As a FlowPass, under `gravity` [m/s²]; `origin`: where hair is.
-    FlowDevice(const Flow& flow, const Strands& rest, double density, double absorbed, const Vec3d& gravity,
+    FlowDevice(const Flow& flow, const FlowHair& hair, double absorbed, const Vec3d& gravity,
                const Vec3f& origin);
 
     // The step that follows is of dt [s] from `time` on.

@@ -24,9 +24,9 @@ struct Weighing {
     double absorbed, volume_density;  // m_absorbed, rho [kg/m³]
     double push_weight;               // w_h
     const Vec3d* printed_edge;        // (strand, particle); null: no curl is printed
-    Fibre fibre;                      // and the dry springs of its edges, (3, strand, particle); null: none
-    const double* springs;
-    size_t count;  // of particles
+    WetSprings wet;                   // of fibres
+    const double* springs;            // dry, of edges, (3, strand, particle); null: no fibres
+    size_t count;                     // of particles
 
     // Particle k of (strand, particle), of `dry_mass` [kg].
     template <class T>
@@ -39,7 +39,7 @@ struct Weighing {
             to.volume[k] = volume, to.wet_volume[k] = volume * sigma;
         }
         if (springs) {
-            const Fibre::WetShares by = fibre.wet_shares(double(sigma));
+            const WetSprings::Factors by = wet.at(double(sigma));
             to.stretch_spring[k] = T(springs[k] * by.stretch);
             to.bend_spring[k] = T(springs[count + k] * by.bend);
             if (to.twist_spring) to.twist_spring[k] = T(springs[2 * count + k] * by.twist);

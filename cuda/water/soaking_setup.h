@@ -98,7 +98,7 @@ inline Weighing weighing(const Scene& scene, const Vec3d* printed_edge, const do
             .volume_density = scene.volume_density,
             .push_weight = scene.curl ? scene.curl->w_h : 0,
             .printed_edge = printed_edge,
-            .fibre = scene.fibre ? *scene.fibre : Fibre{},
+            .wet = scene.fibre ? scene.fibre->wet_springs() : WetSprings{},
             .springs = scene.fibre ? springs : nullptr,
             .count = size_t(scene.groom.rest.count) * size_t(scene.groom.rest.particles)};
 }

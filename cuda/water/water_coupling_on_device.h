@@ -15,8 +15,8 @@ template <class H>
 class WaterCouplingOnDevice {
   public:
     WaterCouplingOnDevice(const Scene& scene, H& hair)
-        : flow_(*scene.flow, scene.groom.rest, scene.linear_density, scene.wetness->absorbed,
-                scene.integrator.gravity, cast<float>(hair.head.translation)),
+        : flow_(*scene.flow, FlowHair(scene), scene.wetness->absorbed, scene.integrator.gravity,
+                cast<float>(hair.head.translation)),
           soaking_(scene, hair.state.rest_length),
           stream_(hair.stream()) {
         flow_.restore({scene.saturation.begin(), scene.saturation.end()}, stream_);

@@ -5,7 +5,7 @@
 // Seen: the higher-order predictor 2 v_n - v_{n-1} feeds energy in wherever H is a majoriser; none at all
 // (v^ = 0) kills a swing. Where what the majoriser adds across the strand outweighs the strand 1e5 times
 // (core) or 4e4 times (bends), the swing of that weight fills the bends with energy; there v^ is a share of
-// v_n.
+// v_n. Not so of fibres, whose bends are that stiff where segments are short, and only from one to the next.
 #pragma once
 
 #include <vector>

@@ -88,7 +88,7 @@ double predictor_share(const Scene& scene) {
     const auto& core = scene.term<Core>();
     const auto& bend = scene.term<Bend>();
     const double core_number = core ? step_number(scene, core->k_c) : 0,
-                 bend_number = bend ? step_number(scene, bend->k_b) : 0;
+                 bend_number = bend && !scene.fibre ? step_number(scene, bend->k_b) : 0;
     return std::min({1.0, 1e5 / std::max(1.0, core_number), 4e4 / std::max(1.0, bend_number)});
 }
 

@@ -24,6 +24,18 @@ std::vector<double> dry_masses(const std::vector<Vec3d>& p, double density) {
     return mass;
 }
 
+std::vector<double> dry_masses(const Scene& scene, int s) {
+    const std::vector<Vec3d> p = points_of(scene.groom.rest, s);
+    if (!scene.fibre) return dry_masses(p, scene.linear_density);
+    return scene.fibre->masses(edge_lengths(p), scene.thickness_of(s));
+}
+
+std::vector<double> edge_lengths(const std::vector<Vec3d>& p) {
+    std::vector<double> out;
+    for (size_t i = 0; i + 1 < p.size(); ++i) out.push_back(norm(p[i + 1] - p[i]));
+    return out;
+}
+
 std::vector<Vec3d> points_of(const Strands& strands, int s) {
     std::vector<Vec3d> p;
     for (int i = 0; i < strands.particles; ++i) p.push_back(cast<double>(strands.at(s, i)));
@@ -134,11 +146,11 @@ StrandRest rest_state_of(const Scene& scene, int s, Soaking* soaking) {
     Soaking own;
     Soaking& dry = soaking ? *soaking : own;
     dry = {};
-    dry.dry_mass = dry_masses(p, scene.linear_density);
+    dry.dry_mass = dry_masses(scene, s);
     StrandRest rest;
     rest.start = p;
-    for (size_t i = 0; i + 1 < p.size(); ++i) rest.rest_length.push_back(norm(p[i + 1] - p[i]));
-    if (scene.fibre) dry.springs = scene.fibre->springs(rest.rest_length);
+    rest.rest_length = edge_lengths(p);
+    if (scene.fibre) dry.springs = scene.fibre->springs(rest.rest_length, scene.thickness_of(s));
     rest.target = intrinsic_shape(p);
     std::vector<double> angle(p.size() - 1, 0);
     if (scene.rest == "sag_free") angle = free_of_sag(scene, p, dry.dry_mass, dry.springs, rest);
@@ -176,7 +188,7 @@ Strands shape_at_rest(const Scene& scene) {
 std::vector<float> volumes_of(const Scene& scene) {
     std::vector<float> out;
     for (int s = 0; s < scene.groom.rest.count; ++s) {
-        auto mass = dry_masses(points_of(scene.groom.rest, s), scene.linear_density);
+        auto mass = dry_masses(scene, s);
         wet(scene, mass, saturation_along(scene, s));
         for (double m : mass) out.push_back(float(m / scene.volume_density));
     }

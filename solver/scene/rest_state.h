@@ -43,8 +43,12 @@ void soak(const Scene& scene, const Soaking& soaking, const float* saturation, S
 
 // Dry masses (n) [kg] of a strand p (n) [m]: half of each segment to either end. density [kg/m].
 std::vector<double> dry_masses(const std::vector<Vec3d>& p, double density);
+// Of strand `s` of a scene's groom.
+std::vector<double> dry_masses(const Scene& scene, int s);
 // |bbar_i| (n-1) [m]: lengths of a strand's edges p (n) smoothed by a core's filter.
 std::vector<double> core_lengths(const std::vector<Vec3d>& p, double beta);
+// [m] of a strand p (n): (n-1).
+std::vector<double> edge_lengths(const std::vector<Vec3d>& p);
 // A strand's points in double, (n).
 std::vector<Vec3d> points_of(const Strands& strands, int s);
 

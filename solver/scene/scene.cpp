@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <numbers>
 
 #include "base/log.h"
 #include "solver/grooms/groom.h"
@@ -38,11 +39,8 @@ void make_chain_of_fibre(Scene& scene, const Groom& full) {
     const Fibre& fibre = *scene.fibre;
     Fibre::Springs most{{0}, {0}, {0}};
     for (int s = 0; s < full.rest.count; ++s) {
-        std::vector<double> rest_length;
-        for (int i = 0; i + 1 < full.rest.particles; ++i)
-            rest_length.push_back(
-                norm(cast<double>(full.rest.at(s, i + 1)) - cast<double>(full.rest.at(s, i))));
-        const Fibre::Springs own = fibre.springs(rest_length);
+        const Fibre::Springs own =
+            fibre.springs(edge_lengths(points_of(full.rest, s)), scene.thickness_of(s));
         const auto larger = [](double& most, const std::vector<double>& all) {
             for (double k : all) most = std::max(most, k);
         };
@@ -81,7 +79,10 @@ void read_fibre(Scene& scene, const Table& root) {
 
 void read_chain(Scene& scene, const Table& root, const Groom& full) {
     std::apply([&](auto&... slot) { (read_term(slot, root), ...); }, scene.chain);
-    if (scene.fibre) make_chain_of_fibre(scene, full);
+    if (scene.fibre) {
+        scene.thickness = scene.fibre->thickness(full, scene.seed);
+        make_chain_of_fibre(scene, full);
+    }
     if (auto& twist = scene.term<Twist>()) {
         if (!scene.fibre) twist->k_b = scene.term<Bend>()->k_b;
         if (!(twist->torsion * twist->k_b > 0)) twist.reset();
@@ -240,6 +241,24 @@ void read_head(Scene& scene, const Table& t, double last) {
     scene.preroll = preroll.seconds;
 }
 
+// A kind of hair has its own values for keys that the scene does not write.
+void name_hair(Config& config) {
+    const Table root = config.root(), fibre = root.table(Fibre::table), groom = root.table("groom");
+    Fibre named;
+    read_parameters(named, Fibre::parameters, fibre);
+    const HairKind* const kind = hair_named(named.hair);
+    if (!kind) return;
+    std::vector<std::string> values;
+    const auto put = [&](const Table& table, const std::string& name, const char* key, double value) {
+        if (!table.has(key)) values.push_back(fmt::format("{}.{}={}", name, key, value));
+    };
+    for (const HairKind::Value& v : kind->fibre()) put(fibre, Fibre::table, v.key, v.value);
+    if (!groom.has("file"))
+        for (const HairKind::Value& v : kind->groom()) put(groom, "groom", v.key, v.value);
+    for (const std::string& value : values)
+        config.set(value, fmt::format("[fibre] hair = \"{}\"", kind->name));
+}
+
 Scene read_scene(Config config, const SceneOptions& options) {
     for (const auto& s : options.set) config.set(s);
     if (options.frames) config.set("frames=" + std::to_string(*options.frames), "--frames");
@@ -247,6 +266,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
     if (!options.groom.empty())
         config.set("groom.file='" + std::filesystem::absolute(options.groom).string() + "'", "--groom");
     config.expect(scene_rows());
+    name_hair(config);
     const Table root = config.root();
     Scene scene;
     read_parameters(scene, Scene::parameters, root);
@@ -307,6 +327,11 @@ Scene read_scene(Config config, const SceneOptions& options) {
     else if (options.strands)
         thinned(full, *options.strands, &scene.stride);
     scene.groom = coarsened(full, scene.stride, &kept);
+    if (!scene.thickness.empty()) {
+        std::vector<double> of_kept;
+        for (int s : kept) of_kept.push_back(scene.thickness[size_t(s)]);
+        scene.thickness = std::move(of_kept);
+    }
     if (!scalp) scalp = guessed_scalp(scene, full);
     if (scalp && scalp->deformation) ride(scene, *scalp, full, kept);
     scene.end = options.start + scene.frames / scene.fps;
@@ -345,6 +370,11 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::s
 
 Scene parse_scene(const Config& config, const SceneOptions& options) {
     return read_scene(config.copy(), options);
+}
+
+double Scene::hair_width(int strand, double along) const {
+    const double width = std::sqrt(4 * linear_density / (std::numbers::pi * volume_density));
+    return fibre ? width * thickness_of(strand) * fibre->profile_at(along) : width;
 }
 
 void make_dry(Scene& scene) {

@@ -152,6 +152,7 @@ struct Scene {
     Groom groom;  // of this run: the full groom, thinned by `stride`
     int stride = 1;
     std::vector<float> saturation;   // (strand, particle) at the start; empty without wetness
+    std::vector<double> thickness;   // (strand) of a fibre's diameter; empty: all 1
     std::string text, folder;        // the resolved TOML, and where its relative paths start
     std::vector<std::string> files;  // what it was read from: scene, includes, hair, meshes, networks
 
@@ -198,6 +199,9 @@ struct Scene {
         for_each_present(baselines, [&](const auto&) { any = true; });
         return any;
     }
+    double thickness_of(int strand) const { return thickness.empty() ? 1 : thickness[size_t(strand)]; }
+    // [m] diameter of a dry strand at a share of its length from the root.
+    double hair_width(int strand, double along) const;
     bool has_deforming_solid() const {
         for (const auto& s : solids)
             if (s.deformation) return true;

@@ -19,6 +19,13 @@ std::vector<Figures> decades_of(const Figures& from, int count) {
     }
     return all;
 }
+// Ours on fibres in the place of springs.
+StabilityMethod of_fibres(double diameter, const std::string& precision) {
+    StabilityMethod m{
+        .name = "ours", .integrator = "fibre " + precision, .precision = precision, .settings = {}};
+    m.fibre = diameter;
+    return m;
+}
 // Its forces on wet hair in the place of ours, on our chain.
 StabilityMethod compared(const std::string& name, std::vector<Figures> sweep) {
     StabilityMethod m{.name = name, .integrator = "implicit double", .precision = "double", .settings = {}};
@@ -45,6 +52,10 @@ const std::vector<StabilityMethod>& stability_methods() {
     static const std::vector<StabilityMethod> methods{
         {"ours", "implicit double", "double", {}, 2, {}, {}},
         {"ours", "implicit float", "float", {}, 2, {}, {}},
+        of_fibres(70e-6, "double"),
+        of_fibres(40e-6, "float"),
+        of_fibres(70e-6, "float"),
+        of_fibres(120e-6, "float"),
         {"printed", "explicit double", "double", printed, 1, {}, {}},
         {.name = "iben",
          .integrator = "explicit double",
@@ -72,29 +83,36 @@ std::vector<StabilityJob> stability_jobs(const StabilityMethod& method, const St
         const auto& only = options.only;
         if (only.empty() || std::find(only.begin(), only.end(), id) != only.end()) jobs.push_back({id, run});
     };
-    const bool wet = method.on_strands || method.on_solids;
+    const bool wet = method.on_strands || method.on_solids, fibre = method.fibre > 0;
+    // Of springs; fibres have their own.
+    const auto some = [&](const std::vector<double>& all, const std::vector<double>& few) {
+        return fibre ? std::vector<double>{0} : b.some(all, few);
+    };
     if (method.dry) {
         for (double dt : b.some({dt_usual, dt_usual / 10}, {dt_usual}))
-            for (double k : b.some({1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10}, {1e3, 1e5, 1e8}))
+            for (double k : some({1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10}, {1e3, 1e5, 1e8}))
                 add("S1", [=] { return Cases{noise_at_rest(b, k, dt)}; });
-        for (double k : b.some({1e3, 1e4, 1e5, 1e6, 1e8, 1e10}, {1e4, 1e7}))
+        for (double k : some({1e3, 1e4, 1e5, 1e6, 1e8, 1e10}, {1e4, 1e7}))
             add("S2", [=] { return energies_of(b, k); });
-        for (double k : b.some({1e3, 1e6, 1e10}, {1e5})) add("S3", [=] { return jacobians(b, k); });
-        for (double k : b.some({1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e10, 1e12, 1e14}, {1e4, 1e8, 1e14}))
+        for (double k : some({1e3, 1e6, 1e10}, {1e5})) add("S3", [=] { return jacobians(b, k); });
+        for (double k : some({1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e10, 1e12, 1e14}, {1e4, 1e8, 1e14}))
             add("S4", [=] { return stiffness_by_step(b, k); });
-        for (double k : b.some({1e4, 1e7, 1e10}, {1e6}))
+        for (double k : some({1e4, 1e7, 1e10}, {1e6}))
             for (double limiter : {0.0, 0.1}) add("S5", [=] { return ordeals(b, k, limiter); });
-        for (double k : b.some({1e4, 1e5, 1e6}, {1e5})) add("S6", [=] { return Cases{order_in_time(b, k)}; });
-        if (method.takes_drag) add("S6", [=] { return Cases{order_in_particles(b)}; });
-        for (double k : b.some({1e4, 1e6}, {1e5}))
+        for (double k : some({1e4, 1e5, 1e6}, {1e5})) add("S6", [=] { return Cases{order_in_time(b, k)}; });
+        if (method.takes_drag && !fibre) add("S6", [=] { return Cases{order_in_particles(b)}; });
+        for (double k : some({1e4, 1e6}, {1e5}))
             add("S7", [=] { return invariances(b, {.shapes = {straight, curly}, .k_over_m = k}, ""); });
-        for (double k : b.some({1e4, 1e6, 1e8}, {1e4}))
-            add("S8", [=] { return Cases{limiter_honesty(b, k)}; });
+        for (double k : some({1e4, 1e6, 1e8}, {1e4})) add("S8", [=] { return Cases{limiter_honesty(b, k)}; });
     }
-    if (method.dry && method.takes_drag && method.settings.empty() && !method.compared())
-        for (double diameter : b.some({40e-6, 70e-6, 120e-6}, {70e-6}))
-            add("S10", [=] { return fibres(b, diameter); });
-    for (double k : b.some({1e4, 1e6, 1e8}, {1e6})) {
+    if (fibre) {
+        add("S10", [=] { return fibres(b, method.fibre); });
+        if (method.fibre == 70e-6 && method.precision == "double")
+            for (const char* hair : {"type1", "type2b", "type3a", "type3b", "type3c", "type4a"})
+                if (!options.quick || hair == std::string("type3b"))
+                    add("S6", [=] { return orders_of_fibres(b, hair); });
+    }
+    for (double k : some({1e4, 1e6, 1e8}, {1e6})) {
         if (method.on_strands) add("S1", [=] { return Cases{noise_beside_neighbours(b, k)}; });
         if (wet) {
             add("S2", [=] { return energies_of_wet(b, k); });

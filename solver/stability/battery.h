@@ -30,6 +30,7 @@ struct StabilityMethod {
     // Which cases are its own: of dry strands, of wet ones beside each other, of wet ones at solids.
     bool dry = true, on_strands = true, on_solids = true;
     bool takes_drag = true;  // Eq 13, by which cases come to rest
+    double fibre = 0;  // [m] diameter of the fibres that its strands are in the place of springs; 0: none
     // Of its own parameters, by key, of which it runs at the best; empty: as it is.
     std::vector<Figures> sweep = {};
     bool compared() const { return !sweep.empty(); }

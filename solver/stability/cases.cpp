@@ -20,7 +20,11 @@ StrandSetup wet_lock(const Battery& b, double k_over_m) {
     return lock;
 }
 
-double slowest_swing(double k_over_m) { return 0.5 * std::numbers::pi / particles * std::sqrt(2 * k_over_m); }
+double slowest_swing(const Battery& b, double k_over_m) {
+    // A chain's lowest mode: 1.2 is half the first zero of J_0.
+    if (b.method.fibre > 0) return 1.2 * std::sqrt(9.81 / length);
+    return 0.5 * std::numbers::pi / particles * std::sqrt(2 * k_over_m);
+}
 
 double critical_drag(double swing) { return std::min(2 * swing, 20.0); }
 

@@ -24,7 +24,12 @@ struct Battery {
 
     StabilityCase named(const char* id, const std::string& what, Figures parameters) const {
         StabilityCase c;
-        c.id = id, c.what = what, c.method = &method, c.parameters = std::move(parameters);
+        c.id = id, c.what = what, c.method = &method;
+        if (method.fibre > 0) {
+            std::erase_if(parameters, [](const auto& p) { return p.first == "k_over_m"; });
+            c.parameters = {{"diameter", method.fibre}};
+        }
+        c.parameters.insert(c.parameters.end(), parameters.begin(), parameters.end());
         return c;
     }
     std::vector<double> some(std::vector<double> all, std::vector<double> few) const {
@@ -58,13 +63,15 @@ Cases everything_at_once(const Battery& b, double stiffer);
 
 // S10, fibres.cpp: hair of a real diameter [m] keeps its length, gains no energy and comes to rest.
 Cases fibres(const Battery& b, double diameter);
+// S6 of fibres, resolution.cpp: hair of a kind is the same at any number of particles.
+Cases orders_of_fibres(const Battery& b, const char* hair);
 
 // --- shared by several groups
 
 // Wet curls beside each other, one amid six, none turned as another and each in reach of its neighbours only.
 StrandSetup wet_lock(const Battery& b, double k_over_m);
-// Slowest swing along a strand of masses held by two springs of k each [rad/s].
-double slowest_swing(double k_over_m);
+// Slowest swing along a strand of masses held by two springs of k each [rad/s]; of fibres, from side to side.
+double slowest_swing(const Battery& b, double k_over_m);
 // That damps a swing [rad/s] critically, as far as the explicit scheme can take it [1/s].
 double critical_drag(double swing);
 // Root mean square over the particles [m].

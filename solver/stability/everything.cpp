@@ -7,14 +7,11 @@ namespace wetcurl::stability {
 
 namespace {
 
-const std::string everything = R"([groom]
+const std::string springs = "[stretch]\n[bend]\n[core]\n", everything = R"([groom]
 grid = [6, 6]
 particles = 50
 [integrator]
 substeps = 10
-[stretch]
-[bend]
-[core]
 [wetness]
 jitter = 0.3
 [curl]
@@ -101,8 +98,11 @@ StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer,
 }  // namespace
 
 Cases everything_at_once(const Battery& b, double stiffer) {
-    SceneText of{everything + (b.method.takes_drag ? drag : "") + b.method.cohesion + b.method.adhesion,
-                 "battery", "."};
+    const std::string chain =
+        b.method.fibre > 0 ? "[fibre]\n" + setting("diameter ", b.method.fibre) + "\n" : springs;
+    SceneText of{
+        everything + chain + (b.method.takes_drag ? drag : "") + b.method.cohesion + b.method.adhesion,
+        "battery", "."};
     if (!b.options.scene.empty()) {
         const Config config = Config::load(b.options.scene);
         of = {config.text(), b.options.scene, config.folder()};

@@ -7,10 +7,8 @@ namespace wetcurl::stability {
 
 namespace {
 
-constexpr int points = 100;
-
 // Straight hair, waves, curls and tight coils.
-StrandSetup hair_of(double diameter) {
+StrandSetup hair_of(double diameter, int points) {
     return {.shapes = {straight_points(points, length, {0, -1, 0}), helix_points(points, length, 0.01, 0.1),
                        helix_points(points, length, 0.006, 0.025), helix_points(points, 0.1, 0.0025, 0.004)},
             .dt = 1.0 / 24,
@@ -43,11 +41,11 @@ enum class Also { nothing, falls, rests };
 
 StabilityCase of_fibres(const Battery& b, const std::string& what, const StrandSetup& setup, double angle,
                         double seconds, Also also) {
-    StabilityCase c = b.named("S10", what, {{"diameter", setup.fibre}, {"dt", setup.dt / 10}});
+    StabilityCase c = b.named("S10", what, {{"dt", setup.dt / 10}});
     Trial trial(b.method, scene_of(setup, b.method));
     if (angle > 0) {
         SimulationState s = trial.simulation().state();
-        sway(s, points, angle);
+        sway(s, trial.scene().groom.rest.particles, angle);
         trial.set(s);
     }
     Stretches stretches(trial);
@@ -79,9 +77,10 @@ StabilityCase of_fibres(const Battery& b, const std::string& what, const StrandS
 Cases fibres(const Battery& b, double diameter) {
     const double seconds = b.options.quick ? 1 : 4;
     // Of hair without damping, which would hide what is gained.
-    StrandSetup hair = hair_of(diameter);
-    hair.set = {"fibre.damping=0"};
-    Cases out{of_fibres(b, "fibres that fall", hair, 1.5, seconds, Also::falls)};
+    StrandSetup hair = hair_of(diameter, 100), fine = hair_of(diameter, 400);
+    hair.set = fine.set = {"fibre.damping=0"};
+    Cases out{of_fibres(b, "fibres that fall", hair, 1.5, seconds, Also::falls),
+              of_fibres(b, "fibres of 400 particles that fall", fine, 1.5, seconds, Also::falls)};
     StrandSetup shaken = hair;
     shaken.more = "[motion]\nangle = 40\naxis = [0, 0, 1]\nshift = [0.02, 0.03, 0]\nperiod = 0.5\n";
     out.push_back(of_fibres(b, "fibres, shaken root", shaken, 0, seconds, Also::nothing));
@@ -90,7 +89,7 @@ Cases fibres(const Battery& b, double diameter) {
         "[[solid]]\nradius = 0.05\n[[solid.motion.keyframe]]\ntime = 0.1\ntranslation = [0.2, -0.2, 0.01]\n"
         "[[solid.motion.keyframe]]\ntime = 1.1\ntranslation = [-0.2, -0.2, 0.01]\n";
     out.push_back(of_fibres(b, "fibres swept by a ball", swept, 0, seconds, Also::nothing));
-    StrandSetup resting = hair_of(diameter);
+    StrandSetup resting = hair_of(diameter, 100);
     resting.drag = 8;
     out.push_back(
         of_fibres(b, "fibres that come to rest", resting, 1.0, b.options.quick ? 4 : 8, Also::rests));

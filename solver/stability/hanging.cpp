@@ -9,24 +9,27 @@ namespace wetcurl::stability {
 
 namespace {
 
-// The hanging chain: edge i of a straight strand extended by s_i, where stretch, bend and core (of the same
-// k) carry the weight w_i below it: 2 k s + k D^T D s = w with the core's filter D. Edge 0 is the root's.
+// The hanging chain: edge i of a straight strand extended by s_i, where stretch, bend and core carry the
+// weight w_i below it: (k_s + k_b) s + k_c D^T D s = w with the core's filter D. Edge 0 is the root's.
 Points hanging(const Scene& scene) {
     const int edges = particles - 1;
     const StrandRest rest = rest_state_of(scene, 0);
-    const double k_s = scene.term<Stretch>()->k_s, k_b = scene.term<Bend>()->k_b;
-    const Core& core = *scene.term<Core>();
-    Eigen::MatrixXd d(edges, edges);
-    for (int column = 0; column < edges; ++column)
-        smooth_edges<double>(
-            edges, core.beta,
-            [&](int i) {
-                return Vec3d{i == column ? 1.0 : 0.0, 0, 0};
-            },
-            [&](int i, const Vec3d& v) { d(i, column) = v.x; });
-    // As printed the core's force is on its own edge alone.
-    Eigen::MatrixXd k = core.k_c * (core.printed ? d : Eigen::MatrixXd(d.transpose() * d));
-    k += (k_s + k_b) * Eigen::MatrixXd::Identity(edges, edges);
+    Eigen::MatrixXd k = Eigen::MatrixXd::Zero(edges, edges);
+    if (const auto& core = scene.term<Core>()) {
+        Eigen::MatrixXd d(edges, edges);
+        for (int column = 0; column < edges; ++column)
+            smooth_edges<double>(
+                edges, core->beta,
+                [&](int i) {
+                    return Vec3d{i == column ? 1.0 : 0.0, 0, 0};
+                },
+                [&](int i, const Vec3d& v) { d(i, column) = v.x; });
+        // As printed the core's force is on its own edge alone.
+        k = core->k_c * (core->printed ? d : Eigen::MatrixXd(d.transpose() * d));
+    }
+    for (int i = 0; i < edges; ++i)
+        k(i, i) += rest.springs.empty() ? scene.term<Stretch>()->k_s + scene.term<Bend>()->k_b
+                                        : rest.springs.stretch[size_t(i)] + rest.springs.bend[size_t(i)];
     Eigen::VectorXd w = Eigen::VectorXd::Zero(edges);
     double below = 0;
     for (int i = edges - 1; i >= 1; --i) w[i] = (below += rest.mass[size_t(i) + 1]) * 9.81;
@@ -54,8 +57,10 @@ double converged_kinetic(double k_over_m, double seconds) {
 
 Cases stiffness_by_step(const Battery& b, double k_over_m) {
     Cases out;
-    const double swing = slowest_swing(k_over_m), seconds = std::clamp(std::numbers::pi / swing, 1.0, 10.0);
-    const double reference = k_over_m < 1e5 ? converged_kinetic(k_over_m, seconds) : 0;
+    const double swing = slowest_swing(b, k_over_m),
+                 seconds = std::clamp(std::numbers::pi / swing, 1.0, 10.0);
+    const double reference =
+        k_over_m < 1e5 && !(b.method.fibre > 0) ? converged_kinetic(k_over_m, seconds) : 0;
     for (double dt : b.some({1.0 / 24, 1.0 / 240, 1.0 / 2400}, {1.0 / 24, 1.0 / 240}))
         for (double limiter : {0.0, 0.1}) {
             StabilityCase c =

@@ -60,7 +60,8 @@ Cases invariances(const Battery& b, const StrandSetup& plain, const std::string&
     // Sums over neighbours are rounded in another order.
     out.push_back(invariant(b, "strand permutation" + of, plain, s, of.empty() ? 0 : 1e-6,
                             [](Points& p) { std::rotate(p.begin(), p.end() - particles, p.end()); }));
-    if (!of.empty() || b.method.compared()) return out;  // these have lengths of their own
+    if (!of.empty() || b.method.compared() || b.method.fibre > 0)
+        return out;  // these have lengths of their own
     s = plain;
     // By a power of two, so that no digit of the groom is lost; k / m has no length in it.
     const double unit = 32;

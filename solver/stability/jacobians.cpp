@@ -116,7 +116,13 @@ Cases jacobians(const Battery& b, double k_over_m) {
         const StrandSetup setup{.shapes = {shape}, .k_over_m = k_over_m, .gravity = weightless};
         const Scene scene = scene_of(setup, b.method);
         OneStrand strand(shape, scene.linear_density);
-        strand.rest_on(*scene.term<Core>());
+        if (const auto& core = scene.term<Core>()) strand.rest_on(*core);
+        if (scene.fibre) {
+            Fibre::Springs own = scene.fibre->springs(strand.rest_length);
+            strand.mass = scene.fibre->masses(strand.rest_length);
+            strand.stretch_spring = std::move(own.stretch), strand.bend_spring = std::move(own.bend);
+            strand.twist_spring = std::move(own.twist);
+        }
         const AllTerms all(b.method, scene.chain, strand);
 
         const Eigen::MatrixXd k = differenced(all, strand);

@@ -65,7 +65,7 @@ Cases all_of(const Battery& b, const std::vector<Ordeal>& ordeals) {
 }  // namespace
 
 Cases ordeals(const Battery& b, double k_over_m, double limiter) {
-    const double swing = slowest_swing(k_over_m), settle = settling_time(swing);
+    const double swing = slowest_swing(b, k_over_m), settle = settling_time(swing);
     const StrandSetup base{
         .shapes = {straight, curly}, .k_over_m = k_over_m, .limiter = limiter, .drag = critical_drag(swing)};
     std::vector<Ordeal> all;
@@ -97,7 +97,7 @@ Cases ordeals(const Battery& b, double k_over_m, double limiter) {
     wet.more = "[wetness]\nabsorbed = 1\n[curl]\n";
     all.push_back({"dry, wet and dry in a step", {base, wet, base}, {0.5, 0.5, settle}, {}});
     // Segments a thousand times shorter above long ones, wet at the tip: masses from 1 to 1e4.
-    const double heavy = slowest_swing(k_over_m / 22);  // a tip's particle: 22 times the mean
+    const double heavy = slowest_swing(b, k_over_m / 22);  // a tip's particle: 22 times the mean
     add("mass ratio of 1e4", [&](StrandSetup& s) {
         Points p = straight_points(particles / 2, 2.4e-4 * length, {0, -1, 0});
         while (p.size() < size_t(particles)) p.push_back(p.back() + Vec3d{0, -0.01, 0});
@@ -121,7 +121,7 @@ Cases ordeals(const Battery& b, double k_over_m, double limiter) {
 }
 
 Cases wet_ordeals(const Battery& b, double k_over_m) {
-    const double swing = slowest_swing(k_over_m);
+    const double swing = slowest_swing(b, k_over_m);
     std::vector<Ordeal> all;
     auto add = [&](const std::string& what, StrandSetup setup, const std::string& more = "") {
         setup.drag = critical_drag(swing), setup.more += more;

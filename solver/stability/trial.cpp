@@ -37,11 +37,10 @@ Scene scene_of(const StrandSetup& s, const StabilityMethod& method) {
     for (const auto& shape : s.shapes) sum += arc_length(shape.data(), int(shape.size()));
     const double segment = sum / double(s.shapes.size() * (first.size() - 1));
     const double k = s.k_over_m * linear_density * segment;
-    std::string text = s.fibre > 0 ? "[groom]\ncurl_radius = 0\n[integrator]\nsubsteps = 10\n[fibre]\n" +
-                                         setting("diameter ", s.fibre) + "\n"
-                                   : "[groom]\ncurl_radius = 0\n[integrator]\nsubsteps = "
-                                     "1\n[stretch]\ndamping = 0\n[bend]\ndamping = "
-                                     "0\n[core]\ndamping = 0\n";
+    const double fibre = s.fibre > 0 ? s.fibre : method.fibre;
+    std::string text = "[groom]\ncurl_radius = 0\n[integrator]\n";
+    text += fibre > 0 ? "substeps = 10\n[fibre]\n" + setting("diameter ", fibre) + "\n"
+                      : "substeps = 1\n[stretch]\ndamping = 0\n[bend]\ndamping = 0\n[core]\ndamping = 0\n";
     if (s.drag > 0 && method.takes_drag) text += "[stiffness]\nwet = 0\n" + setting("global ", s.drag) + "\n";
     std::vector<std::string> set{setting("fps", 1 / s.dt), setting("integrator.limiter", s.limiter),
                                  "integrator.gravity=[" + setting("", s.gravity.x).substr(1) + "," +
@@ -49,7 +48,7 @@ Scene scene_of(const StrandSetup& s, const StabilityMethod& method) {
                                      setting("", s.gravity.z).substr(1) + "]",
                                  "groom.grid=[" + std::to_string(s.shapes.size()) + ",1]",
                                  "groom.particles=" + std::to_string(first.size())};
-    if (!(s.fibre > 0))
+    if (!(fibre > 0))
         set.insert(set.end(),
                    {setting("groom.linear_density", linear_density), setting("stretch.stiffness", k),
                     setting("bend.stiffness", k), setting("core.stiffness", k)});

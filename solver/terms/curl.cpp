@@ -147,7 +147,11 @@ WetCurl::WetCurl(const Curl& curl, const std::vector<Vec3d>& tbar) : dry_(tbar) 
         view().straighten(t.data(), p.data());
         return extent(t);
     };
-    const double want = curl.contraction * extent_at(1);
+    // Hair with hardly any curl would frizz: it contracts in proportion to what is there.
+    constexpr double curly = 0.2;  // of the length, which a curl takes up
+    const double there = std::min(1.0, (1 - axis / length) / curly);
+    const double want =
+        (there < 1 ? 1 - there * there * (1 - curl.contraction) : curl.contraction) * extent_at(1);
     double low = 1, high = 1 + slender * (curl.tightening - 1);
     for (int k = 0; k < 24; ++k) {
         const double middle = (low + high) / 2;

@@ -34,19 +34,24 @@ struct Twist {
         return own ? *own : S(torsion * k_b) * rest_length * rest_length;
     }
 
-    // How far the frames hang back, 0 to 1: not at all where the step resolves the bend's springs. Where it
-    // does not, positions carried ahead by their velocity tell nothing, and frames that follow them at once
-    // swing. `bend`: of a fibre's joint, or null.
+    // How far the frames of springs hang back, 0 to 1: not at all where the step resolves the bend's. Where
+    // it does not, positions carried ahead by their velocity tell nothing, and frames that follow them at
+    // once swing.
     template <class S>
-    struct Lag {
-        S of_each, of_all;
-    };
+    WETCURL_HD S lag(const S& h, const S& mass) const {
+        const S stiff = h * h * S(k_b);
+        return stiff / (stiff + S(1000) * mass);
+    }
+    // The same of a fibre, by whose `bend` the joint after the edge turns to `target`: short segments are
+    // stiff, what the step must resolve is the swing of a curl, EI kappa⁴ by the mass of a length. Seen:
+    // frames that hang back by a quarter take the swing out of coils within half a second, those that run
+    // ahead by a twentieth feed it, and coils of a swing of 100 steps tremble without any.
     template <class S>
-    WETCURL_HD Lag<S> lag(const S& h, const S& mass, const S* bend) const {
-        const S stiff = h * h * (bend ? *bend : S(k_b)), lag = stiff / (stiff + S(1000) * mass);
-        // Each edge for itself, a twist takes as many steps as there are edges, squared, to reach the tip:
-        // the springs of a fibre hold back the whole Newton step.
-        return bend ? Lag<S>{S(0), lag} : Lag<S>{lag, S(0)};
+    WETCURL_HD static S lag_of_fibre(const S& h, const S& mass, const S& bend, const Vec3<S>& target) {
+        const S across = target.y * target.y + target.z * target.z, length = across + target.x * target.x,
+                turn = across / maximum(length, S(tiny_length<S> * tiny_length<S>)),
+                stiff = h * h * bend * turn * turn;
+        return stiff / (stiff + S(3000) * mass);
     }
 
     // Half the angle m of an edge's frame against the one before, carried along the strand: the turn from one
@@ -183,7 +188,6 @@ WETCURL_HD void relax_twist(const Bend& bend, const Twist& twist, const ChainVie
     auto joint = [&](int i) {
         return twist.joint(own_of(c.twist_spring, i), c.rest_length[i], frame[i - 1], frame[i]);
     };
-    auto lag = [&](int i) { return twist.lag(h, c.mass[i], own_of(c.bend_spring, i)); };
     TwistJoint<S> before = joint(1);
     TwistRow<S> row_before{};
     for (int i = 1; i + 1 < n; ++i) {
@@ -194,7 +198,8 @@ WETCURL_HD void relax_twist(const Bend& bend, const Twist& twist, const ChainVie
             bend_by_turn(spring_of(c.bend_spring, i + 1, bend.k_b), frame[i], c.target[i + 1],
                          x[i + 2] - x[i + 1], slope, bound);
         }
-        TwistRow<S> row = twist_row(i, before, after, slope, bound, lag(i).of_each);
+        TwistRow<S> row =
+            twist_row(i, before, after, slope, bound, c.bend_spring ? S(0) : twist.lag(h, c.mass[i]));
         if (i > 1) row.take_before(row_before);
         const S inverse = row.inverse();
         scratch[2 * i] = inverse * row.right, scratch[2 * i + 1] = inverse * row.after;
@@ -203,7 +208,11 @@ WETCURL_HD void relax_twist(const Bend& bend, const Twist& twist, const ChainVie
     S turn(0);
     for (int i = n - 2; i > 0; --i) {
         turn = scratch[2 * i] + scratch[2 * i + 1] * turn;
-        frame[i] = turned_about_itself(frame[i], c.bend_spring ? turn / (S(1) + lag(i).of_all) : turn);
+        const bool lags = c.bend_spring && i + 2 < n;
+        frame[i] = turned_about_itself(
+            frame[i],
+            lags ? turn / (S(1) + twist.lag_of_fibre(h, c.mass[i], c.bend_spring[i + 1], c.target[i + 1]))
+                 : turn);
     }
 }
 

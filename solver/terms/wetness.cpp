@@ -6,22 +6,9 @@
 
 #include "base/error.h"
 #include "base/run_cache.h"
+#include "solver/terms/root_noise.h"
 
 namespace wetcurl {
-
-// A number in [0, 1) from the seed and a root's place in the parameter square.
-static double root_noise(unsigned long long seed, double u, double v) {
-    unsigned long long bits[3] = {seed, (unsigned long long)std::llround(u * 4294967296.0),
-                                  (unsigned long long)std::llround(v * 4294967296.0)};
-    unsigned long long h = 0x9e3779b97f4a7c15ull;
-    for (auto b : bits) {  // splitmix64
-        h += b + 0x9e3779b97f4a7c15ull;
-        h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
-        h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
-        h ^= h >> 31;
-    }
-    return double(h >> 11) * 0x1p-53;
-}
 
 static double smooth_step(double a, double b, double x) {
     const double t = std::clamp((x - a) / (b - a), 0.0, 1.0);
@@ -40,11 +27,10 @@ std::vector<float> saturation_of(const Wetness& w, const Groom& full, unsigned l
     }
     constexpr double blend = 0.15;  // half the width of a pattern's edge, in strand lengths
     std::vector<double> strand_level(size_t(rest.count), w.level);
-    for (int row = 0; row < full.grid.height; ++row)
-        for (int column = 0; column < full.grid.width; ++column)
-            if (const int s = full.grid.at(column, row); s >= 0 && w.jitter > 0)
-                strand_level[size_t(s)] *= 1 - w.jitter * root_noise(seed, double(column) / full.grid.width,
-                                                                     double(row) / full.grid.height);
+    if (w.jitter > 0)
+        for_each_root(full, [&](int strand, double u, double v) {
+            strand_level[size_t(strand)] *= 1 - w.jitter * root_noise(seed, 0, u, v);
+        });
     for (int s = 0; s < rest.count; ++s)
         for (int i = 0; i < rest.particles; ++i) {
             const double along = double(i) / (rest.particles - 1);

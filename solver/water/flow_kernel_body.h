@@ -8,6 +8,8 @@
 
 namespace wetcurl {
 
+struct Scene;
+
 // Of one strand, in masses of the hair that holds as much.
 struct FlowLedger {
     double taken = 0, dripped = 0, dried = 0;
@@ -26,10 +28,17 @@ WaterBalance water_balance(double absorbed, double start, double held, const std
 std::vector<double> carried_of(double start, const std::vector<FlowLedger>& ledger);
 double take_carried(const std::vector<double>& carried, std::vector<FlowLedger>& ledger);
 
-// What the flow needs of strands whose segments keep their length; `density` [kg/m] when dry.
+// What the flow needs of strands whose segments keep their length.
 struct FlowHair {
+    int strands, particles;
+    double density;                    // [kg/m] of a dry strand, alike for all
     std::vector<double> mass, length;  // (strand, particle) dry [kg], [m] to the next
+    // The mean density of a scene's fibres conducts; each has the mass of its own thickness.
+    explicit FlowHair(const Scene& scene);
     FlowHair(const Strands& rest, double density);
+
+  private:
+    void add(const std::vector<double>& masses, const std::vector<Vec3d>& p);
 };
 
 // Of the elimination along a strand: how much the edge falls, the row's right side, what of it goes on to the

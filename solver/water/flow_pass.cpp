@@ -10,14 +10,19 @@
 
 namespace wetcurl {
 
+FlowHair::FlowHair(const Strands& rest, double of_all)
+    : strands(rest.count), particles(rest.particles), density(of_all) {
+    for (int s = 0; s < strands; ++s) add(dry_masses(points_of(rest, s), density), points_of(rest, s));
+}
+FlowHair::FlowHair(const Scene& scene)
+    : strands(scene.groom.rest.count), particles(scene.groom.rest.particles), density(scene.linear_density) {
+    for (int s = 0; s < strands; ++s) add(dry_masses(scene, s), points_of(scene.groom.rest, s));
+}
 // Where segments have no length there is next to no hair, but no division by nothing.
-FlowHair::FlowHair(const Strands& rest, double density) : length(rest.points.size()) {
-    const size_t n = size_t(rest.particles);
-    for (int s = 0; s < rest.count; ++s) {
-        const auto p = points_of(rest, s);
-        for (double m : dry_masses(p, density)) mass.push_back(std::max(m, 1e-30));
-        for (size_t i = 0; i + 1 < n; ++i) length[size_t(s) * n + i] = std::max(norm(p[i + 1] - p[i]), 1e-9);
-    }
+void FlowHair::add(const std::vector<double>& masses, const std::vector<Vec3d>& p) {
+    for (double m : masses) mass.push_back(std::max(m, 1e-30));
+    for (double l : edge_lengths(p)) length.push_back(std::max(l, 1e-9));
+    length.push_back(0);
 }
 
 WaterBalance water_balance(double absorbed, double start, double held,
@@ -39,29 +44,24 @@ double take_carried(const std::vector<double>& carried, std::vector<FlowLedger>&
     return carried[0];
 }
 
-FlowPass::FlowPass(const Flow& flow, const Strands& rest, double density, double absorbed,
-                   const std::vector<float>& saturation)
+FlowPass::FlowPass(const Flow& flow, FlowHair hair, double absorbed, const std::vector<float>& saturation)
     : flow_(flow),
-      strands_(rest.count),
-      n_(rest.particles),
-      density_(density),
+      hair_(std::move(hair)),
       absorbed_(absorbed),
-      hair_(rest, density),
-      next_(rest.points.size()),
-      limit_(rest.points.size()),
-      shown_(rest.points.size()) {
+      next_(hair_.mass.size()),
+      limit_(hair_.mass.size()),
+      shown_(hair_.mass.size()) {
     restore({saturation.begin(), saturation.end()});
 }
 
 FlowKernelBody FlowPass::bodies() {
-    return {
-        flow_,         density_,      n_, hair_.mass.data(), hair_.length.data(), sigma_.data(), next_.data(),
-        limit_.data(), ledger_.data()};
+    return {flow_,         hair_.density, hair_.particles, hair_.mass.data(), hair_.length.data(),
+            sigma_.data(), next_.data(),  limit_.data(),   ledger_.data()};
 }
 
 void FlowPass::restore(const std::vector<double>& saturation) {
     sigma_ = saturation;
-    ledger_.assign(size_t(strands_), FlowLedger{});
+    ledger_.assign(size_t(hair_.strands), FlowLedger{});
     start_ = held();
     show();
 }
@@ -78,7 +78,7 @@ void FlowPass::wet(const Strands& p, double time, double dt) {
         const FlowingSource now = source.over(time, dt);
         if (now.taken == 0) continue;
 #pragma omp parallel for schedule(static)
-        for (int s = 0; s < strands_; ++s) b.wet(s, now, p.points.data());
+        for (int s = 0; s < hair_.strands; ++s) b.wet(s, now, p.points.data());
     }
 }
 
@@ -89,9 +89,9 @@ void FlowPass::run_along(const Strands& p, double dt, const Vec3d& gravity) {
 #pragma omp parallel
     {
         auto& rows = rows_[size_t(omp_get_thread_num())];
-        rows.assign(size_t(n_), FlowRow{});
+        rows.assign(size_t(hair_.particles), FlowRow{});
 #pragma omp for schedule(static)
-        for (int s = 0; s < strands_; ++s) b.run_along(s, p.points.data(), dt, down, rows.data());
+        for (int s = 0; s < hair_.strands; ++s) b.run_along(s, p.points.data(), dt, down, rows.data());
     }
 }
 
@@ -99,7 +99,8 @@ void FlowPass::search(const Strands& p) {
     const size_t count = p.points.size(), padded = count + NeighborList::padding;
     grid_.build(p.points.data(), count, float(flow_.reach));
     any_source_.assign(padded, 1.f);
-    for (size_t k = 0; k < count; ++k) grid_.points().set_group(k, grid_.order()[k] / uint32_t(n_));
+    for (size_t k = 0; k < count; ++k)
+        grid_.points().set_group(k, grid_.order()[k] / uint32_t(hair_.particles));
     list_.build(grid_, any_source_, float(flow_.reach));
 }
 
@@ -124,14 +125,14 @@ void FlowPass::exchange(double dt, const NeighborGrid& grid, const NeighborList&
     for (long k = 0; k < count; ++k)
         b.pass_on(id[size_t(k)], dt, [&](auto visit) { for_each_contact(size_t(k), visit); });
 #pragma omp parallel for schedule(static)
-    for (int s = 0; s < strands_; ++s) b.shed_excess(s, b.next);
+    for (int s = 0; s < hair_.strands; ++s) b.shed_excess(s, b.next);
 }
 
 void FlowPass::dry(double dt) {
     const FlowKernelBody b = bodies();
     const double share = flow_.dried(dt);
 #pragma omp parallel for schedule(static)
-    for (int s = 0; s < strands_; ++s) b.dry(s, share);
+    for (int s = 0; s < hair_.strands; ++s) b.dry(s, share);
 }
 
 void FlowPass::step(const Strands& p, double time, double dt, const Vec3d& gravity, const NeighborGrid* grid,

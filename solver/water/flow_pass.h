@@ -12,10 +12,8 @@ namespace wetcurl {
 
 class FlowPass {
   public:
-    // `rest`: strands whose segments keep their length [m]; `density`: their dry mass a length [kg/m];
     // `absorbed`: m_absorbed; `saturation` (strand, particle) at the start, in [0, 1].
-    FlowPass(const Flow& flow, const Strands& rest, double density, double absorbed,
-             const std::vector<float>& saturation);
+    FlowPass(const Flow& flow, FlowHair hair, double absorbed, const std::vector<float>& saturation);
 
     // dt [s] from `time` on, strands at p, under `gravity` [m/s²]. `grid` and `list` hold p and every
     // neighbour within `reach`; null: they are searched here.
@@ -46,10 +44,9 @@ class FlowPass {
     void show();
 
     const Flow flow_;
-    const int strands_, n_;
-    const double density_, absorbed_;
-    double start_ = 0;
     const FlowHair hair_;
+    const double absorbed_;
+    double start_ = 0;
     std::vector<double> sigma_, next_, limit_;  // (strand, particle)
     std::vector<float> shown_;
     std::vector<FlowLedger> ledger_;          // (strand)

@@ -19,8 +19,7 @@ class WaterCoupling {
     // For a scene with [wetness.flow], which must outlive it.
     WaterCoupling(const Scene& scene, H&)
         : scene_(scene),
-          flow_(*scene.flow, scene.groom.rest, scene.linear_density, scene.wetness->absorbed,
-                scene.saturation),
+          flow_(*scene.flow, FlowHair(scene), scene.wetness->absorbed, scene.saturation),
           soaking_(size_t(scene.groom.rest.count)) {
 #pragma omp parallel for schedule(static)
         for (int s = 0; s < scene.groom.rest.count; ++s) rest_state_of(scene, s, &soaking_[size_t(s)]);

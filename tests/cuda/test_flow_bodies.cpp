@@ -94,7 +94,7 @@ TEST(FlowKernelBody, do_what_the_pass_does) {
         SCOPED_TRACE(particles);
         const Wisp wisp(24, particles);
         const Flow flow = flow_over(2 - 0.0015 * particles);
-        FlowPass pass(flow, wisp.p, density, absorbed, wisp.saturation);
+        FlowPass pass(flow, FlowHair(wisp.p, density), absorbed, wisp.saturation);
         ByBodies bodies(wisp);
         const double start = water_held(bodies.hair.mass.data(), bodies.sigma.data(), bodies.sigma.size());
         for (int k = 0; k < 4; ++k) {

@@ -34,7 +34,7 @@ Strands hanging(int n, double length, int count = 1, double apart = 0.1) {
     return p;
 }
 FlowPass pass_of(const Flow& flow, const Strands& p, const std::vector<double>& sigma) {
-    FlowPass pass(flow, p, mu, absorbed, std::vector<float>(p.points.size()));
+    FlowPass pass(flow, FlowHair(p, mu), absorbed, std::vector<float>(p.points.size()));
     pass.restore(sigma);
     return pass;
 }

@@ -409,6 +409,7 @@ std::map<string, Change> changes() {
         {"integrator.settle", {{}, "0.1"}},
         {"integrator.settle_after_cut", {{{"motion.cuts", "[2]"}}, "0.1"}},
         {"integrator.limiter", {{}, "1e-5"}},
+        {"fibre.profile", {{}, "[1, 0.9]"}},
         {"motion.cuts", {{}, "[2]"}},
         {"motion.preroll", {{}, "0.2"}},
         {"solid.motion.cuts", {{}, "[2]"}},
