@@ -1,8 +1,7 @@
 # Kinds of hair by name, and what the program makes of them: results/hair/*.json.
-include "shared";
+include "shared"; include "hair";
 
-def order: {type1: 0, child: 90, horse: 91}[.hair] // (.hair | ltrimstr("type") | .[0:1] | tonumber * 10) + (.hair | explode[-1] - 96);
-[.hair[]] | sort_by(order) | map({
+kinds | map({
   kind: "`\(.hair)`", "what it is": .about,
   "diameter [µm]": (1e6 * .diameter), "axes": .ellipticity,
   "curl radius, pitch [mm]": (if .curl_radius > 0 then "\(1000 * .curl_radius | short), \(1000 * .pitch | short)" else "straight" end),

@@ -136,7 +136,7 @@ StabilityCase order_of(const Battery& b, const HairKind& kind, const std::string
         for (const auto& [name, error] :
              Figures{{"height", height}, {"radius", radius}, {"period", period}, {"tip", tip}})
             c.measured.emplace_back(name + of, error);
-        c.finite = c.finite && std::isfinite(most);
+        c.finite = c.finite && std::isfinite(height + radius + period + tip);
     }
     // Against a finest that has an error of its own, as of order one: (1/n - 1/finest).
     double least = unbounded;

@@ -42,10 +42,11 @@ struct Twist {
         const S stiff = h * h * S(k_b);
         return stiff / (stiff + S(1000) * mass);
     }
-    // The same of a fibre, by whose `bend` the joint after the edge turns to `target`: short segments are
-    // stiff, what the step must resolve is the swing of a curl, EI kappa⁴ by the mass of a length. Seen:
-    // frames that hang back by a quarter take the swing out of coils within half a second, those that run
-    // ahead by a twentieth feed it, and coils of a swing of 100 steps tremble without any.
+    // The same of a fibre, by whose `bend` the joint after the edge turns to `target`. Short segments are
+    // stiff by themselves; what the step must resolve is the swing of a curl, EI kappa⁴ by the mass of a
+    // length. Seen: frames that hang back by a quarter take the swing out of coils within half a second,
+    // those that run ahead by a twentieth feed it; and where the square of that swing's angle in a step is in
+    // the hundreds, coils tremble unless frames hang back a little.
     template <class S>
     WETCURL_HD static S lag_of_fibre(const S& h, const S& mass, const S& bend, const Vec3<S>& target) {
         const S across = target.y * target.y + target.z * target.z, length = across + target.x * target.x,
