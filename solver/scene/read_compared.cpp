@@ -134,7 +134,8 @@ void read_baselines(Scene& scene, const Table& root) {
     const Table t = root.table("baseline");
     require_methods(t);
     std::vector<std::string> taken;
-    auto read = [&]<class Method>(Slot<Method>& slot) {
+    auto read = [&](auto& slot) {
+        using Method = typename std::decay_t<decltype(slot)>::value_type;
         if (!names<Method>(t)) return;
         slot.emplace();
         for (auto row : Method::parameters) {

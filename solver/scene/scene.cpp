@@ -383,7 +383,8 @@ void make_dry(Scene& scene) {
     scene.curl.reset();
     scene.cohesion.reset();
     scene.adhesion_model.clear();
-    auto leave_out = []<class Method>(Slot<Method>& slot) {
+    auto leave_out = [](auto& slot) {
+        using Method = typename std::decay_t<decltype(slot)>::value_type;
         if constexpr (!std::is_same_v<Method, Iben2013>) slot.reset();
     };
     std::apply([&](auto&... slot) { (leave_out(slot), ...); }, scene.baselines);
