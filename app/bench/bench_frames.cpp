@@ -58,7 +58,7 @@ struct Addition {
 };
 constexpr Addition additions[] = {
     {"flow", "saturation", "[wetness.flow]\nreach = {}\n"},
-    {"strand contact", "strand contact", "[strand_contact]\nradius = {}\n"},
+    {"strand contact", "strand contact", "[strand_contact]\n"},
     {"adhesion", "chain", "[adhesion]\n"},
     {"cohesion in the solve", "cohesion in the solve", "[cohesion]\nradius = {}\nstrength = 20\n"},
     {"Lin 2015", "baseline", "[baseline]\nmethod = \"lin\"\nradius = {}\n"},

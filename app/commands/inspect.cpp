@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -126,6 +127,17 @@ double mean_of(const std::vector<float>& values) {
     return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
 
+// Of particles that have come from `before` to `now` in so long [s]: [mm/s].
+Json speeds_json(const Strands& before, const Strands& now, double seconds) {
+    std::vector<double> speed(now.points.size());
+    for (size_t k = 0; k < speed.size(); ++k)
+        speed[k] = 1000 * double(norm(now.points[k] - before.points[k])) / seconds;
+    std::sort(speed.begin(), speed.end());
+    return {{"mean", std::accumulate(speed.begin(), speed.end(), 0.0) / double(speed.size())},
+            {"p99", speed[(speed.size() - 1) * 99 / 100]},
+            {"max", speed.back()}};
+}
+
 Json run_json(const InspectOptions& o) {
     const RunReader run(o.file);
     const RunHeader& h = run.header();
@@ -146,6 +158,7 @@ Json run_json(const InspectOptions& o) {
         const auto solid = solid_distance_of(h, true);
         double extent = 0;
         Bounce bounce;
+        Strands before;
         FrameWatch watch(h.groom, h.fps);
         Hash hash;                                              // of displayed particles, frame by frame
         std::vector<double> stage_seconds(h.stages.size(), 0);  // summed over frames but frame 0
@@ -171,6 +184,10 @@ Json run_json(const InspectOptions& o) {
                                     {"axial_extent_mm", extent_now},
                                     {"curl_radius_mm", 1000 * mean_of(curl_radii(frame.seen()))},
                                     {"angle_degrees", fall.angle ? Json(*fall.angle) : Json(nullptr)}});
+            if (f > 0)
+                json["fall"].back()["speed_mm_per_s"] =
+                    speeds_json(before, frame.seen(), h.time(f) - h.time(f - 1));
+            before = frame.seen();
         }
         json["hash"] = hash.text();
         json["extremes"] = json_of(watch);

@@ -58,15 +58,10 @@ __global__ void __launch_bounds__(threads)
 }
 template <class Pulls>
 __global__ void __launch_bounds__(threads) sum_energies(const Pulls pulls, Write write, double* of_block) {
-    __shared__ double sum[threads];
+    __shared__ double sum;
     const uint32_t k = particle();
-    sum[threadIdx.x] = k < pulls.count() ? pulls.energy(k) : 0;
-    for (unsigned half = threads / 2; half > 0; half /= 2) {
-        __syncthreads();
-        if (threadIdx.x < half) sum[threadIdx.x] += sum[threadIdx.x + half];
-    }
-    if (threadIdx.x == 0)
-        of_block[blockIdx.x] = write == Write::added ? of_block[blockIdx.x] + sum[0] : sum[0];
+    sum_of_block<threads>(k < pulls.count() ? pulls.energy(k) : 0, &sum);
+    if (threadIdx.x == 0) of_block[blockIdx.x] = write == Write::added ? of_block[blockIdx.x] + sum : sum;
 }
 
 }  // namespace

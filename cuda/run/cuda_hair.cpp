@@ -128,9 +128,12 @@ template <class T>
 void CudaHair<T>::take_couplings(Forces* forces, StrandContacts* touching) {
     if constexpr (couples) {
         forces_ = forces, strand_contact_ = touching;
-        if (forces) given_force_ = DeviceBuffer<Vec3<T>>(arrays_.x.size());
-        if (forces && forces->has_stiffness()) given_stiffness_ = DeviceBuffer<T>(arrays_.x.size());
-        if (forces || touching) marks_ = std::vector<Event>(3 * size_t(slots_) + 1);
+        if (forces || touching) {
+            given_force_ = DeviceBuffer<Vec3<T>>(arrays_.x.size());
+            marks_ = std::vector<Event>(marks_each * size_t(slots_) + 1);
+        }
+        if (touching || (forces && forces->has_stiffness()))
+            given_stiffness_ = DeviceBuffer<T>(arrays_.x.size());
     }
 }
 
@@ -226,26 +229,31 @@ template <class T>
 void CudaHair<T>::launch_substeps(int substeps) {
     const int begin = slots_ - substeps;
     if (!forces_ && !strand_contact_ && !adhesion_) return launch_chain(begin, substeps, first);
-    auto mark = [&](int slot, int k) {
-        if (!marks_.empty()) marks_[size_t(3 * slot + k)].record(stream_.handle);
+    auto mark = [&](int slot, size_t k) {
+        if (!marks_.empty()) marks_[marks_each * size_t(slot) + k].record(stream_.handle);
     };
     for (int slot = begin; slot < slots_; ++slot) {
         const bool begins = always_first() || (first && slot == begin), last = slot + 1 == slots_;
+        const Bdf2<T> scheme{T(dt_), begins, T(predictor_share(scene_))};
         FrameReport* const report = report_.data();
         mark(slot, 0);
         if (forces_)
-            forces_->launch(memory(), {T(dt_), begins, T(predictor_share(scene_))}, slot, given_force_.data(),
-                            given_stiffness_.data(), last ? &report->pulled : nullptr, stream_.handle);
+            forces_->launch(memory(), scheme, slot, given_force_.data(), given_stiffness_.data(),
+                            last ? &report->pulled : nullptr, stream_.handle);
         mark(slot, 1);
+        if (strand_contact_)
+            strand_contact_->launch(memory(), scheme, dt_, forces_ != nullptr, given_force_.data(),
+                                    given_stiffness_.data(), slot == begin ? &report->touching : nullptr,
+                                    stream_.handle);
+        mark(slot, 2);
         if (adhesion_)
             adhesion_->launch(memory(), motion_.device.data() + (slot == begin ? slots_ : slot - 1),
                               {given_phi_.data(), given_normal_.data(), given_surface_velocity_.data(),
                                arrays_.touching.data()},
                               given_adhesion_.data(), stream_.handle);
         launch_chain(slot, 1, begins);
-        mark(slot, 2);
-        if (strand_contact_)
-            strand_contact_->launch(memory(), dt_, last ? &report->touching : nullptr, stream_.handle);
+        mark(slot, 3);
+        if (strand_contact_) strand_contact_->launch_correction(memory(), scheme, dt_, stream_.handle);
     }
     mark(slots_, 0);
 }
@@ -355,14 +363,14 @@ template <class T>
 void CudaHair<T>::read_couplings(int substeps) {
     if (!forces_ && !strand_contact_) return;
     double pulling = 0, touching = 0;
-    for (size_t mark = 3 * size_t(slots_ - substeps); mark + 1 < marks_.size(); mark += 3) {
+    for (size_t mark = marks_each * size_t(slots_ - substeps); mark + 1 < marks_.size(); mark += marks_each) {
         pulling += marks_[mark + 1].since(marks_[mark]);
-        touching += marks_[mark + 3].since(marks_[mark + 2]);
+        touching += marks_[mark + 2].since(marks_[mark + 1]) + marks_[mark + 4].since(marks_[mark + 3]);
     }
     seconds.chain -= pulling + touching;
     if (forces_) forces_->seconds += pulling, forces_->pairs = report_.last().pulled;
     if (strand_contact_)
-        strand_contact_->seconds += touching, strand_contact_->pairs = report_.last().touching;
+        strand_contact_->seconds += touching, strand_contact_->links = report_.last().touching;
 }
 
 template <class T>

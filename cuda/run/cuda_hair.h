@@ -227,7 +227,9 @@ class CudaHair {
     // What acts on all strands in each substep, before it and after it; null where nothing does, or the host.
     PairForcesOnDevice<T>* forces_ = nullptr;
     StrandContactOnDevice<T>* strand_contact_ = nullptr;
-    std::vector<Event> marks_;                   // (slot, 3) and one: of forces, of the step, of contact
+    // (slot, each) and one: before forces, contact, the step, contact's correction.
+    static constexpr size_t marks_each = 4;
+    std::vector<Event> marks_;
     std::optional<AdhesionDevice<T>> adhesion_;  // asked before each substep
     // Solids.
     RigidShapes shapes_;

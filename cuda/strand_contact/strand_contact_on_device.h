@@ -2,8 +2,11 @@
 // StrandContactCoupling is.
 #pragma once
 
+#include <numeric>
+
 #include "base/carried.h"
 #include "cuda/device/cell_search_device.h"
+#include "cuda/device/cuda_owners.h"
 #include "cuda/strand_contact/strand_contact_kernel_body.h"
 #include "solver/chain/chain_state.h"
 
@@ -13,27 +16,62 @@ namespace wetcurl {
 template <class T>
 class StrandContactOnDevice {
   public:
-    // For a scene with [strand_contact].
+    // For a scene with [strand_contact], which must outlive it.
     StrandContactOnDevice(const Scene& scene, const ChainState<T>& state);
-    // What others do at the end of a substep of dt [s]. Particles that are near are added to `pairs`, unless
-    // it is null.
-    void launch(const StrandMemory<T>& memory, double dt, unsigned long long* pairs, cudaStream_t stream);
-    void weigh(const ChainState<T>&) {}  // masses are the strands' own
-    // Neighbours are found anew in each substep.
-    void save(Carried&) const {}
-    void resume(const Carried&) {}
-    double neighbours_mean() const { return double(pairs) / double(drawn_.size()); }  // within the radius
+    // What acts on the strands in the substep of dt [s] that follows by `scheme` -> force [N], stiffness
+    // [N/m] (strand, particle), added to what is there or new. Links are found anew first where they are
+    // counted: their number is added to `links`, null: those of before go on.
+    void launch(const StrandMemory<T>& memory, const Bdf2<T>& scheme, double dt, bool adds, Vec3<T>* force,
+                T* stiffness, unsigned long long* links, cudaStream_t stream);
+    // At the end of that substep.
+    void launch_correction(const StrandMemory<T>& memory, const Bdf2<T>& scheme, double dt,
+                           cudaStream_t stream) const;
+    void begin_frame() {}
+    void take_water(const ChainState<T>&) {}  // masses are the strands' own
+    // [J] where the strands are; it waits.
+    template <class H>
+    double potential(const H& hair) const {
+        launch_energies(hair.memory(), hair.stream());
+        check_cuda(cudaStreamSynchronize(hair.stream()), "their energy");
+        return total(energy_.device.host());
+    }
+    // The same for a run to keep; `recorded` waits for it, on any thread, before the next `begin_record`.
+    template <class H>
+    void begin_record(const H& hair) {
+        launch_energies(hair.memory(), hair.stream());
+        way_.begin(hair.stream(), [this](cudaStream_t out) { energy_.fetch(out); });
+    }
+    double recorded() const {
+        way_.wait();
+        return total(energy_.fetched());
+    }
+    void save(Carried& to) const;
+    void resume(const Carried& from);
+    double neighbours_mean() const { return double(links) / double(count_.size()); }  // links of a place
     void list(BufferList& buffers) const;
-    unsigned long long pairs = 0;  // of the last substep
+    unsigned long long links = 0;  // as they were found last
     double seconds = 0;            // in the frame at hand
-    double work = 0;               // not counted here
 
   private:
+    StrandContactKernelBody<T> bodies(double dt) const;
+    void launch_energies(const StrandMemory<T>& memory, cudaStream_t stream) const;
+    static double total(const std::vector<double>& parts) {
+        return std::accumulate(parts.begin(), parts.end(), 0.0);
+    }
+
     const StrandContact term_;
-    DeviceBuffer<Vec3f> drawn_, positions_;
+    const StrandPlaces places_;
+    const float reach_;
+    DeviceBuffer<Vec3f> drawn_, x_, v_;
+    DeviceBuffer<float> mass_, saturation_;
     CellSearchDevice search_;
-    DeviceBuffer<StrandContactPoint> point_;
-    DeviceBuffer<float> contacts_;
+    DeviceBuffer<StrandLink> links_, found_;
+    DeviceBuffer<uint8_t> count_;
+    DeviceBuffer<ActingLink> acting_;
+    DeviceBuffer<ContactSum> sum_;
+    DeviceBuffer<uint32_t> stiffest_;
+    OnBoth<double> energy_;  // parts of it [J]
+    WayOut way_;
 };
 
 extern template class StrandContactOnDevice<float>;

@@ -18,11 +18,10 @@ struct Work {
     // No cause outside, so not in `given`:
     double limiter = 0;  // of the strain limiter
     double forces = 0;   // of a compared method; where they have a potential, what that loses
-    double strands = 0;  // of strands on each other: they only take
     double given() const { return roots + solids + terms + wind + water; }
     Work& operator+=(const Work& b) {
         roots += b.roots, solids += b.solids, terms += b.terms, wind += b.wind, water += b.water;
-        limiter += b.limiter, forces += b.forces, strands += b.strands;
+        limiter += b.limiter, forces += b.forces;
         return *this;
     }
 };

@@ -90,7 +90,6 @@ class SimulationOf final : public Simulation {
     void ask_network(int done);
     void run(const std::vector<PosedScene<T>>& path, bool ends_frame);
     void follow_water();
-    void push_strands();
     // surfaces_time [s]: of solids that deform.
     void take_over(const SimulationState& state, double surfaces_time);
     size_t particles() const { return scene_.groom.rest.points.size(); }
@@ -140,6 +139,7 @@ SimulationOf<H>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
     for_each_stage(*this, [&](const char* name, double) { stages.push_back(name); });
     energy_kinds = kinds_of_energy(scene.chain);
     if (forces_) energy_kinds.push_back(forces_->name());
+    if (strand_contact_) energy_kinds.push_back(StrandContact::name);
 
     const int substeps = scene.integrator.substeps;
     for (int left = int(std::lround(-scene.begin() * scene.fps)); left > 0; --left) {
@@ -179,6 +179,7 @@ void SimulationOf<H>::take_frame(double seconds, int substeps, double dt, bool s
     if (water_) water_->advance(hair_, time_, seconds), follow_water();
     if (air_) air_->advance(hair_, time_, seconds);
     if (surfaces_) surfaces_->advance(hair_, time_, substeps * dt_, substeps);
+    if (strand_contact_) strand_contact_->begin_frame();
     surfaces_time_ = time_ + substeps * dt_;
     take_substeps(substeps, shown);
     if (shown) hair_.show(time_, surfaces_ ? surfaces_->at_end() : nullptr);
@@ -262,39 +263,36 @@ void SimulationOf<H>::run(const std::vector<PosedScene<T>>& path, bool ends_fram
     GivenToChain<S> given;
     if constexpr (!H::couples) pull_strands(given);
     if (host_asks()) given.adhesion = network_->given();
+    const auto scheme = hair_.scheme();
     hair_.run(path, given, ends_frame);
-    if constexpr (!H::couples) push_strands();
+    if constexpr (!H::couples) {
+        if (strand_contact_) strand_contact_->correct(hair_.state, scheme, dt_);
+    }
 }
 
 template <Hair H>
 void SimulationOf<H>::pull_strands(GivenToChain<S>& given) {
-    if (!forces_) return;
+    if (!forces_ && !strand_contact_) return;
     hair_.fetch(), hair_.fetch_history();
-    forces_->evaluate(hair_.state, hair_.scheme(), time_, dt_, hair_.counts_work());
-    given.force = forces_->force(), given.stiffness = forces_->stiffness();
-}
-
-template <Hair H>
-void SimulationOf<H>::push_strands() {
-    if (!strand_contact_) return;
-    const StageTimer timer(strand_contact_->seconds);
-    hair_.fetch(), hair_.fetch_history();
-    if (!strand_contact_->look(hair_.state)) return;
-    hair_.count_change(strand_contact_->work, [&] { strand_contact_->push(hair_.state, dt_); });
-    hair_.give_velocities();
+    if (forces_) {
+        forces_->evaluate(hair_.state, hair_.scheme(), time_, dt_, hair_.counts_work());
+        given.force = forces_->force(), given.stiffness = forces_->stiffness();
+    }
+    if (strand_contact_) strand_contact_->evaluate(hair_.state, hair_.scheme(), dt_, given);
 }
 
 // What beside the strands themselves follows the water in them; couplings within `run` read the masses
 // themselves.
 template <Hair H>
 void SimulationOf<H>::follow_water() {
-    if (!H::couples && strand_contact_) hair_.fetch(), strand_contact_->weigh(hair_.state);
+    if (!H::couples && strand_contact_) hair_.fetch(), strand_contact_->take_water(hair_.state);
 }
 
 template <Hair H>
 std::vector<double> SimulationOf<H>::energy() const {
     auto sum = hair_.energy();
     if (forces_) sum.push_back(forces_->potential(hair_, time_));
+    if (strand_contact_) sum.push_back(strand_contact_->potential(hair_));
     return sum;
 }
 
@@ -303,7 +301,6 @@ void SimulationOf<H>::count_work() {
     hair_.count_work();
     if (water_) water_->work = 0;
     if (forces_) forces_->work = 0;
-    if (strand_contact_) strand_contact_->work = 0;
 }
 
 template <Hair H>
@@ -311,7 +308,6 @@ Work SimulationOf<H>::work() const {
     Work sum = hair_.work();
     if (water_) sum.water = water_->work;
     if (forces_) sum.solids += forces_->work;
-    if (strand_contact_) sum.strands = strand_contact_->work;
     return sum;
 }
 
@@ -374,6 +370,7 @@ void SimulationOf<H>::begin_snapshot(RunFrame& frame) {
     hair_.begin_record(frame);
     if (water_) water_->begin_record(frame);
     if (forces_) forces_->begin_record(hair_, time_);
+    if (strand_contact_) strand_contact_->begin_record(hair_);
     frame.seconds = frame_seconds_;
     frame.stage_seconds.clear();
     for_each_stage(*this,
@@ -385,6 +382,7 @@ void SimulationOf<H>::finish_snapshot(RunFrame& frame) const {
     hair_.finish_record(frame);
     if (water_) water_->finish_record(frame);
     if (forces_) frame.energy.push_back(float(forces_->recorded()));
+    if (strand_contact_) frame.energy.push_back(float(strand_contact_->recorded()));
 }
 
 template <Hair H>

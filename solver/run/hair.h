@@ -82,13 +82,16 @@ concept PairForcesCoupled = Coupling<C> && std::constructible_from < C,
     { now.work } -> std::convertible_to<double>;
 };
 
-// [strand_contact]: contact between strands, after each substep.
+// [strand_contact]: contact between strands, in each substep; neighbours are found when a frame begins.
 template <class C, class H>
 concept StrandContactCoupled = Coupling<C> && Carrying<C> && std::constructible_from < C,
         const Scene&, const ChainState<typename H::S>
-& > &&requires(const C& now) {
+& > &&requires(C contact, const C& now, const H& hair) {
+    contact.begin_frame();
+    { now.potential(hair) } -> std::convertible_to<double>;  // [J]
+    contact.begin_record(hair);
+    { now.recorded() } -> std::convertible_to<double>;
     { now.neighbours_mean() } -> std::convertible_to<double>;
-    { now.work } -> std::convertible_to<double>;
 };
 
 // The strands, made from a scene at rest on the head's first pose. The scene must outlive them.

@@ -1,8 +1,8 @@
-// The device's contact between strands run on the host, particle by particle, against the reference pass.
+// The device's contact between strands run on the host, particle by particle, against the reference.
 #include <gtest/gtest.h>
 
 #include "cuda/strand_contact/strand_contact_kernel_body.h"
-#include "solver/strand_contact/strand_contact_pass.h"
+#include "solver/strand_contact/strand_links.h"
 #include "tests/cuda/host_search.h"
 #include "tests/solver/scenes.h"
 
@@ -12,86 +12,211 @@ namespace {
 using namespace testing;
 
 constexpr double dt = 1.0 / 240;
-constexpr StrandContact term{0.004, 20, 5};
 
-// Strands that have come into one place, some drawn in it; with unequal masses.
+// Strands that have come into one place, some drawn in it; with unequal masses. `edge`: of the groom, which
+// says how many places a particle has.
 template <class T>
 struct Tangle {
-    Strands drawn, x;
-    std::vector<Vec3<T>> v, v_before;
-    std::vector<T> mass;
-    Tangle(int count, int particles, unsigned seed) : drawn(count, particles), x(drawn) {
+    const StrandContact term{0.004, 1e4, 0.3, 4};
+    const double edge;
+    Strands drawn;
+    std::vector<Vec3<T>> x, x_before, v, v_before;
+    std::vector<T> mass, saturation;
+    const Bdf2<T> scheme{T(dt), false};
+    Tangle(int count, int particles, double edge, unsigned seed) : edge(edge), drawn(count, particles) {
         Random random(seed);
-        for (size_t k = 0; k < x.points.size(); ++k) {
+        for (size_t k = 0; k < drawn.points.size(); ++k) {
             drawn.points[k] = k % 3 == 0 ? cast<float>(random.vector(0.005)) : Vec3f{float(k), 0, 0};
-            x.points[k] = Vec3f{1, 2, 0} + cast<float>(random.vector(0.006));
-            v.push_back(cast<T>(random.vector(0.5))), v_before.push_back(cast<T>(random.vector(0.5)));
-            mass.push_back(T(random.number(1e-8, 8e-8)));
+            x.push_back(Vec3<T>{1, 2, 0} + cast<T>(random.vector(0.006)));
+            v.push_back(cast<T>(random.vector(0.1))), v_before.push_back(cast<T>(random.vector(0.1)));
+            x_before.push_back(x.back() - T(dt) * v.back());
+            mass.push_back(T(random.number(1e-8, 8e-8))), saturation.push_back(T(random.number(0, 1)));
         }
     }
-    // What velocities change by, as the pass has it.
-    std::vector<Vec3f> by_reference() const {
-        StrandContactPass pass(term, drawn);
-        pass.x = x;
-        for (size_t k = 0; k < v.size(); ++k) {
-            pass.v.points[k] = cast<float>(v[k]);
-            pass.inverse_mass[k] = int(k) % x.particles < 2 ? 0.f : 1 / float(mass[k]);
-        }
-        pass.resolve(dt);
-        return pass.v.points;
-    }
-    // The same, done to the velocities. Returns how many pairs are near.
-    size_t push() {
-        const HostSearch search(x.points, x.particles, strand_contact_radius(term), {1, 2, 0});
-        std::vector<StrandContactPoint> point(v.size(), {NAN, NAN, NAN, NAN});
-        std::vector<float> contacts(v.size(), NAN);
-        StrandMemory<T> memory{};
-        memory.n = x.particles, memory.strands = x.count;
-        memory.v = v.data(), memory.v_before = v_before.data(), memory.mass = mass.data();
-        const StrandContactKernelBody<T> b{term,         StrandContact::Step(term, dt),
-                                           search.view,  drawn.points.data(),
-                                           point.data(), contacts.data()};
-        size_t near = 0;
-        // Backwards: a pass reads nothing that it writes for another.
-        for (uint32_t k = b.search.count; k-- > 0;) near += b.count(k, memory);
-        for (uint32_t k = b.search.count; k-- > 0;) b.push(k, memory);
-        return near;
+    uint32_t count() const { return uint32_t(x.size()); }
+    // All come nearer to the middle.
+    void press() {
+        for (auto* points : {&x, &x_before})
+            for (auto& p : *points) p = Vec3<T>{1, 2, 0} + T(0.8) * (p - Vec3<T>{1, 2, 0});
     }
 };
 
 template <class T>
-void expect_the_references(Tangle<T> t, const std::vector<Vec3f>& wanted) {
-    const auto v = t.v, v_before = t.v_before;
-    EXPECT_GT(t.push(), t.v.size());
-    float most = 0;
-    for (size_t k = 0; k < v.size(); ++k) {
-        most = std::max(most, norm(wanted[k]));
-        // Sums of a hundred pairs in single precision, in another order.
-        EXPECT_LT(norm(cast<float>(t.v[k] - v[k]) - wanted[k]), 2e-6f) << k;
-        EXPECT_LT(norm(cast<float>(t.v_before[k] - v_before[k]) - wanted[k]), 2e-6f) << k;
-        if (int(k) % t.x.particles < 2) {
-            EXPECT_EQ(norm(t.v[k] - v[k]), 0) << k;
+struct Reference {
+    StrandLinks links;
+    explicit Reference(const Tangle<T>& t) : links(t.term, t.drawn, t.edge) { see(t); }
+    void see(const Tangle<T>& t) {
+        auto expected = [&](size_t k) { return t.scheme.predicted(t.x[k], t.x_before[k], t.v[k]); };
+        for (size_t k = 0; k < t.x.size(); ++k) {
+            links.x[k] = cast<float>(expected(k) - expected(0)), links.v[k] = cast<float>(t.v[k]);
+            links.mass[k] = float(t.mass[k]), links.saturation[k] = float(t.saturation[k]);
         }
     }
-    EXPECT_GT(most, 0.1);
+};
+
+template <class T>
+struct Device {
+    std::vector<Vec3f> x, v;
+    std::vector<float> mass, saturation;
+    std::vector<ContactSum> sum;
+    std::vector<Vec3<T>> force;
+    std::vector<T> stiffness;
+    std::vector<StrandLink> links, found;
+    std::vector<uint8_t> count;
+    std::vector<ActingLink> acting;
+    uint32_t stiffest = 0;
+    StrandMemory<T> memory{};
+    StrandContactKernelBody<T> b;
+    explicit Device(Tangle<T>& t)
+        : x(t.count(), {NAN, NAN, NAN}),
+          v(x),
+          mass(t.count(), NAN),
+          saturation(t.count(), NAN),
+          sum(t.count()),
+          force(t.count(), {T(NAN), T(NAN), T(NAN)}),
+          stiffness(t.count(), T(NAN)),
+          links(places_of(t) * most_links),
+          found(links),
+          count(places_of(t), 0),
+          acting(links.size()),
+          b{.term = t.term,
+            .step = StrandContact::Step(t.term, dt),
+            .places = {uint32_t(t.drawn.particles), t.term.places(t.edge)},
+            .reach = float(t.term.reach(t.edge)),
+            .search = {},
+            .drawn = t.drawn.points.data(),
+            .x = x.data(),
+            .v = v.data(),
+            .mass = mass.data(),
+            .saturation = saturation.data(),
+            .links = links.data(),
+            .found = found.data(),
+            .count = count.data(),
+            .acting = acting.data(),
+            .sum = sum.data(),
+            .stiffest = &stiffest} {
+        memory.n = t.drawn.particles, memory.strands = t.drawn.count;
+        memory.x = t.x.data(), memory.x_before = t.x_before.data();
+        memory.v = t.v.data(), memory.v_before = t.v_before.data();
+        memory.mass = t.mass.data(), memory.saturation = t.saturation.data();
+    }
+    static size_t places_of(const Tangle<T>& t) { return t.count() * t.term.places(t.edge); }
+    auto add() {
+        return [this](uint32_t id, const Vec3f& force, float stiffness) {
+            sum[id].x += ContactSum::whole(force.x, ContactSum::of_force);
+            sum[id].y += ContactSum::whole(force.y, ContactSum::of_force);
+            sum[id].z += ContactSum::whole(force.z, ContactSum::of_force);
+            sum[id].stiffness += ContactSum::whole(stiffness, ContactSum::of_stiffness);
+        };
+    }
+    // Backwards: a pass reads nothing that it writes for another. Returns how many links are found.
+    size_t evaluate(const Tangle<T>& t, bool finds) {
+        for (uint32_t id = t.count(); id-- > 0;) b.see(id, memory, t.scheme);
+        size_t all = 0;
+        if (finds) {
+            const HostSearch search(x, t.drawn.particles, double(b.reach), {0, 0, 0});
+            b.search = search.view;
+            for (uint32_t k = t.count(); k-- > 0;) all += b.link(k);
+            std::copy(found.begin(), found.end(), links.begin());
+        }
+        for (uint32_t which = uint32_t(count.size()); which-- > 0;) b.act(which, add());
+        for (uint32_t id = t.count(); id-- > 0;)
+            b.give(id, false, force.data(), stiffness.data(),
+                   [](uint32_t& shared, uint32_t bits) { shared = std::max(shared, bits); });
+        return all;
+    }
+    void correct(const Tangle<T>& t) {
+        for (uint32_t id = t.count(); id-- > 0;) b.see_change(id, memory, t.scheme);
+        for (uint32_t which = uint32_t(count.size()); which-- > 0;) b.hold_back(which, add());
+        for (uint32_t id = t.count(); id-- > 0;) b.correct(id, memory, t.scheme);
+    }
+};
+
+double largest(const std::vector<Vec3f>& a) {
+    double most = 0;
+    for (const auto& p : a) most = std::max(most, double(norm(p)));
+    return most;
 }
 
-TEST(StrandContactKernelBody, do_what_the_reference_pass_does) {
-    for (int particles : {3, 20}) {
-        const Tangle<float> single(12, particles, unsigned(particles));
-        expect_the_references(single, single.by_reference());
-        const Tangle<double> twofold(12, particles, unsigned(particles));
-        expect_the_references(twofold, twofold.by_reference());
+template <class T>
+void expect_the_references(Tangle<T> t) {
+    Reference<T> reference(t);
+    Device<T> device(t);
+    auto compare = [&](bool finds) {
+        if (finds) reference.links.find();
+        reference.links.evaluate(dt);
+        const size_t found = device.evaluate(t, finds);
+        if (finds) {
+            EXPECT_EQ(found,
+                      size_t(std::lround(reference.links.neighbours_mean() * double(device.count.size()))));
+            EXPECT_GT(found, t.x.size());
+        }
+        const double most = largest(reference.links.force());
+        for (size_t k = 0; k < t.x.size(); ++k) {
+            EXPECT_LT(double(norm(cast<float>(device.force[k]) - reference.links.force()[k])), 1e-5 * most)
+                << k;
+            EXPECT_NEAR(double(device.stiffness[k]), double(reference.links.stiffness()[k]),
+                        1e-4 * double(reference.links.stiffness()[k]) + 1e-6);
+        }
+        return most;
+    };
+    compare(true);
+    t.press(), reference.see(t);
+    EXPECT_GT(compare(false), 0);
+    EXPECT_GT(compare(true), 0);
+
+    std::vector<Vec3d> at;
+    double energy = 0, wanted = 0;
+    for (const auto& p : t.x) at.push_back(cast<double>(p));
+    for (uint32_t id = 0; id < t.count(); ++id) energy += device.b.energy(id, device.memory);
+    wanted = reference.links.potential(at);
+    EXPECT_NEAR(energy, wanted, 1e-5 * std::abs(wanted));
+
+    ASSERT_TRUE(reference.links.corrects());
+    EXPECT_TRUE(device.b.corrects());
+    for (size_t k = 0; k < t.x.size(); ++k) reference.links.v[k] = cast<float>(t.v[k] - t.v_before[k]);
+    reference.links.correct(dt);
+    const double most = largest(reference.links.v);
+    const auto x = t.x, v = t.v;
+    device.correct(t);
+    EXPECT_GT(most, 0.001);
+    for (size_t k = 0; k < t.x.size(); ++k) {
+        const bool held = int(k) % t.drawn.particles < 2;
+        const Vec3f dv = held ? Vec3f{0, 0, 0} : reference.links.v[k];
+        EXPECT_LT(double(norm(cast<float>(t.v[k] - v[k]) - dv)), 1e-4 * most) << k;
+        EXPECT_LT(double(norm(cast<float>(t.x[k] - x[k]) - float(t.scheme.h) * dv)), 1e-4 * most * dt + 3e-7)
+            << k;
     }
+}
+
+TEST(StrandContactKernelBody, do_what_the_reference_does) {
+    for (int particles : {4, 20})
+        for (double edge : {0.003, 0.011}) {
+            expect_the_references(Tangle<float>(12, particles, edge, unsigned(particles)));
+            expect_the_references(Tangle<double>(12, particles, edge, unsigned(particles)));
+        }
 }
 
 TEST(StrandContactKernelBody, leave_what_is_not_finite) {
-    Tangle<double> t(12, 20, 9);
-    // The reference has them where they meet nobody.
-    for (int s = 1; s < 4; ++s) t.x.at(s, 7) = {1, 2, float(s)};
-    const auto wanted = t.by_reference();
-    t.x.at(1, 7) = {NAN, 2, 0}, t.x.at(2, 7) = {1, INFINITY, 0}, t.x.at(3, 7) = {1e30f, 0, 0};
-    expect_the_references(t, wanted);
+    Tangle<double> t(12, 20, 0.003, 9);
+    t.x[27] = {NAN, 2, 0}, t.x[47] = {1, INFINITY, 0}, t.x[67] = {1e30, 0, 0};
+    Device<double> device(t);
+    device.evaluate(t, true);
+    size_t finite = 0;
+    for (const auto& f : device.force) finite += std::isfinite(f.x + f.y + f.z);
+    EXPECT_EQ(finite, device.force.size());
+}
+
+TEST(ContactSum, holds_forces_to_single_precision_in_any_order) {
+    for (float a : {1e-9f, -3e-5f, 0.1f, -12.f, 0.f}) {
+        ContactSum sum{};
+        for (int k = 0; k < 3; ++k) sum.x += ContactSum::whole(a, ContactSum::of_force);
+        EXPECT_NEAR(double(sum.force().x), 3 * double(a), 3e-7 * std::abs(double(a)));
+    }
+    ContactSum most{};
+    most.y = ContactSum::whole(-1e20f, ContactSum::of_force),
+    most.z = ContactSum::whole(NAN, ContactSum::of_force);
+    EXPECT_LT(double(most.force().y), -900);
 }
 
 }  // namespace

@@ -490,7 +490,7 @@ string base_scene(const string& table) {
                "[air]\ngrid = [16, 16, 16]\nsize = 0.6\nwind = [0.2, 0, 0]\n[[air.source]]\n"
                "center = [0.1, -0.1, 0]\nvelocity = [-2, 0.5, 0.3]\nperiod = 0.4\n";
     if (table == Fibre::table) return as_fibre(dry_scene) + turning + "[wetness]\nlevel = 0.5\n";
-    if (table == "strand_contact") return dry_scene + turning + "[strand_contact]\nradius = 0.03\n";
+    if (table == "strand_contact") return wet_scene + "[strand_contact]\nradius = 0.03\n";
     if (table == "baseline") return dry_scene + turning + "[wetness]\n" + ball;
     if (table == "motion.keyframe")
         return dry_scene +

@@ -1,9 +1,11 @@
-// Contact between strands: momentum, energy and distances of the pass, and hair that keeps its volume.
+// Contact between strands: momentum, forces against closed forms, and hair that keeps its volume and rests.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
+#include "solver/chain/chain_step.h"
 #include "solver/chain/scene_checks.h"
-#include "solver/strand_contact/strand_contact_pass.h"
+#include "solver/strand_contact/strand_links.h"
 #include "tests/base/threads.h"
 #include "tests/solver/scenes.h"
 
@@ -12,162 +14,304 @@ namespace {
 
 using namespace testing;
 
-constexpr double dt = 1.0 / 240, radius = 0.004;
+constexpr double dt = 1.0 / 480, radius = 0.004, edge = 0.003;
+constexpr StrandContact usual{radius, 1e4, 0.3, 4};
 
 // Strands drawn far apart that have come into one place, with unequal masses.
 struct Tangle {
-    Strands rest, x, v;
-    std::vector<float> inverse_mass;
-    Tangle(int count, int particles, unsigned seed) : rest(count, particles), x(rest), v(rest) {
+    Strands drawn, x, v;
+    std::vector<float> mass;
+    Tangle(int count, int particles, unsigned seed) : drawn(count, particles), x(drawn), v(drawn) {
         Random random(seed);
-        for (size_t k = 0; k < rest.points.size(); ++k) {
-            rest.points[k] = {float(k), 0, 0};
+        for (size_t k = 0; k < drawn.points.size(); ++k) {
+            drawn.points[k] = {float(k), 0, 0};
             x.points[k] = cast<float>(random.vector(0.006)), v.points[k] = cast<float>(random.vector(0.5));
-            inverse_mass.push_back(float(1 / random.number(1e-8, 8e-8)));
+            mass.push_back(float(random.number(1e-8, 8e-8)));
         }
     }
-    // What the velocities change by.
-    Strands changes(const StrandContact& term) const {
-        StrandContactPass pass(term, rest);
-        pass.inverse_mass = inverse_mass, pass.x = x, pass.v = v;
-        pass.resolve(dt);
-        return pass.v;
-    }
-    double kinetic(const Strands& dv) const {
-        double sum = 0;
-        for (size_t k = 0; k < v.points.size(); ++k) {
-            const Vec3d w = cast<double>(v.points[k]) + cast<double>(dv.points[k]);
-            sum += 0.5 * dot(w, w) / double(inverse_mass[k]);
-        }
-        return sum;
+    // All wet.
+    StrandLinks links(const StrandContact& term) const {
+        StrandLinks out(term, drawn, edge);
+        out.mass = mass, out.saturation.assign(mass.size(), 1);
+        out.x = x.points, out.v = v.points;
+        return out;
     }
 };
 
-double largest(const Strands& a) {
+double largest(const std::vector<Vec3f>& a) {
     double most = 0;
-    for (const auto& p : a.points) most = std::max(most, double(norm(p)));
+    for (const auto& p : a) most = std::max(most, double(norm(p)));
     return most;
 }
 
+// Linked where they are, then moved nearer to each other: what they keep is their distance before.
+StrandLinks pressed(const Tangle& t, const StrandContact& term) {
+    StrandLinks links = t.links(term);
+    links.find();
+    for (auto& p : links.x) p = 0.7f * p;
+    return links;
+}
+
 TEST(StrandContact, keeps_the_momentum_of_the_hair) {
-    const Tangle t(12, 20, 1);
-    const Strands dv = t.changes({radius, 20, 5});
+    StrandLinks links = pressed(Tangle(12, 20, 1), usual);
+    links.evaluate(dt);
     Vec3d sum{0, 0, 0};
     double total = 0;
-    for (size_t k = 0; k < dv.points.size(); ++k) {
-        const Vec3d p = (1 / double(t.inverse_mass[k])) * cast<double>(dv.points[k]);
-        sum += p, total += norm(p);
-    }
-    EXPECT_GT(largest(dv), 0.1);
+    for (const auto& f : links.force()) sum += cast<double>(f), total += norm(cast<double>(f));
+    EXPECT_GT(total, 0);
     EXPECT_LT(norm(sum), 1e-6 * total);  // rounding of single precision
 }
 
-TEST(StrandContact, takes_kinetic_energy_at_any_friction_where_nothing_is_parted) {
-    const Strands none(12, 20);
-    for (unsigned seed : {2u, 3u, 4u})
-        for (double friction : {0.0, 5.0, 1e3, 1e9}) {
-            const Tangle t(12, 20, seed);
-            const double share = t.kinetic(t.changes({radius, 0, friction})) / t.kinetic(none);
-            EXPECT_LT(share, 0.999) << friction;
-            EXPECT_GT(share, 0) << friction;
+TEST(StrandContact, forces_are_the_slopes_of_their_potential) {
+    // Without speed and slip there is no friction; particles alike: where masses differ along a strand, the
+    // weight of a link changes with where it leads.
+    Tangle t(12, 20, 2);
+    t.v = Strands(12, 20), t.mass.assign(t.mass.size(), 3e-8f);
+    const StrandContact term{radius, 1e4, 0, 4};
+    StrandLinks links = pressed(t, term);
+    std::vector<Vec3d> at;
+    for (const auto& p : links.x) at.push_back(cast<double>(p));
+    links.evaluate(dt);
+    double worst = 0, scale = largest(links.force());
+    for (size_t k = 0; k < at.size(); k += 7)
+        for (double Vec3d::*axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+            const double there = at[k].*axis, way = 1e-7;
+            at[k].*axis = there + way;
+            const double above = links.potential(at);
+            at[k].*axis = there - way;
+            const double below = links.potential(at);
+            at[k].*axis = there;
+            const Vec3d force = cast<double>(links.force()[k]);
+            worst = std::max(worst, std::abs(force.*axis + (above - below) / (2 * way)));
         }
+    EXPECT_GT(scale, 0);
+    EXPECT_LT(worst, 1e-3 * scale);
 }
 
-TEST(StrandContact, parts_no_pair_faster_than_strength_times_radius) {
-    Tangle t(2, 1, 5);
-    t.inverse_mass = {3e7f, 9e7f};
-    t.v = Strands(2, 1);
-    t.x.points = {{0, 0, 0}, {0.001f, 0, 0}};
-    const StrandContact term{radius, 20, 5};
-    const Strands dv = t.changes(term);
-    const double parting = double(dv.points[1].x - dv.points[0].x);
-    EXPECT_NEAR(parting, -std::expm1(-20 * dt) / dt * 0.003, 1e-6);
-    EXPECT_LT(parting, 20 * radius);
-    // What parts by itself is left alone, and so are two in one place.
-    t.v.points[1] = {1, 0, 0};
-    EXPECT_EQ(largest(t.changes(term)), 0);
-    t.x.points[1] = t.x.points[0], t.v.points[1] = {0, 0, 0};
-    EXPECT_EQ(largest(t.changes(term)), 0);
+TEST(StrandContact, links_lead_to_the_nearest_place_of_each_strand) {
+    Tangle t(12, 20, 3);
+    // Strands as lines: a walk along them finds what is nearest.
+    for (int s = 0; s < 12; ++s) {
+        const Vec3f from = t.x.at(s, 0), way = normalized(t.x.at(s, 1) - from, Vec3f{0, 1, 0});
+        for (int i = 0; i < 20; ++i) t.x.at(s, i) = from + (0.001f * float(i - 10)) * way;
+    }
+    StrandLinks links = t.links(usual);
+    links.find();
+    const StrandPlaces places = links.places();
+    size_t seen = 0, missed = 0;
+    for (uint32_t id = 0; id < t.x.points.size(); ++id) {
+        if (id % 20 < 2) continue;
+        const Vec3f p = places.at(id, 0).of(links.x.data());
+        std::vector<float> nearest;  // of each strand that this one is linked to
+        for (uint32_t s = 0; s < 12; ++s) {
+            if (s == id / 20 || !owns_link(id / 20, s)) continue;
+            float least = 1;
+            for (uint32_t e = s * 20; e + 1 < (s + 1) * 20; ++e) {
+                const PlaceOnStrand other{e, nearest_on(p, links.x[e], links.x[e + 1])};
+                least = std::min(least, norm(p - other.of(links.x.data())));
+            }
+            nearest.push_back(least);
+        }
+        std::sort(nearest.begin(), nearest.end());
+        std::vector<float> linked;
+        for (int l = 0; l < most_links; ++l) {
+            const StrandLink& link = links.links()[id * most_links + size_t(l)];
+            if (link.other != StrandLink::none)
+                linked.push_back(norm(p - places.nearest(links.x.data(), p, link.other).of(links.x.data())));
+        }
+        // All that it may touch, or as many of the nearest as there are links. Which are nearest is told by
+        // particles, half an edge apart.
+        const size_t touching =
+            size_t(std::count_if(nearest.begin(), nearest.end(), [](float r) { return r < float(radius); }));
+        EXPECT_GE(linked.size(), std::min(touching, size_t(most_links)));
+        std::sort(linked.begin(), linked.end());
+        for (size_t k = 0; k < linked.size(); ++k) {
+            missed += linked[k] > nearest[k] + 0.0005f;
+            ++seen;
+        }
+    }
+    EXPECT_GT(seen, 500u);
+    EXPECT_EQ(missed, 0u);
 }
 
-TEST(StrandContact, leaves_the_groom_as_drawn_and_held_particles) {
+TEST(StrandContact, leaves_the_groom_as_drawn_and_what_was_found_nearer) {
     Tangle t(12, 20, 6);
-    t.v = Strands(12, 20), t.rest = t.x;
-    EXPECT_LT(largest(t.changes({radius, 20, 5})), 1e-6);
-    Tangle held(12, 20, 7);
-    std::fill(held.inverse_mass.begin(), held.inverse_mass.end(), 0.f);
-    EXPECT_EQ(largest(held.changes({radius, 20, 5})), 0);
-}
-
-TEST(StrandContact, two_strands_pressed_together_keep_their_distance) {
-    // In a field of a from both sides, which brings them nearer by 2 a dt² a step: the pass stops that whole
-    // where each particle touches one other.
-    constexpr int n = 20;
-    constexpr float a = 9.81f;
-    Tangle t(2, n, 8);
-    for (int i = 0; i < n; ++i) {
-        t.x.at(0, i) = {-0.004f, -0.005f * float(i), 0}, t.x.at(1, i) = {0.004f, -0.005f * float(i), 0};
-        t.v.at(0, i) = t.v.at(1, i) = {0, 0, 0};
-    }
-    StrandContactPass pass({radius, 20, 5}, t.rest);
-    pass.inverse_mass = t.inverse_mass;
-    std::fill(pass.inverse_mass.begin(), pass.inverse_mass.end(), 3e7f);
-    double low = 1, high = 0;
-    for (int step = 0; step < 480; ++step) {
-        for (int i = 0; i < n; ++i) t.v.at(0, i).x += a * float(dt), t.v.at(1, i).x -= a * float(dt);
-        pass.x = t.x, pass.v = t.v;
-        pass.resolve(dt);
-        for (size_t k = 0; k < t.x.points.size(); ++k)
-            t.v.points[k] += pass.v.points[k], t.x.points[k] += float(dt) * t.v.points[k];
-        if (step < 240) continue;
-        const double gap = double(t.x.at(1, n / 2).x - t.x.at(0, n / 2).x);
-        low = std::min(low, gap), high = std::max(high, gap);
-    }
-    std::printf("two strands pressed by g from both sides: %.3f to %.3f mm apart, radius %.3f mm\n",
-                1e3 * low, 1e3 * high, 1e3 * radius);
-    EXPECT_GT(low, radius - 2 * 9.81 * dt * dt - 1e-6);
-    EXPECT_LT(high, radius + 1e-6);
+    t.v = Strands(12, 20);
+    const StrandContact dry{radius, 3000, 0.3, 0};
+    // Drawn apart and found together: nothing is pushed before it is pressed.
+    StrandLinks links = t.links(dry);
+    links.find(), links.evaluate(dt);
+    EXPECT_GT(links.neighbours_mean(), 1);
+    EXPECT_LT(largest(links.force()), 1e-12);
+    t.drawn = t.x;
+    StrandLinks as_drawn = t.links(dry);
+    as_drawn.find();
+    for (auto& p : as_drawn.x) p = 1.001f * p;
+    as_drawn.evaluate(dt);
+    EXPECT_EQ(largest(as_drawn.force()), 0);
+    for (auto& p : as_drawn.x) p = 0.5f * p;
+    as_drawn.evaluate(dt);
+    EXPECT_GT(largest(as_drawn.force()), 0);
 }
 
 TEST(StrandContact, gives_the_same_bits_for_one_and_three_threads) {
     const Tangle t(40, 60, 9);
-    const auto [one, three] = with_one_and_three_threads([&] { return t.changes({radius, 20, 5}); });
-    EXPECT_GT(largest(one), 0.1);
-    EXPECT_TRUE(same_bits(one, three));
+    const auto [one, three] = with_one_and_three_threads([&] {
+        StrandLinks links = pressed(t, usual);
+        links.evaluate(dt), links.evaluate(dt);
+        return std::pair(links.force(), links.stiffness());
+    });
+    EXPECT_GT(largest(one.first), 0);
+    EXPECT_EQ(std::memcmp(one.first.data(), three.first.data(), one.first.size() * sizeof(Vec3f)), 0);
+    EXPECT_EQ(one.second, three.second);
 }
 
-TEST(StrandContact, lists_hold_every_pair_while_strands_move) {
-    Tangle t(12, 20, 10);
-    const StrandContact term{radius, 20, 5};
-    StrandContactPass pass(term, t.rest);
-    pass.inverse_mass = t.inverse_mass;
-    for (int step = 0; step < 20; ++step) {
-        pass.x = t.x, pass.v = t.v;
-        pass.resolve(dt);
-        const Strands anew = t.changes(term);
-        for (size_t k = 0; k < anew.points.size(); ++k)  // sums in another order
-            EXPECT_LT(norm(pass.v.points[k] - anew.points[k]), 1e-5) << step;
-        for (size_t k = 0; k < t.x.points.size(); ++k) t.x.points[k] += 0.0005f * t.v.points[k];
+TEST(StrandContact, carries_its_links_from_run_to_run) {
+    const Tangle t(12, 20, 10);
+    StrandLinks links = pressed(t, usual);
+    links.evaluate(dt);
+    Carried kept;
+    links.save(kept);
+    StrandLinks again = t.links(usual);
+    again.resume(kept), again.x = links.x;
+    for (StrandLinks* each : {&links, &again}) each->find(), each->evaluate(dt);
+    EXPECT_EQ(std::memcmp(links.force().data(), again.force().data(), links.force().size() * sizeof(Vec3f)),
+              0);
+}
+
+// Two straight strands side by side, rigid and free to move as they stand, and what accelerates the second
+// against the first.
+struct Pair {
+    static constexpr int n = 20, linked = n - 2;  // particles; those of the first that have a link
+    static constexpr float mass = 3e-8f;
+    const Strands drawn;
+    StrandLinks links;
+    Vec3f x[2]{}, x_before[2]{}, v[2]{}, v_before[2]{};
+    bool first = true;
+    Pair(const StrandContact& term, double apart, float water)
+        : drawn(as_drawn(apart)), links(term, drawn, edge) {
+        links.mass.assign(2 * n, mass), links.saturation.assign(2 * n, water);
     }
-    EXPECT_LT(pass.lists_built(), 15);
-    EXPECT_GT(pass.lists_built(), 1);
+    static Strands as_drawn(double apart) {
+        Strands out(2, n);
+        for (int i = 0; i < n; ++i)
+            for (int s = 0; s < 2; ++s)
+                out.at(s, i) = {float(s ? apart / 2 : -apart / 2), -float(edge) * float(i), 0};
+        return out;
+    }
+    // For so long [s], by the scheme of strands. Each takes half of the acceleration [m/s^2], as that of the
+    // particles that have links.
+    void run(double seconds, const Vec3f& acceleration) {
+        for (int step = 0; step < int(std::lround(seconds / dt)); ++step, first = false) {
+            const Bdf2<float> scheme(float(dt), first);
+            Vec3f expected[2];
+            for (int s = 0; s < 2; ++s) {
+                expected[s] = scheme.predicted(x[s], x_before[s], v[s]);
+                for (int i = 0; i < n; ++i)
+                    links.x[size_t(s * n + i)] = drawn.at(s, i) + expected[s],
+                                           links.v[size_t(s * n + i)] = v[s];
+            }
+            if (step % 10 == 0) links.find();
+            links.evaluate(dt);
+            Vec3f change[2];
+            for (int s = 0; s < 2; ++s) {
+                Vec3f force = ((s ? 0.5f : -0.5f) * float(linked) * mass) * acceleration;
+                float stiffness = 0;
+                for (int i = 0; i < n; ++i)
+                    force += links.force()[size_t(s * n + i)],
+                        stiffness += links.stiffness()[size_t(s * n + i)];
+                const float m = float(linked) * mass;
+                change[s] = (1 / (m + scheme.h * scheme.h * stiffness)) *
+                            scheme.right_side(m, v[s], v_before[s], v[s], force);
+                std::fill_n(&links.v[size_t(s * n)], n, change[s]);
+            }
+            if (links.corrects()) {
+                links.correct(dt);
+                for (int s = 0; s < 2; ++s) change[s] += links.v[size_t(s * n + n / 2)];
+            }
+            for (int s = 0; s < 2; ++s) {
+                x_before[s] = x[s], v_before[s] = v[s];
+                v[s] += change[s], x[s] = expected[s] + scheme.h * change[s];
+            }
+        }
+    }
+    // How far the second has moved against the first.
+    Vec3f moved() const { return x[1] - x[0]; }
+    Vec3f speed() const { return v[1] - v[0]; }
+};
+
+TEST(StrandContact, strands_pressed_together_near_each_other_by_load_over_strength) {
+    // A load of a for each of two: the push of strength times the overlap.
+    for (double strength : {3e3, 3e4, 3e5}) {
+        const double a = strength * 0.0004;
+        Pair pair({radius, strength, 0.3, 0}, radius, 0);
+        pair.run(6, {-2 * float(a), 0, 0});
+        EXPECT_NEAR(double(pair.moved().x), -0.0004, 1e-6) << strength;
+        EXPECT_LT(double(norm(pair.speed())), 0.01 * a * dt) << strength;
+    }
+}
+
+TEST(StrandContact, friction_holds_up_to_its_coefficient_and_slides_beyond) {
+    constexpr float a = 1.2f;
+    constexpr double mu = 0.5, strength = 3000;
+    auto pull = [&](Pair& pair, double share, double seconds) {
+        pair.run(seconds, {-2 * a, 2 * float(share * mu) * a, 0});
+    };
+    Pair held({radius, strength, mu, 0}, radius, 0);
+    pull(held, 0, 2);
+    const float before = held.moved().y;
+    for (int k = 1; k <= 80; ++k) pull(held, 0.01 * k, 0.05);
+    pull(held, 0.8, 1);
+    // It gives way by the spring that holds it.
+    const double way = 0.8 * mu * double(a) / (strength * double(StrandContact::held));
+    EXPECT_NEAR(double(held.moved().y - before), way, 0.05 * way);
+    EXPECT_LT(double(norm(held.speed())), 1e-4);
+
+    Pair sliding({radius, strength, mu, 0}, radius, 0);
+    pull(sliding, 0, 2), pull(sliding, 1.5, 0.06);
+    const float v = sliding.speed().y;
+    pull(sliding, 1.5, 0.06);
+    const double gained = 2 * 0.5 * mu * double(a) * 0.06;  // each by half of mu a beyond what holds it
+    EXPECT_NEAR(double(sliding.speed().y - v), gained, 0.03 * gained);
+}
+
+TEST(StrandContact, wet_strands_stay_together_up_to_their_cohesion) {
+    // Each pulled by so much of it, a little more from time to time.
+    auto apart_after = [](float share, float water) {
+        Pair pair({radius, 1e4, 0.3, 4}, radius, water);
+        for (int k = 1; k <= 40; ++k) pair.run(0.05, {2 * share * 4 * float(k) / 40, 0, 0});
+        pair.run(1, {2 * share * 4, 0, 0});
+        return double(pair.moved().x);
+    };
+    EXPECT_LT(apart_after(0.95f, 1), radius);
+    EXPECT_GT(apart_after(1.05f, 1), 0.1);
+    // The pull goes by both saturations.
+    EXPECT_LT(apart_after(0.23f, 0.5f), radius);
+    EXPECT_GT(apart_after(0.27f, 0.5f), 0.1);
+    EXPECT_GT(apart_after(0.05f, 0), 0.1);
 }
 
 // --- in whole simulations
 
 const std::string shaken = R"(fps = 24
 [groom]
-grid = [20, 20]
+grid = [14, 14]
 particles = 30
 length = 0.15
 scalp_radius = 0.05
 lift = 0.01
 [integrator]
 settle = 0.5
-[motion]
-axis = [0, 0, 1]
-angle = 60
-period = 0.8
+[[motion.keyframe]]
+time = 0
+[[motion.keyframe]]
+time = 0.2
+rotation = [0, 0, 60]
+[[motion.keyframe]]
+time = 0.6
+rotation = [0, 0, -60]
+[[motion.keyframe]]
+time = 0.95
 [stretch]
 [bend]
 [core]
@@ -192,9 +336,10 @@ double crowded(const Strands& p, const Strands& drawn) {
 
 struct Shaken {
     double crowded = 0, excess = -1e9, scale = 0;  // mean over frames; E - E0 - W and W at most [J]
-    double taken = 0;                              // by contact [J]
+    double risen = -1e9;  // E over a frame after the head has come to rest, at most [J]
+    double creep = 0;     // [m/s] in the mean, at the end
 };
-Shaken shake(const std::string& more) {
+Shaken shake(const std::string& more, bool seen = true) {
     const Scene scene = scene_of(shaken + more);
     const auto simulation = make_simulation(scene, "float");
     auto total = [&] {
@@ -205,30 +350,51 @@ Shaken shake(const std::string& more) {
     simulation->count_work();
     const double start = total();
     Shaken out;
-    for (int f = 0; f < 24; ++f) {
+    double before = 0;
+    for (int f = 0; f < 72; ++f) {
         simulation->advance();
-        const double given = simulation->work().given();
-        out.excess = std::max(out.excess, total() - start - given);
-        out.scale = std::max(out.scale, std::abs(given));
+        const double given = simulation->work().given(), now = total();
+        if (f < 24) {
+            out.excess = std::max(out.excess, now - start - given);
+            out.scale = std::max(out.scale, std::abs(given));
+        } else if (f > 24) {
+            out.risen = std::max(out.risen, now - before);
+        }
+        before = now;
         RunFrame frame;
         simulation->snapshot(frame);
-        if (f % 6 == 5) out.crowded += crowded(frame.positions, scene.groom.rest) / 4;
+        if (seen && f < 24 && f % 6 == 5) out.crowded += crowded(frame.positions, scene.groom.rest) / 4;
     }
     EXPECT_FALSE(simulation->divergence());
-    out.taken = simulation->work().strands;
+    const auto v = simulation->velocities();
+    for (const auto& p : v) out.creep += double(norm(p)) / double(v.size());
     return out;
 }
 
-TEST(StrandContact, keeps_a_shaken_groom_apart_and_feeds_no_energy) {
-    const Shaken without = shake(""), with = shake("[strand_contact]\nstrength = 50\n");
+TEST(StrandContact, keeps_a_shaken_groom_apart_and_lets_it_rest) {
+    const Shaken without = shake(""), with = shake("[strand_contact]\n");
     std::printf(
-        "head shake: %.1f %% of particles crowded without contact, %.1f %% with; contact took %.3g of "
-        "%.3g J given, E - E0 - W is %.1g J at most\n",
-        100 * without.crowded, 100 * with.crowded, -with.taken, with.scale, with.excess);
+        "head shake: %.1f %% of particles crowded without contact, %.1f %% with; of %.3g J given, E - E0 - W "
+        "is %.1g J at most; two seconds later hair creeps at %.3g mm/s, without contact %.3g\n",
+        100 * without.crowded, 100 * with.crowded, with.scale, with.excess, 1e3 * with.creep,
+        1e3 * without.creep);
     EXPECT_GT(without.crowded, 0.01);
-    EXPECT_LT(with.crowded, 0.9 * without.crowded);
-    EXPECT_LT(with.taken, 0);
-    EXPECT_LT(with.excess, 0.01 * with.scale);
+    EXPECT_LT(with.crowded, 0.7 * without.crowded);
+    EXPECT_LT(with.creep, 0.2 * without.creep);
+}
+
+TEST(StrandContact, feeds_no_energy_at_a_hundredth_to_a_hundred_times_its_strengths) {
+    for (double times : {0.01, 1.0, 100.0}) {
+        const Shaken of = shake("[wetness]\n[strand_contact]\nstrength = " + std::to_string(1e4 * times) +
+                                    "\ncohesion = " + std::to_string(4 * times) + "\n",
+                                false);
+        std::printf(
+            "strengths times %g: of %.3g J given, E - E0 - W is %.2g J at most; of hair whose head rests E "
+            "rises by %.2g J at most, and it creeps at %.3g mm/s\n",
+            times, of.scale, of.excess, of.risen, 1e3 * of.creep);
+        EXPECT_LT(of.excess, 0) << times;
+        EXPECT_LT(of.risen, 5e-3 * of.scale) << times;
+    }
 }
 
 TEST(StrandContact, is_not_there_where_it_is_not_named) {
