@@ -243,8 +243,7 @@ void CudaHair<T>::launch_substeps(int substeps) {
         mark(slot, 1);
         if (strand_contact_)
             strand_contact_->launch(memory(), scheme, dt_, forces_ != nullptr, given_force_.data(),
-                                    given_stiffness_.data(), slot == begin ? &report->touching : nullptr,
-                                    stream_.handle);
+                                    given_stiffness_.data(), &report->touching, stream_.handle);
         mark(slot, 2);
         if (adhesion_)
             adhesion_->launch(memory(), motion_.device.data() + (slot == begin ? slots_ : slot - 1),
@@ -296,6 +295,7 @@ void CudaHair<T>::launch_frame() {
     launch_queued();
     upload_motion();
     events_[0].record(stream_.handle);
+    if (strand_contact_) strand_contact_->begin_frame();
     launch_substeps(slots_);
     launch_display();
 }
@@ -369,8 +369,9 @@ void CudaHair<T>::read_couplings(int substeps) {
     }
     seconds.chain -= pulling + touching;
     if (forces_) forces_->seconds += pulling, forces_->pairs = report_.last().pulled;
-    if (strand_contact_)
-        strand_contact_->seconds += touching, strand_contact_->links = report_.last().touching;
+    if (!strand_contact_) return;
+    strand_contact_->seconds += touching;
+    if (strand_contact_->found() || substeps == slots_) strand_contact_->links = report_.last().touching;
 }
 
 template <class T>

@@ -73,6 +73,7 @@ StrandContactOnDevice<T>::StrandContactOnDevice(const Scene& scene, const ChainS
     : term_(*scene.strand_contact),
       places_{uint32_t(state.n), term_.places(longest_edge(scene.groom.rest))},
       reach_(float(term_.reach(longest_edge(scene.groom.rest)))),
+      substeps_(scene.integrator.substeps),
       drawn_(scene.groom.rest.points),
       x_(drawn_.size()),
       v_(drawn_.size()),
@@ -108,11 +109,13 @@ void StrandContactOnDevice<T>::launch(const StrandMemory<T>& memory, const Bdf2<
     const auto b = bodies(dt);
     const unsigned particles = blocks_for(drawn_.size());
     see<<<particles, threads, 0, stream>>>(b, memory, scheme);
-    if (links) {
+    if (left_ == 0) {
+        left_ = substeps_, found_now_ = true;
         search_.launch(x_.data(), stream);
         link<<<particles, threads, 0, stream>>>(b, links);
         copy_on_device(links_.data(), found_.data(), links_.size(), stream);
     }
+    --left_;
     act<<<blocks_for(count_.size()), threads, 0, stream>>>(b);
     give<<<particles, threads, 0, stream>>>(b, adds, force, stiffness);
     check_cuda(cudaGetLastError(), "launch of the contact between strands");

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <numeric>
+#include <utility>
 
 #include "base/carried.h"
 #include "cuda/device/cell_search_device.h"
@@ -19,14 +20,16 @@ class StrandContactOnDevice {
     // For a scene with [strand_contact], which must outlive it.
     StrandContactOnDevice(const Scene& scene, const ChainState<T>& state);
     // What acts on the strands in the substep of dt [s] that follows by `scheme` -> force [N], stiffness
-    // [N/m] (strand, particle), added to what is there or new. Links are found anew first where they are
-    // counted: their number is added to `links`, null: those of before go on.
+    // [N/m] (strand, particle), added to what is there or new. In a frame's first substep links are found
+    // anew, and their number is added to `links`.
     void launch(const StrandMemory<T>& memory, const Bdf2<T>& scheme, double dt, bool adds, Vec3<T>* force,
                 T* stiffness, unsigned long long* links, cudaStream_t stream);
     // At the end of that substep.
     void launch_correction(const StrandMemory<T>& memory, const Bdf2<T>& scheme, double dt,
                            cudaStream_t stream) const;
-    void begin_frame() {}
+    void begin_frame() { left_ = 0; }
+    // Whether links were found since the call before.
+    bool found() { return std::exchange(found_now_, false); }
     void take_water(const ChainState<T>&) {}  // masses are the strands' own
     // [J] where the strands are; it waits.
     template <class H>
@@ -62,6 +65,9 @@ class StrandContactOnDevice {
     const StrandContact term_;
     const StrandPlaces places_;
     const float reach_;
+    const int substeps_;
+    int left_ = 0;  // substeps until links are found again
+    bool found_now_ = false;
     DeviceBuffer<Vec3f> drawn_, x_, v_;
     DeviceBuffer<float> mass_, saturation_;
     CellSearchDevice search_;

@@ -266,7 +266,10 @@ void SimulationOf<H>::run(const std::vector<PosedScene<T>>& path, bool ends_fram
     const auto scheme = hair_.scheme();
     hair_.run(path, given, ends_frame);
     if constexpr (!H::couples) {
-        if (strand_contact_) strand_contact_->correct(hair_.state, scheme, dt_);
+        if (!strand_contact_ || !strand_contact_->corrects()) return;
+        hair_.fetch(), hair_.fetch_history();
+        strand_contact_->correct(hair_.state, scheme, dt_);
+        hair_.give_state();
     }
 }
 

@@ -49,9 +49,9 @@ class StrandContactCoupling {
         });
         given.force = force_.data(), given.stiffness = stiffness_.data();
     }
-    // At the end of that substep.
+    // Whether the end of that substep is corrected; and that.
+    bool corrects() const { return links_.corrects() && is_finite(links_.x); }
     void correct(ChainState<S>& state, const Bdf2<S>& scheme, double dt) {
-        if (!links_.corrects() || !is_finite(links_.x)) return;
         const StageTimer timer(seconds);
         state.for_each_particle([&](size_t id, size_t k, int lane) {
             const Vec3<S> change = state.v[k] - scheme.expected_velocity(state.v_before[k]);
