@@ -2,6 +2,6 @@
 include "shared";
 
 [.strand_contact[] | .provenance as $provenance | .rows[] | .pairs as $pairs |
-  {machine: $provenance, "contact between strands": (if .contact == "with" then "yes" else "no" end)} +
-  ($pairs | map({"\(.substeps) against \(.against) substeps": (.mean_mm | with("mm"))}) | add) +
+  {machine: $provenance, "between strands": (if .contact == "with" then "contact" else "none" end)} +
+  ($pairs | map({"\(.substeps) against \(.against)": (.mean_mm | with("mm"))}) | add) +
   {"order, last": (($pairs[1].mean_mm / $pairs[2].mean_mm | log2) | short)}] | table
