@@ -1,7 +1,7 @@
 # What contact between strands costs and does, of scripts/strand_contact.
 include "shared";
 
-[.strand_contact[] | .provenance as $provenance | .rows as $rows | $rows[] |
+[(.strand_contact // {})[] | .provenance as $provenance | .rows as $rows | $rows[] |
   {machine: $provenance, "between strands": (if .contact == "with" then "contact" else "none" end),
    "ms a frame": (1000 * .frame_seconds), "times that without": (.frame_seconds / ($rows[] | select(.contact == "without").frame_seconds)),
    "particles of others within 4 mm": .pairs[0].crowd,
