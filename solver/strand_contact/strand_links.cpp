@@ -86,7 +86,7 @@ void StrandLinks::add(const PlaceOnStrand& place, const Vec3f& force, float stif
 template <class Visit>
 void StrandLinks::for_each_link(uint32_t strand, Visit visit) {
     const uint32_t begin = strand * places_.n * places_.each, end = begin + places_.n * places_.each;
-    const uint32_t* slot = &slot_[first_[strand]];
+    const uint32_t* slot = slot_.data() + first_[strand];
     for (uint32_t which = begin; which < end; ++which)
         for (size_t k = 0; k < count_of_[which]; ++k)
             visit(places_.at(which / places_.each, which % places_.each), links_[which * most_links + k],
