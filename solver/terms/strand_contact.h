@@ -16,9 +16,7 @@
 // Stability: an oscillator that the scheme of solver/chain/chain_step.h sees only as a force where it expects
 // it gains nothing up to omega dt = 1.5. L, h^2 times what is stiffest of a particle's links by its mass:
 // above `least_stiff` a sweep of Jacobi's corrects the end of the substep, which bears L <= 5; above
-// `most_stiff` the rest goes on the diagonal, as an inertia: it follows later, and gains nothing. Seen: all
-// of it on the diagonal is as stable, and ten substeps then err by 9 mm in the demo where they err by a
-// third; so do impulses after the substep, which never let hair rest.
+// `most_stiff` the rest goes on the diagonal, as an inertia: it follows later, and gains nothing.
 #pragma once
 
 #include <algorithm>
