@@ -86,20 +86,14 @@ struct StrandContactKernelBody {
     WETCURL_HD void act(uint32_t which, Add add) const {
         if (count[which] == 0) return;
         const PlaceOnStrand own = places.at(which / places.each, which % places.each);
-        const Vec3f p = own.of(x), speed = own.of(v);
-        const float part = 1 / float(places.each), own_mass = part * own.of(mass), wet = own.of(saturation);
+        const LinkedStrands strands{places, x, v, mass, saturation};
         for (size_t l = size_t(which) * most_links, end = l + count[which]; l < end; ++l) {
             StrandLink link = links[l];
-            const PlaceOnStrand other = places.nearest(x, p, link.other);
-            link.other = other.edge;
-            const auto acts =
-                StrandContact::act(step, p - other.of(x), speed - other.of(v), wet * other.of(saturation),
-                                   StrandContact::weight(own_mass, part * other.of(mass)), link);
+            const auto [other, acts] = strands.act(step, own, link);
             links[l] = link;
             acting[l] = {other, acts.normal, acts.along, acts.across};
-            if (acts.stiffness() > 0)
-                add_at(own, acts.force, acts.stiffness(), add),
-                    add_at(other, -acts.force, acts.stiffness(), add);
+            if (!(acts.stiffness() > 0)) continue;
+            add_at(own, acts.force, acts.stiffness(), add), add_at(other, -acts.force, acts.stiffness(), add);
         }
     }
     // Adds to `force` and `stiffness` where these are another's already. max(shared, bits) keeps the larger.

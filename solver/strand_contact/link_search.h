@@ -72,6 +72,30 @@ struct StrandPlaces {
     }
 };
 
+// What links see of the strands, (strand, particle): where they are expected [m], speed [m/s], mass [kg] and
+// saturation.
+struct LinkedStrands {
+    StrandPlaces places;
+    const Vec3f *x, *v;
+    const float *mass, *saturation;
+
+    struct Acting {
+        PlaceOnStrand other;
+        StrandContact::Force acts;
+    };
+    // A link of a place, which follows to the nearest place of the other strand.
+    WETCURL_HD Acting act(const StrandContact::Step& step, const PlaceOnStrand& own, StrandLink& link) const {
+        const Vec3f p = own.of(x);
+        const PlaceOnStrand other = places.nearest(x, p, link.other);
+        link.other = other.edge;
+        const float part = 1 / float(places.each);
+        return {other,
+                StrandContact::act(step, p - other.of(x), own.of(v) - other.of(v),
+                                   own.of(saturation) * other.of(saturation),
+                                   StrandContact::weight(part * own.of(mass), part * other.of(mass)), link)};
+    }
+};
+
 // [m] of the longest edge of the groom as drawn.
 inline double longest_edge(const Strands& drawn) {
     double longest = 0;

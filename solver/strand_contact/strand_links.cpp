@@ -94,15 +94,9 @@ void StrandLinks::for_each_link(uint32_t strand, Visit visit) {
 }
 
 void StrandLinks::act_on_own(uint32_t strand, const StrandContact::Step& step) {
-    const float part = 1 / float(places_.each);
-    for_each_link(strand, [&](const PlaceOnStrand& own, StrandLink& link, OnOther& on) {
-        const Vec3f p = own.of(x.data());
-        on.place = places_.nearest(x.data(), p, link.other);
-        link.other = on.place.edge;
-        on.acts = StrandContact::act(
-            step, p - on.place.of(x.data()), own.of(v.data()) - on.place.of(v.data()),
-            own.of(saturation.data()) * on.place.of(saturation.data()),
-            StrandContact::weight(part * own.of(mass.data()), part * on.place.of(mass.data())), link);
+    const LinkedStrands strands{places_, x.data(), v.data(), mass.data(), saturation.data()};
+    for_each_link(strand, [&](const PlaceOnStrand& own, StrandLink& link, LinkedStrands::Acting& on) {
+        on = strands.act(step, own, link);
         if (on.acts.stiffness() > 0) add(own, on.acts.force, on.acts.stiffness());
     });
 }
@@ -122,9 +116,9 @@ void StrandLinks::correct(double dt) {
 #pragma omp for schedule(dynamic, 8)
         for (long s = 0; s < strands; ++s) {
             std::fill_n(&force_[size_t(s) * places_.n], places_.n, Vec3f{0, 0, 0});
-            for_each_link(uint32_t(s), [&](const PlaceOnStrand& own, StrandLink&, OnOther& on) {
+            for_each_link(uint32_t(s), [&](const PlaceOnStrand& own, StrandLink&, LinkedStrands::Acting& on) {
                 if (!(on.acts.stiffness() > 0)) return;
-                on.acts.force = -on.acts.against(own.of(v.data()) - on.place.of(v.data()));
+                on.acts.force = -on.acts.against(own.of(v.data()) - on.other.of(v.data()));
                 add(own, on.acts.force, 0);
             });
         }

@@ -43,11 +43,6 @@ class StrandLinks {
     size_t bytes() const;
 
   private:
-    // What a link does, and to which place of the strand that it leads to.
-    struct OnOther {
-        PlaceOnStrand place;
-        StrandContact::Force acts;
-    };
     void list_by_other();
     void act_on_own(uint32_t strand, const StrandContact::Step& step);
     void act_on_other(uint32_t strand, bool with_stiffness);
@@ -65,8 +60,8 @@ class StrandLinks {
     std::vector<StrandLink> links_, made_;  // (strand, particle, place, link)
     std::vector<uint8_t> count_of_;         // (strand, particle, place)
     size_t count_ = 0;
-    // In the order of the strands that links lead to, and of the links.
-    std::vector<OnOther> on_other_;
+    // What links do, in the order of the strands that they lead to, and of the links.
+    std::vector<LinkedStrands::Acting> on_other_;
     std::vector<uint32_t> begin_;  // (strand + 1) in on_other_
     std::vector<uint32_t> slot_;   // (link that there is) in on_other_
     std::vector<uint32_t> first_;  // (strand) in slot_
