@@ -166,6 +166,7 @@ WETCURL_HD inline bool any_positive(double a) { return a > 0; }
 WETCURL_HD inline float maximum(float a, float b) { return a > b ? a : b; }
 WETCURL_HD inline double maximum(double a, double b) { return a > b ? a : b; }
 WETCURL_HD inline int maximum(int a, int b) { return a > b ? a : b; }
+WETCURL_HD inline int minimum(int a, int b) { return a < b ? a : b; }
 WETCURL_HD inline float minimum(float a, float b) { return a < b ? a : b; }
 WETCURL_HD inline double minimum(double a, double b) { return a < b ? a : b; }
 using std::sqrt;

@@ -139,6 +139,40 @@ struct CellSearch {
             if (near) visit(k, other);
         });
     }
+    // Calls visit(k, sorted[k]) for each that is nearer to p than `distance` on another strand than particle
+    // `of`, always in the same order. However many cells that is.
+    template <class Visit>
+    WETCURL_HD void within(uint32_t of, const Vec3f& p, float distance, Visit visit) const {
+        const Vec3f from = p - origin, way{distance, distance, distance};
+        if (!grid.holds(from)) return;
+        const auto low = grid.cell_of(from - way), high = grid.cell_of(from + way);
+        const uint32_t own = of - of % uint32_t(particles), width = 1u << grid.bits_x;
+        auto look = [&](uint32_t begin, uint32_t end) {
+            for (uint32_t k = begin; k < end; k += at_once) {
+                SortedPoint other[at_once];
+                for (uint32_t l = 0; l < at_once; ++l) other[l] = sorted[k + l];
+                for (uint32_t l = 0; l < at_once; ++l) {
+                    const Vec3f d = other[l].position() - p;
+                    if ((l == 0 || k + l < end) & (dot(d, d) < distance * distance) &
+                        (other[l].id - own >= uint32_t(particles)))
+                        visit(k + l, other[l]);
+                }
+            }
+        };
+        // The grid wraps round: no cell is seen twice.
+        auto cells = [](int from_cell, int to_cell, int bits) {
+            return minimum(to_cell - from_cell + 1, 1 << bits);
+        };
+        const uint32_t left = uint32_t(low.x) & (width - 1),
+                       many = uint32_t(cells(low.x, high.x, grid.bits_x)),
+                       right = left + many < width ? left + many : width, over = left + many - right;
+        for (int z = cells(low.z, high.z, grid.bits_z); z-- > 0;)
+            for (int y = cells(low.y, high.y, grid.bits_y); y-- > 0;) {
+                const uint32_t* const of_row = start + grid.key(0, low.y + y, low.z + z);
+                look(of_row[left], of_row[right]);
+                if (over > 0) look(of_row[0], of_row[over]);
+            }
+    }
     // Whether test(cell) holds of a cell around p.
     template <class Test>
     WETCURL_HD bool any_cell(const Vec3f& p, Test test) const {

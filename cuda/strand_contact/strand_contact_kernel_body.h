@@ -1,4 +1,4 @@
-// Contact between strands on a device, place by place. The formulas are those of
+// Contact between strands on a device, link by link. The formulas are those of
 // solver/terms/strand_contact.h; the reference is solver/strand_contact/strand_links.h. Differs: what links
 // do to particles is added up in whole numbers, whose sums have no order.
 #pragma once
@@ -20,6 +20,10 @@ struct ContactSum {
         if (!(scaled == scaled)) return 0;
         return Whole((long long)(scaled > most ? most : scaled < -most ? -most : scaled));
     }
+    WETCURL_HD static ContactSum of(const Vec3f& force, float stiffness) {
+        return {whole(force.x, of_force), whole(force.y, of_force), whole(force.z, of_force),
+                whole(stiffness, of_stiffness)};
+    }
     WETCURL_HD Vec3f force() const {
         auto of = [](Whole a) { return float(double((long long)a) / of_force); };
         return {of(x), of(y), of(z)};
@@ -27,133 +31,156 @@ struct ContactSum {
     WETCURL_HD float slope() const { return float(double((long long)stiffness) / of_stiffness); }
 };
 
-// Of a link in the substep at hand.
-struct ActingLink {
-    PlaceOnStrand other;
-    Vec3f normal;
-    float along, across;
+// What a link does to the place that has it; the opposite to the other strand.
+struct alignas(16) LinkForce {
+    Vec3f force;
+    float stiffness;
 };
 
-// First all particles are seen; where neighbours are found, all are linked by the order of their cells; all
-// places act, and all particles are given what acts on them. At the end of the substep all are seen to have
-// changed, all places hold back, and all particles are corrected.
+// First all particles are seen. Where neighbours are found, all are linked by the order of their cells, links
+// are counted by the strands that they lead to, and listed. All links act, those of each strand and those
+// that lead to it are added up, and particles are given the sums. At the end of the substep all particles are
+// seen to have changed, all links hold back, and the sums of that correct particles.
 template <class T>
 struct StrandContactKernelBody {
     StrandContact term;
     StrandContact::Step step;
     StrandPlaces places;
     float reach;
-    CellSearch search;   // of x, within `reach`
+    CellSearch search;   // of x, in cells that need not be as wide as `reach`
     const Vec3f* drawn;  // (strand, particle) in the groom as drawn
-    // (strand, particle): from where the first is expected [m], speed or its change [m/s], mass [kg], sigma.
-    Vec3f *x, *v;
-    float *mass, *saturation;
-    StrandLink *links, *found;  // (strand, particle, place, link) those there are, and those found anew
-    uint8_t* count;             // (strand, particle, place) of links
-    ActingLink* acting;         // (strand, particle, place, link)
-    ContactSum* sum;            // (strand, particle)
-    uint32_t* stiffest;         // the bits of a number that is not negative
+    // (strand, particle): from where the first is expected, with speed or its change.
+    LinkedParticle* particles;
+    Vec3f* x;                   // (strand, particle) where neighbours are found
+    float* slope;               // (strand, particle) sum of stiffnesses [N/m]
+    StrandLink *links, *found;  // (strand, place, link) those there are, and those found anew
+    ActingLink* acting;         // (strand, place, link)
+    LinkForce* force;           // (strand, place, link)
+    // Links by the strands that they lead to.
+    uint32_t* rank;      // (strand, place, link): how many were counted before
+    uint32_t* begin;     // (strands + 1) in `leading`
+    uint32_t* leading;   // (link that there is) its number
+    uint32_t* stiffest;  // the bits of a number that is not negative
 
-    WETCURL_HD void see(uint32_t id, const StrandMemory<T>& m, const Bdf2<T>& scheme) const {
+    WETCURL_HD uint32_t particle_count() const { return search.count; }
+    WETCURL_HD uint32_t strand_count() const { return search.count / places.n; }
+    WETCURL_HD uint32_t place_count() const { return strand_count() * places.count; }
+    WETCURL_HD uint32_t link_count() const { return place_count() * uint32_t(most_links); }
+
+    WETCURL_HD void see(uint32_t id, const StrandMemory<T>& m, const Bdf2<T>& scheme, bool finds) const {
         auto expected = [&](uint32_t k) { return scheme.predicted(m.x[k], m.x_before[k], m.v[k]); };
-        x[id] = cast<float>(expected(id) - expected(0)), v[id] = cast<float>(m.v[id]);
-        mass[id] = float(m.mass[id]), saturation[id] = m.saturation ? float(m.saturation[id]) : 0;
-        sum[id] = {};
+        const Vec3f at = cast<float>(expected(id) - expected(0));
+        particles[id] = {at, float(m.mass[id]), cast<float>(m.v[id]),
+                         m.saturation ? float(m.saturation[id]) : 0};
+        if (finds) x[id] = at;
+        if (finds && id % places.n == 0) begin[id / places.n] = 0;
         if (id == 0) *stiffest = 0;
+        if (finds && id == 0) begin[strand_count()] = 0;
     }
     // Of sorted particle k. Returns how many.
     WETCURL_HD uint32_t link(uint32_t k) const {
-        const uint32_t id = search.sorted[k].id;
-        const LinkSearch links_near{x, drawn, places, float(term.radius), reach};
+        const uint32_t id = search.sorted[k].id, strand = id / places.n, of_strand = id - strand * places.n;
+        const Vec3f from = search.sorted[k].position();
+        const LinkSearch near{particles, drawn, places, float(term.radius), reach};
         uint32_t all = 0;
-        for (uint32_t p = 0; p < places.each; ++p) {
-            const PlaceOnStrand place = places.at(id, p);
-            const Vec3f at = place.of(x);
-            LinkSearch::Candidates near;
-            if (id % places.n > 1)
-                search.neighbours(id, search.sorted[k].position(), [&](uint32_t, const SortedPoint& other) {
-                    links_near.offer(id, at, other.id, other.position(), near);
-                });
-            const size_t which = size_t(id) * places.each + p;
-            count[which] =
-                uint8_t(links_near.link(place, near, &links[which * most_links], &found[which * most_links]));
-            all += count[which];
+        for (uint32_t which = strand * places.count + places.first_of(of_strand),
+                      end = strand * places.count + places.first_of(of_strand + 1);
+             which < end; ++which) {
+            const PlaceOnStrand place = places.at(which);
+            const Vec3f at = place.position(particles);
+            const size_t first = size_t(which) * most_links;
+            LinkSearch::Candidates candidates = near.begin(strand, at, &links[first]);
+            const float far = std::sqrt(near.farthest(candidates)) + norm(at - from);
+            search.within(id, from, minimum(far, reach), [&](uint32_t, const SortedPoint& other) {
+                near.offer(strand, at, other.id, other.id / places.n, other.position(), candidates);
+            });
+            all += uint32_t(near.link(place, candidates, &links[first], &found[first]));
         }
         return all;
     }
-    // Calls add(particle, force, stiffness) for all ends of the links of a place.
+    // add(shared, 1) tells what `shared` was before.
     template <class Add>
-    WETCURL_HD void act(uint32_t which, Add add) const {
-        if (count[which] == 0) return;
-        const PlaceOnStrand own = places.at(which / places.each, which % places.each);
-        const LinkedStrands strands{places, x, v, mass, saturation};
-        for (size_t l = size_t(which) * most_links, end = l + count[which]; l < end; ++l) {
-            StrandLink link = links[l];
-            const auto [other, acts] = strands.act(step, own, link);
-            links[l] = link;
-            acting[l] = {other, acts.normal, acts.along, acts.across};
-            if (!(acts.stiffness() > 0)) continue;
-            add_at(own, acts.force, acts.stiffness(), add), add_at(other, -acts.force, acts.stiffness(), add);
+    WETCURL_HD void count_link(uint32_t l, Add add) const {
+        links[l] = found[l];
+        if (links[l].other != StrandLink::none) rank[l] = add(begin[links[l].other / places.n], 1u);
+    }
+    // Once `begin` sums up the counts of those before.
+    WETCURL_HD void list_link(uint32_t l) const {
+        if (links[l].other != StrandLink::none) leading[begin[links[l].other / places.n] + rank[l]] = l;
+    }
+    WETCURL_HD void act(uint32_t l) const {
+        StrandLink link = links[l];
+        if (link.other == StrandLink::none) {
+            force[l] = {{0, 0, 0}, 0};
+            return;
         }
+        const auto seen = places.see(particles, place_of(l).of(particles), link.other);
+        const auto acts = StrandContact::act(step, seen.d, seen.v, seen.wet, seen.weight, link.touch);
+        link.other = seen.other.edge;
+        links[l] = link;
+        acting[l] = {seen.other, acts.normal, acts.along, acts.across};
+        force[l] = {acts.force, maximum(acts.along, acts.across)};
+    }
+    // What links do to a strand: its own, and those that lead to it.
+    WETCURL_HD uint32_t links_at(uint32_t strand) const {
+        return places.count * uint32_t(most_links) + begin[strand + 1] - begin[strand];
+    }
+    // Calls add(particle of the strand, sum) for the ends of the k-th of them.
+    template <class Add>
+    WETCURL_HD void add_up(uint32_t strand, uint32_t k, Add add) const {
+        const uint32_t own = places.count * uint32_t(most_links);
+        const bool leads_here = k >= own;
+        const uint32_t l = leads_here ? leading[begin[strand] + k - own] : strand * own + k;
+        const LinkForce f = force[l];
+        const PlaceOnStrand place = leads_here ? acting[l].other : place_of(l);
+        place.share([&](uint32_t id, float share) {
+            add(id - strand * places.n,
+                ContactSum::of((leads_here ? -share : share) * f.force, share * f.stiffness));
+        });
     }
     // Adds to `force` and `stiffness` where these are another's already. max(shared, bits) keeps the larger.
     template <class Max>
-    WETCURL_HD void give(uint32_t id, bool adds, Vec3<T>* force, T* stiffness, Max max) const {
-        const Vec3<T> f = cast<T>(sum[id].force());
-        const T k = T(StrandContact::on_diagonal(step, sum[id].slope(), mass[id]));
-        force[id] = adds ? force[id] + f : f;
-        stiffness[id] = adds ? stiffness[id] + k : k;
-        const float most = StrandContact::stiffest(step, sum[id].slope(), mass[id]);
+    WETCURL_HD void give(uint32_t id, const ContactSum& sum, bool adds, Vec3<T>* to_force, T* to_stiffness,
+                         Max max) const {
+        const Vec3<T> f = cast<T>(sum.force());
+        const float mass = particles[id].mass;
+        const T k = T(StrandContact::on_diagonal(step, sum.slope(), mass));
+        to_force[id] = adds ? to_force[id] + f : f;
+        to_stiffness[id] = adds ? to_stiffness[id] + k : k;
+        slope[id] = sum.slope();
+        const float most = StrandContact::stiffest(step, sum.slope(), mass);
         if (most > StrandContact::least_stiff) max(*stiffest, bits_of(most));
     }
     WETCURL_HD bool corrects() const { return *stiffest != 0; }
     WETCURL_HD void see_change(uint32_t id, const StrandMemory<T>& m, const Bdf2<T>& scheme) const {
-        v[id] = cast<float>(m.v[id] - scheme.expected_velocity(m.v_before[id]));
-        sum[id].x = sum[id].y = sum[id].z = 0;
+        particles[id].v = cast<float>(m.v[id] - scheme.expected_velocity(m.v_before[id]));
     }
-    template <class Add>
-    WETCURL_HD void hold_back(uint32_t which, Add add) const {
-        if (count[which] == 0) return;
-        const PlaceOnStrand own = places.at(which / places.each, which % places.each);
-        const Vec3f change = own.of(v);
-        for (size_t l = size_t(which) * most_links, end = l + count[which]; l < end; ++l) {
-            const ActingLink& link = acting[l];
-            const StrandContact::Force acts{{0, 0, 0}, link.normal, link.along, link.across};
-            if (!(acts.stiffness() > 0)) continue;
-            const Vec3f held = acts.against(change - link.other.of(v));
-            add_at(own, -held, 0, add), add_at(link.other, held, 0, add);
-        }
+    WETCURL_HD void hold_back(uint32_t l) const {
+        if (links[l].other == StrandLink::none) return;
+        const ActingLink link = acting[l];
+        force[l] = {-link.against(place_of(l).velocity(particles) - link.other.velocity(particles)), 0};
     }
-    WETCURL_HD void correct(uint32_t id, const StrandMemory<T>& m, const Bdf2<T>& scheme) const {
+    WETCURL_HD void correct(uint32_t id, const ContactSum& sum, const StrandMemory<T>& m,
+                            const Bdf2<T>& scheme) const {
         if (id % places.n < 2) return;
         const Vec3<T> dv =
-            cast<T>(StrandContact::correction(step, mass[id], sum[id].slope(), sum[id].force()));
+            cast<T>(StrandContact::correction(step, particles[id].mass, slope[id], sum.force()));
         m.v[id] += dv, m.x[id] += scheme.h * dv;
     }
-    // [J] of the links of a particle.
-    WETCURL_HD double energy(uint32_t id, const StrandMemory<T>& m) const {
-        double all = 0;
-        for (uint32_t p = 0; p < places.each; ++p) {
-            const size_t which = size_t(id) * places.each + p;
-            for (size_t l = which * most_links, end = l + count[which]; l < end; ++l)
-                all += places.energy(term, places.at(id, p), links[l], m.x, mass, saturation);
-        }
-        return all;
+    // [J]
+    WETCURL_HD double energy(uint32_t l, const StrandMemory<T>& m) const {
+        if (links[l].other == StrandLink::none) return 0;
+        return places.energy(term, place_of(l), links[l], m.x, particles);
     }
 
   private:
+    WETCURL_HD PlaceOnStrand place_of(uint32_t l) const { return places.at(l / uint32_t(most_links)); }
     WETCURL_HD static uint32_t bits_of(float a) {
         union {
             float number;
             uint32_t bits;
         } both{a};
         return both.bits;
-    }
-    template <class Add>
-    WETCURL_HD static void add_at(const PlaceOnStrand& place, const Vec3f& force, float stiffness, Add add) {
-        const float there = place.along, here = 1 - there;
-        add(place.edge, here * force, here * stiffness),
-            add(place.edge + 1, there * force, there * stiffness);
     }
 };
 

@@ -50,12 +50,15 @@ class StrandContactOnDevice {
     }
     void save(Carried& to) const;
     void resume(const Carried& from);
-    double neighbours_mean() const { return double(links) / double(count_.size()); }  // links of a place
+    double neighbours_mean() const {
+        return double(links) / double(links_.size() / most_links);
+    }  // links of a place
     void list(BufferList& buffers) const;
     unsigned long long links = 0;  // as they were found last
     double seconds = 0;            // in the frame at hand
 
   private:
+    StrandContactOnDevice(const Scene& scene, const ChainState<T>& state, double longest_edge);
     StrandContactKernelBody<T> bodies(double dt) const;
     void launch_energies(const StrandMemory<T>& memory, cudaStream_t stream) const;
     static double total(const std::vector<double>& parts) {
@@ -68,13 +71,16 @@ class StrandContactOnDevice {
     const int substeps_;
     int left_ = 0;  // substeps until links are found again
     bool found_now_ = false;
-    DeviceBuffer<Vec3f> drawn_, x_, v_;
-    DeviceBuffer<float> mass_, saturation_;
+    DeviceBuffer<Vec3f> drawn_;
+    DeviceBuffer<LinkedParticle> particles_;
+    DeviceBuffer<Vec3f> x_;
+    DeviceBuffer<float> slope_;
     CellSearchDevice search_;
     DeviceBuffer<StrandLink> links_, found_;
-    DeviceBuffer<uint8_t> count_;
     DeviceBuffer<ActingLink> acting_;
-    DeviceBuffer<ContactSum> sum_;
+    DeviceBuffer<LinkForce> force_;
+    DeviceBuffer<uint32_t> rank_, begin_, leading_;
+    DeviceBuffer<char> scan_memory_;
     DeviceBuffer<uint32_t> stiffest_;
     OnBoth<double> energy_;  // parts of it [J]
     WayOut way_;

@@ -106,6 +106,15 @@ struct ChainState : StrandArrays<S, HostArray> {
     void for_each_lane(F f) const {
         visit([](int) { return lanes; }, f);
     }
+    // Calls f(cell, particle) for each cell; `particle(lane)` for all lanes: which it holds, or copies.
+    template <class F>
+    void for_each_cell(F f) const {
+#pragma omp parallel for schedule(static)
+        for (int block = 0; block < blocks; ++block)
+            for (int i = 0; i < n; ++i)
+                f(at(block, i),
+                  [&](int lane) { return size_t(strand_of(block, lane)) * size_t(n) + size_t(i); });
+    }
     // Calls f(lane) for the lanes that hold strand s or copy it.
     template <class F>
     void for_each_lane_of(int s, F f) const {

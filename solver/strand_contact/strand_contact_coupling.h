@@ -19,52 +19,60 @@ class StrandContactCoupling {
         take_water(state);
     }
     void take_water(const ChainState<S>& state) {
-        state.template unpack<float>(state.mass, links_.mass);
-        if (!state.saturation.empty()) state.template unpack<float>(state.saturation, links_.saturation);
+        state.for_each_particle([&](size_t id, size_t k, int lane) {
+            LinkedParticle& p = links_.particles[id];
+            p.mass = State::template lane_of<float>(state.mass[k], lane);
+            if (!state.saturation.empty())
+                p.saturation = State::template lane_of<float>(state.saturation[k], lane);
+        });
     }
     // A frame begins: neighbours are found in its first substep.
     void begin_frame() { left_ = 0; }
     // Adds to what is given for the substep of dt [s] that follows by `scheme`.
     void evaluate(const ChainState<S>& state, const Bdf2<S>& scheme, double dt, GivenToChain<S>& given) {
         const StageTimer timer(seconds);
-        auto expected = [&](size_t k, int lane) {
-            return state.template lane_of<double>(scheme.predicted(state.x[k], state.x_before[k], state.v[k]),
-                                                  lane);
-        };
-        const Vec3d first = expected(0, 0);  // floats have no digits to spare far away
-        state.for_each_particle([&](size_t id, size_t k, int lane) {
-            links_.x[id] = cast<float>(expected(k, lane) - first);
-            links_.v[id] = state.template lane_of<float>(state.v[k], lane);
+        auto expected = [&](size_t k) { return scheme.predicted(state.x[k], state.x_before[k], state.v[k]); };
+        // From the first particle on: floats have no digits to spare far away.
+        const Vec3<Plain<S>> zero = State::template lane_of<Plain<S>>(expected(0), 0);
+        const Vec3<S> first{S(zero.x), S(zero.y), S(zero.z)};
+        state.for_each_cell([&](size_t k, auto particle) {
+            const Vec3<S> x = expected(k) - first, v = state.v[k];
+            for (int lane = 0; lane < State::lanes; ++lane) {
+                LinkedParticle& p = links_.particles[particle(lane)];
+                p.x = State::template lane_of<float>(x, lane), p.v = State::template lane_of<float>(v, lane);
+            }
         });
-        if (!is_finite(links_.x)) return;
+        if (!are_finite()) return;
         if (left_ == 0) links_.find(), left_ = substeps_;
         --left_;
         links_.evaluate(dt);
-        state.for_each_lane([&](size_t id, size_t k, int lane) {
-            Vec3d force = cast<double>(links_.force()[id]);
-            double stiffness = double(links_.stiffness()[id]);
-            if (given.force) force += state.template lane_of<double>(given.force[k], lane);
-            if (given.stiffness) stiffness += state.template lane_of<double>(given.stiffness[k], lane);
-            state.put(force_[k], lane, force), state.put(stiffness_[k], lane, stiffness);
+        state.for_each_cell([&](size_t k, auto particle) {
+            for (int lane = 0; lane < State::lanes; ++lane) {
+                const size_t id = particle(lane);
+                State::put(force_[k], lane, cast<double>(links_.force()[id]));
+                State::put(stiffness_[k], lane, double(links_.stiffness()[id]));
+            }
+            if (given.force) force_[k] += given.force[k];
+            if (given.stiffness) stiffness_[k] += given.stiffness[k];
         });
         given.force = force_.data(), given.stiffness = stiffness_.data();
     }
     // Whether the end of that substep is corrected; and that.
-    bool corrects() const { return links_.corrects() && is_finite(links_.x); }
+    bool corrects() const { return links_.corrects() && are_finite(); }
     void correct(ChainState<S>& state, const Bdf2<S>& scheme, double dt) {
         const StageTimer timer(seconds);
-        state.for_each_particle([&](size_t id, size_t k, int lane) {
+        state.for_each_cell([&](size_t k, auto particle) {
             const Vec3<S> change = state.v[k] - scheme.expected_velocity(state.v_before[k]);
-            links_.v[id] = state.template lane_of<float>(change, lane);
+            for (int lane = 0; lane < State::lanes; ++lane)
+                links_.particles[particle(lane)].v = State::template lane_of<float>(change, lane);
         });
         links_.correct(dt);
-        const double h = double(ChainState<S>::template lane_of<double>(scheme.h, 0));
-        const size_t n = size_t(state.n);
-        state.for_each_lane([&](size_t id, size_t k, int lane) {
-            if (id % n < 2) return;
-            const Vec3d dv = cast<double>(links_.v[id]);
-            state.put(state.v[k], lane, state.template lane_of<double>(state.v[k], lane) + dv);
-            state.put(state.x[k], lane, state.template lane_of<double>(state.x[k], lane) + h * dv);
+        state.for_each_cell([&](size_t k, auto particle) {
+            if (k % size_t(state.n) < 2) return;
+            Vec3<S> dv;
+            for (int lane = 0; lane < State::lanes; ++lane)
+                State::put(dv, lane, cast<double>(links_.particles[particle(lane)].v));
+            state.v[k] += dv, state.x[k] += scheme.h * dv;
         });
     }
     // [J] where the strands are; NaN where they are too far gone to tell.
@@ -91,6 +99,11 @@ class StrandContactCoupling {
     double seconds = 0;  // in the frame at hand
 
   private:
+    using State = ChainState<S>;
+    bool are_finite() const {
+        return std::all_of(links_.particles.begin(), links_.particles.end(),
+                           [](const LinkedParticle& p) { return std::isfinite(p.x.x + p.x.y + p.x.z); });
+    }
     StrandLinks links_;
     const int substeps_;
     int left_ = 0;  // substeps until neighbours are found again

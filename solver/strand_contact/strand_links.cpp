@@ -2,109 +2,308 @@
 #include "solver/strand_contact/strand_links.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
 
 namespace wetcurl {
 
 StrandLinks::StrandLinks(const StrandContact& term, const Strands& drawn, double longest_edge)
-    : x(drawn.points),
-      v(drawn.points.size(), {0, 0, 0}),
-      mass(drawn.points.size(), 0.f),
-      saturation(drawn.points.size(), 0.f),
+    : particles(drawn.points.size()),
       term_(term),
       drawn_(drawn),
-      places_{uint32_t(drawn.particles), term.places(longest_edge)},
+      places_{uint32_t(drawn.particles), term.places(longest_edge, drawn.particles)},
       reach_(float(term.reach(longest_edge))),
+      x_(drawn.points),
+      far_(size_t(drawn.count) * places_.count,
+           float(std::min(3 * cell_side(drawn, double(reach_)), double(reach_)))),
       any_(drawn.points.size() + NeighborList::padding, 1.f),
-      links_(drawn.points.size() * places_.each * most_links),
+      links_(size_t(drawn.count) * places_.count * most_links),
       made_(links_.size()),
-      count_of_(drawn.points.size() * places_.each, 0),
+      count_of_(links_.size() / most_links, 0),
       begin_(size_t(drawn.count) + 1, 0),
       first_(size_t(drawn.count), 0),
+      sum_(drawn.points.size(), FourFloats{0, 0, 0, 0}),
       force_(drawn.points.size(), {0, 0, 0}),
-      stiffness_(drawn.points.size(), 0.f),
-      diagonal_(drawn.points.size(), 0.f) {}
+      diagonal_(drawn.points.size(), 0.f) {
+    for (uint32_t which = 0; which < count_of_.size(); ++which) place_.push_back(places_.at(which));
+    there_.resize(place_.size());
+}
 
 void StrandLinks::find() {
-    grid_.build(x.data(), x.size(), reach_);
-    const long count = long(x.size());
+    for (size_t id = 0; id < x_.size(); ++id) x_[id] = particles[id].x;
+    // Lists reach as far as most places need by what they were linked to before; who needs more looks around.
+    const auto most = far_.begin() + long(far_.size() * 5 / 8);
+    std::nth_element(far_.begin(), most, far_.end());
+    listed_ = 1.1f * *most;
+    if (listed_ > 0.8f * reach_) listed_ = reach_;
+    grid_.build(x_.data(), x_.size(), listed_);
+    if (listed_ < reach_) wide_grid_.build(x_.data(), x_.size(), reach_);
+    const long count = long(x_.size());
 #pragma omp parallel for schedule(static)
     for (long k = 0; k < count; ++k)
         grid_.points().set_group(size_t(k), grid_.order()[size_t(k)] / places_.n);
-    near_.build(grid_, any_, reach_);
-    const LinkSearch search{x.data(), drawn_.points.data(), places_, float(term_.radius), reach_};
-#pragma omp parallel for schedule(dynamic, 256)
-    for (long k = 0; k < count; ++k) {
-        const uint32_t id = grid_.order()[size_t(k)];
-        for (uint32_t p = 0; p < places_.each; ++p) {
-            const PlaceOnStrand place = places_.at(id, p);
-            const Vec3f at = place.of(x.data());
-            LinkSearch::Candidates found;
-            if (id % places_.n > 1)
-                near_.visit_neighbours(size_t(k), [&](size_t other) {
-                    const uint32_t near = grid_.order()[other];
-                    search.offer(id, at, near, x[near], found);
-                });
-            const size_t which = size_t(id) * places_.each + p;
-            count_of_[which] =
-                uint8_t(search.link(place, found, &links_[which * most_links], &made_[which * most_links]));
-        }
-    }
+    near_.build(grid_, any_, listed_);
+    const LinkSearch search{particles.data(), drawn_.points.data(), places_, float(term_.radius), reach_};
+    const long clusters = long(near_.clusters());
+#pragma omp parallel for schedule(dynamic, 32)
+    for (long c = 0; c < clusters; ++c) link_cluster(search, size_t(c));
     links_.swap(made_);
     list_by_other();
+}
+
+// The places next to the points that a list's cluster has, the first of each, then the second. A quad of
+// lanes holds one of them and four others.
+void StrandLinks::link_cluster(const LinkSearch& search, size_t cluster) {
+    using P = Pack<float>;
+    constexpr size_t points = NeighborList::cluster;
+    const size_t first = cluster * points, count = std::min(points, x_.size() - first);
+    uint32_t id[points], strand[points], which[points], end[points];
+    for (size_t i = 0; i < count; ++i) {
+        id[i] = grid_.order()[first + i], strand[i] = id[i] / places_.n;
+        const uint32_t of_strand = id[i] - strand[i] * places_.n, begin = strand[i] * places_.count;
+        which[i] = begin + places_.first_of(of_strand), end[i] = begin + places_.first_of(of_strand + 1);
+    }
+    struct alignas(64) Lanes {
+        float of[P::lanes] = {};
+    };
+    auto some = [&] {
+        for (size_t i = 0; i < count; ++i)
+            if (which[i] < end[i]) return true;
+        return false;
+    };
+    while (some()) {
+        LinkSearch::Candidates found[points];
+        Vec3f at[points] = {};
+        Lanes x, y, z, own, worst;
+        std::fill_n(worst.of, P::lanes, -1.f);
+        for (size_t i = 0; i < count; ++i) {
+            if (which[i] < end[i]) {
+                at[i] = place_[which[i]].position(particles.data());
+                found[i] = search.begin(strand[i], at[i], &links_[which[i] * most_links]);
+            }
+            const float most = which[i] < end[i] ? search.farthest(found[i]) : -1;
+            for (size_t lane = 4 * i; lane < 4 * i + 4; ++lane) {
+                x.of[lane] = at[i].x, y.of[lane] = at[i].y, z.of[lane] = at[i].z;
+                own.of[lane] = std::bit_cast<float>(strand[i]), worst.of[lane] = most;
+            }
+        }
+        const Vec3<P> from{P::load(x.of), P::load(y.of), P::load(z.of)};
+        const auto own_strand = std::bit_cast<P::Mask>(P::load(own.of).v);
+        near_.visit_runs(cluster, [&](size_t four, uint32_t bits) {
+            const Vec3<P> d = grid_.points().in_each_quad(four) - from;
+            const auto other = std::bit_cast<P::Mask>(grid_.points().numbers_in_each_quad(four).v);
+            const auto odd = -((own_strand ^ other) & 1);
+            bits &= bits_of(dot(d, d) <= P::load(worst.of)) & bits_of(~((own_strand < other) ^ odd));
+            for (; bits; bits &= bits - 1) {
+                const size_t lane = size_t(std::countr_zero(bits)), i = lane / 4, k = 4 * four + lane % 4;
+                const uint32_t there = grid_.order()[k];
+                search.offer(strand[i], at[i], there, std::bit_cast<uint32_t>(grid_.points().number(k)),
+                             x_[there], found[i]);
+                std::fill_n(&worst.of[4 * i], 4, search.farthest(found[i]));
+            }
+        });
+        for (size_t i = 0; i < count; ++i) {
+            if (which[i] >= end[i]) continue;
+            auto needed = [&] {
+                return std::min(std::sqrt(search.farthest(found[i])) + norm(at[i] - x_[id[i]]), reach_);
+            };
+            if (needed() > listed_)
+                wide_grid_.around(x_[id[i]], [&](size_t other) {
+                    const uint32_t there = wide_grid_.order()[other], group = there / places_.n;
+                    const Vec3f d = x_[there] - x_[id[i]];
+                    if (group != strand[i] && dot(d, d) < reach_ * reach_)
+                        search.offer(strand[i], at[i], there, group, x_[there], found[i]);
+                });
+            far_[which[i]] = needed();
+            const size_t l = size_t(which[i]) * most_links;
+            count_of_[which[i]] = uint8_t(search.link(place_[which[i]], found[i], &links_[l], &made_[l]));
+            ++which[i];
+        }
+    }
 }
 
 // A counting sort: of a strand's links one follows the other, so that nothing depends on threads.
 void StrandLinks::list_by_other() {
     std::fill(begin_.begin(), begin_.end(), 0);
-    auto for_each_link = [&](auto visit) {
-        for (size_t which = 0; which < count_of_.size(); ++which)
-            for (size_t k = 0; k < count_of_[which]; ++k)
-                visit(links_[which * most_links + k].other / places_.n);
-    };
-    for_each_link([&](uint32_t other) { ++begin_[other + 1]; });
-    for (size_t s = 1; s < begin_.size(); ++s) begin_[s] += begin_[s - 1];
-    count_ = begin_.back();
-    slot_.clear(), on_other_.resize(count_);
-    next_.assign(begin_.begin(), begin_.end() - 1);
-    for_each_link([&](uint32_t other) { slot_.push_back(next_[other]++); });
-    const size_t of_strand = size_t(places_.n) * places_.each;
-    uint32_t links = 0;
+    next_.clear();
+    const size_t of_strand = places_.count;
     for (size_t which = 0; which < count_of_.size(); ++which) {
-        if (which % of_strand == 0) first_[which / of_strand] = links;
-        links += count_of_[which];
+        if (which % of_strand == 0) first_[which / of_strand] = uint32_t(next_.size());
+        for (size_t k = 0; k < count_of_[which]; ++k) {
+            const uint32_t other = links_[which * most_links + k].other / places_.n;
+            next_.push_back(other), ++begin_[other + 1];
+        }
     }
+    for (size_t s = 1; s < begin_.size(); ++s) begin_[s] += begin_[s - 1];
+    on_other_.resize(next_.size()), acting_.resize(next_.size()), slot_.resize(next_.size());
+    for (size_t k = 0; k < next_.size(); ++k) slot_[k] = begin_[next_[k]]++;
+    // Each begin has moved on to its end, which is the next one's begin.
+    begin_.insert(begin_.begin(), 0), begin_.pop_back();
 }
 
-void StrandLinks::add(const PlaceOnStrand& place, const Vec3f& force, float stiffness) {
-    const uint32_t a = place.edge, b = a + 1;
-    const float there = place.along, here = 1 - there;
-    force_[a] += here * force, force_[b] += there * force;
-    stiffness_[a] += here * stiffness, stiffness_[b] += there * stiffness;
+void StrandLinks::add(const PlaceOnStrand& place, FourFloats acts) {
+    place.share([&](uint32_t id, float share) { sum_[id] += share * acts; });
 }
 
-// Calls visit(own place, own link, its slot in on_other_) for each link of a strand.
-template <class Visit>
-void StrandLinks::for_each_link(uint32_t strand, Visit visit) {
-    const uint32_t begin = strand * places_.n * places_.each, end = begin + places_.n * places_.each;
-    const uint32_t* slot = slot_.data() + first_[strand];
-    for (uint32_t which = begin; which < end; ++which)
-        for (size_t k = 0; k < count_of_[which]; ++k)
-            visit(places_.at(which / places_.each, which % places_.each), links_[which * most_links + k],
-                  on_other_[*slot++]);
+// What links of one place after the other do to it.
+struct StrandLinks::AtPlace {
+    static constexpr uint32_t none = ~0u;
+    StrandLinks& links;
+    uint32_t place = none;
+    FourFloats sum = {0, 0, 0, 0};
+    void add(uint32_t of, FourFloats acts) {
+        if (of != place) hand_over(), place = of;
+        sum += acts;
+    }
+    void hand_over() {
+        if (place != none) links.add(links.place_[place], sum);
+        sum = FourFloats{0, 0, 0, 0};
+    }
+    ~AtPlace() { hand_over(); }
+};
+
+// Links of a strand that a vector's lanes hold.
+struct StrandLinks::Lanes {
+    using P = Pack<float>;
+    static constexpr int lanes = P::lanes;
+    const LinkedParticle *own[lanes], *other[lanes];  // the place itself; where the other edge begins
+    uint32_t place[lanes];
+    StrandLink* link[lanes];
+    int count = 0;
+
+    void take(const LinkedParticle* there, uint32_t which, StrandLink& of) {
+        own[count] = there, place[count] = which, link[count++] = &of;
+    }
+    // The rest is like the first.
+    void fill_up() {
+        for (int lane = count; lane < lanes; ++lane)
+            own[lane] = own[0], place[lane] = place[0], link[lane] = link[0];
+    }
+    static Vec3<P> first_three(const FourColumns& of) { return {of[0], of[1], of[2]}; }
+    // Places and masses, then speeds and saturations.
+    static const float* first_half(const LinkedParticle* of) { return &of->x.x; }
+    static const float* second_half(const LinkedParticle* of) { return &of->v.x; }
+};
+
+// Calls act(lanes) for the links of a strand, in their order.
+template <class Act>
+void StrandLinks::for_each_lanes(uint32_t strand, Act act) {
+    Lanes lanes;
+    uint32_t at_slot = first_[strand];
+    auto hand_over = [&] {
+        if (lanes.count == 0) return;
+        lanes.fill_up(), act(lanes);
+        lanes.count = 0;
+    };
+    const uint32_t begin = strand * places_.count, end = begin + places_.count;
+    for (uint32_t which = begin; which < end; ++which) {
+        if (count_of_[which] > 0) there_[which] = place_[which].of(particles.data());
+        for (size_t k = 0; k < count_of_[which]; ++k) {
+            const LinkedParticle* other = &particles[links_[which * most_links + k].other];
+            __builtin_prefetch(other), __builtin_prefetch(other + 1);
+            __builtin_prefetch(&on_other_[slot_[at_slot++]], 1);
+            lanes.take(&there_[which], which, links_[which * most_links + k]);
+            if (lanes.count == Lanes::lanes) hand_over();
+        }
+    }
+    hand_over();
 }
 
 void StrandLinks::act_on_own(uint32_t strand, const StrandContact::Step& step) {
-    const LinkedStrands strands{places_, x.data(), v.data(), mass.data(), saturation.data()};
-    for_each_link(strand, [&](const PlaceOnStrand& own, StrandLink& link, LinkedStrands::Acting& on) {
-        on = strands.act(step, own, link);
-        if (on.acts.stiffness() > 0) add(own, on.acts.force, on.acts.stiffness());
+    using P = Pack<float>;
+    uint32_t at = first_[strand];
+    AtPlace at_place{*this};
+    for_each_lanes(strand, [&](Lanes& of) {
+        constexpr int lanes = Lanes::lanes;
+        uint32_t edge[lanes];
+        for (int l = 0; l < lanes; ++l) edge[l] = of.link[l]->other, of.other[l] = &particles[edge[l]];
+        const auto own = FourColumns::of([&](int l) { return of.first_half(of.own[l]); }),
+                   own_v = FourColumns::of([&](int l) { return of.second_half(of.own[l]); });
+        const Vec3<P> p = of.first_three(own);
+        FourColumns a, b;
+        P t;
+        auto look = [&] {
+            a = FourColumns::of([&](int l) { return of.first_half(of.other[l]); });
+            b = FourColumns::of([&](int l) { return of.first_half(of.other[l] + 1); });
+            t = nearest_on(p, of.first_three(a), of.first_three(b));
+        };
+        look();
+        // At an end of its edge the place may move on to the next one.
+        bool moved = false;
+        for (uint32_t bits = bits_of(t <= P(0)) | bits_of(P(1) <= t); bits; bits &= bits - 1) {
+            const int l = std::countr_zero(bits);
+            const uint32_t next = places_.next(edge[l], t[l]);
+            moved |= next != edge[l];
+            edge[l] = next, of.other[l] = &particles[next];
+        }
+        if (moved) look();
+        const auto a_v = FourColumns::of([&](int l) { return of.second_half(of.other[l]); }),
+                   b_v = FourColumns::of([&](int l) { return of.second_half(of.other[l] + 1); });
+        auto between = [&](const FourColumns& from, const FourColumns& to, int c) {
+            return from[c] + t * (to[c] - from[c]);
+        };
+        const Vec3<P> d = p - Vec3<P>{between(a, b, 0), between(a, b, 1), between(a, b, 2)};
+        const Vec3<P> v =
+            of.first_three(own_v) - Vec3<P>{between(a_v, b_v, 0), between(a_v, b_v, 1), between(a_v, b_v, 2)};
+        const auto kept = FourColumns::of([&](int l) { return &of.link[l]->touch.kept; }),
+                   slip = FourColumns::of([&](int l) { return &of.link[l]->touch.drawn; });
+        Touch<P> touch{kept[0], kept[1], {slip[1], slip[2], slip[3]}};
+        const auto f =
+            StrandContact::act<P>(step, d, v, own_v[3] * between(a_v, b_v, 3),
+                                  P(places_.part()) * StrandContact::weight(own[3], between(a, b, 3)), touch);
+
+        // Lanes beyond those that there are write nothing.
+        const P stiffness = maximum(f.along, f.across);
+        FourColumns{touch.kept, touch.drawn, touch.slip.x, touch.slip.y}.rows([&](int l, FourFloats row) {
+            if (l < of.count) put_four(row, &of.link[l]->touch.kept);
+        });
+        FourColumns{f.force.x, f.force.y, f.force.z, stiffness}.rows([&](int l, FourFloats row) {
+            if (l >= of.count) return;
+            const PlaceOnStrand other{edge[l], t[l]};
+            of.link[l]->other = edge[l], of.link[l]->touch.slip.z = touch.slip.z[l];
+            on_other_[slot_[at + uint32_t(l)]] = {other, row * FourFloats{-1, -1, -1, 1}};
+            acting_[at + uint32_t(l)].other = other;
+            at_place.add(of.place[l], row);
+        });
+        FourColumns{f.normal.x, f.normal.y, f.normal.z, f.along}.rows([&](int l, FourFloats row) {
+            if (l < of.count)
+                put_four(row, &acting_[at + uint32_t(l)].normal),
+                    acting_[at + uint32_t(l)].across = f.across[l];
+        });
+        at += uint32_t(of.count);
     });
 }
 
-void StrandLinks::act_on_other(uint32_t strand, bool with_stiffness) {
-    for (uint32_t k = begin_[strand]; k < begin_[strand + 1]; ++k)
-        if (const auto& [place, acts] = on_other_[k]; acts.stiffness() > 0)
-            add(place, -acts.force, with_stiffness ? acts.stiffness() : 0);
+void StrandLinks::act_on_other(uint32_t strand) {
+    for (uint32_t k = begin_[strand]; k < begin_[strand + 1]; ++k) add(on_other_[k].place, on_other_[k].acts);
+}
+
+// What links hold back of a change of speeds.
+void StrandLinks::hold_own_back(uint32_t strand) {
+    using P = Pack<float>;
+    uint32_t at = first_[strand];
+    AtPlace at_place{*this};
+    for_each_lanes(strand, [&](Lanes& of) {
+        auto acts = [&](int l) -> const ActingLink& { return acting_[at + uint32_t(l < of.count ? l : 0)]; };
+        const auto first = FourColumns::of([&](int l) { return &acts(l).other.along; }),
+                   second = FourColumns::of([&](int l) { return &acts(l).normal.y; });
+        auto speed = [&](auto of_lane) {
+            return of.first_three(FourColumns::of([&](int l) { return of.second_half(of_lane(l)); }));
+        };
+        const Vec3<P> own = speed([&](int l) { return of.own[l]; }),
+                      a = speed([&](int l) { return &particles[acts(l).other.edge]; }),
+                      b = speed([&](int l) { return &particles[acts(l).other.edge + 1]; });
+        const P t = first[0];
+        const Vec3<P> held = StrandContact::against<P>({first[1], first[2], first[3]}, second[2], second[3],
+                                                       own - a - t * (b - a));
+        FourColumns{held.x, held.y, held.z, P(0)}.rows([&](int l, FourFloats row) {
+            if (l >= of.count) return;
+            on_other_[slot_[at + uint32_t(l)]].acts = row;
+            at_place.add(of.place[l], -row);
+        });
+        at += uint32_t(of.count);
+    });
 }
 
 // One sweep of Jacobi's for (M + h^2 K) y = M v, K of the links, from v on: y - v.
@@ -115,18 +314,18 @@ void StrandLinks::correct(double dt) {
     {
 #pragma omp for schedule(dynamic, 8)
         for (long s = 0; s < strands; ++s) {
-            std::fill_n(&force_[size_t(s) * places_.n], places_.n, Vec3f{0, 0, 0});
-            for_each_link(uint32_t(s), [&](const PlaceOnStrand& own, StrandLink&, LinkedStrands::Acting& on) {
-                if (!(on.acts.stiffness() > 0)) return;
-                on.acts.force = -on.acts.against(own.of(v.data()) - on.other.of(v.data()));
-                add(own, on.acts.force, 0);
-            });
+            for (size_t id = size_t(s) * places_.n; id < size_t(s + 1) * places_.n; ++id)
+                sum_[id] *= FourFloats{0, 0, 0, 1};
+            hold_own_back(uint32_t(s));
         }
 #pragma omp for schedule(dynamic, 8)
         for (long s = 0; s < strands; ++s) {
-            act_on_other(uint32_t(s), false);
-            for (uint32_t id = uint32_t(s) * places_.n; id < uint32_t(s + 1) * places_.n; ++id)
-                v[id] = StrandContact::correction(step, mass[id], stiffness_[id], force_[id]);
+            act_on_other(uint32_t(s));
+            for (size_t id = size_t(s) * places_.n; id < size_t(s + 1) * places_.n; ++id) {
+                LinkedParticle& p = particles[id];
+                const FourFloats sum = sum_[id];
+                p.v = StrandContact::correction(step, p.mass, sum[3], {sum[0], sum[1], sum[2]});
+            }
         }
     }
 }
@@ -139,16 +338,18 @@ void StrandLinks::evaluate(double dt) {
     {
 #pragma omp for schedule(dynamic, 8)
         for (long s = 0; s < strands; ++s) {
-            std::fill_n(&force_[size_t(s) * places_.n], places_.n, Vec3f{0, 0, 0});
-            std::fill_n(&stiffness_[size_t(s) * places_.n], places_.n, 0.f);
+            std::fill_n(&sum_[size_t(s) * places_.n], places_.n, FourFloats{0, 0, 0, 0});
             act_on_own(uint32_t(s), step);
         }
 #pragma omp for schedule(dynamic, 8) reduction(max : stiffest)
         for (long s = 0; s < strands; ++s) {
-            act_on_other(uint32_t(s), true);
-            for (uint32_t id = uint32_t(s) * places_.n; id < uint32_t(s + 1) * places_.n; ++id) {
-                diagonal_[id] = StrandContact::on_diagonal(step, stiffness_[id], mass[id]);
-                stiffest = std::max(stiffest, StrandContact::stiffest(step, stiffness_[id], mass[id]));
+            act_on_other(uint32_t(s));
+            for (size_t id = size_t(s) * places_.n; id < size_t(s + 1) * places_.n; ++id) {
+                const FourFloats sum = sum_[id];
+                const float mass = particles[id].mass, stiffness = sum[3];
+                force_[id] = {sum[0], sum[1], sum[2]};
+                diagonal_[id] = StrandContact::on_diagonal(step, stiffness, mass);
+                stiffest = std::max(stiffest, StrandContact::stiffest(step, stiffness, mass));
             }
         }
     }
@@ -159,9 +360,31 @@ double StrandLinks::potential(const std::vector<Vec3d>& at) const {
     double sum = 0;
     for (uint32_t which = 0; which < count_of_.size(); ++which)
         for (size_t l = 0; l < count_of_[which]; ++l)
-            sum += places_.energy(term_, places_.at(which / places_.each, which % places_.each),
-                                  links_[which * most_links + l], at.data(), mass.data(), saturation.data());
+            sum += places_.energy(term_, place_[which], links_[which * most_links + l], at.data(),
+                                  particles.data());
     return sum;
+}
+
+double cell_side(const Strands& drawn, double reach) {
+    constexpr size_t others = 8, samples = 509;
+    constexpr double cells = 6;
+    NeighborGrid grid;
+    grid.build(drawn.points.data(), drawn.points.size(), float(reach));
+    const size_t n = size_t(drawn.particles);
+    std::vector<float> far, near;
+    for (size_t s = 0; s < samples; ++s) {
+        const size_t id = s * drawn.points.size() / samples;
+        near.assign(others, float(reach * reach));
+        grid.around(drawn.points[id], [&](size_t k) {
+            if (const Vec3f d = drawn.points[grid.order()[k]] - drawn.points[id];
+                grid.order()[k] / n != id / n)
+                near.push_back(dot(d, d));
+        });
+        std::nth_element(near.begin(), near.begin() + others - 1, near.end());
+        far.push_back(std::sqrt(near[others - 1]));
+    }
+    std::nth_element(far.begin(), far.begin() + samples / 2, far.end());
+    return std::clamp(double(far[samples / 2]), reach / cells, reach);
 }
 
 // Of each link in a row.
@@ -171,8 +394,9 @@ std::vector<double> numbers_of(const std::vector<StrandLink>& links) {
     std::vector<double> out(links.size() * numbers);
     for (size_t k = 0; k < links.size(); ++k) {
         const StrandLink& link = links[k];
-        const double row[numbers] = {double(link.other),  double(link.kept),   double(link.drawn),
-                                     double(link.slip.x), double(link.slip.y), double(link.slip.z)};
+        const auto& [kept, drawn, slip] = link.touch;
+        const double row[numbers] = {double(link.other), double(kept),   double(drawn),
+                                     double(slip.x),     double(slip.y), double(slip.z)};
         std::copy_n(row, numbers, &out[k * numbers]);
     }
     return out;
@@ -181,8 +405,8 @@ std::vector<StrandLink> links_of(const std::vector<double>& from) {
     std::vector<StrandLink> out(from.size() / numbers);
     for (size_t k = 0; k < out.size(); ++k) {
         const double* row = &from[k * numbers];
-        out[k] = {
-            uint32_t(row[0]), float(row[1]), float(row[2]), {float(row[3]), float(row[4]), float(row[5])}};
+        out[k] = {uint32_t(row[0]),
+                  {float(row[1]), float(row[2]), {float(row[3]), float(row[4]), float(row[5])}}};
     }
     return out;
 }
@@ -203,9 +427,9 @@ void StrandLinks::resume(const Carried& from) {
 
 size_t StrandLinks::bytes() const {
     auto of = [](const auto&... buffers) { return ((buffers.capacity() * sizeof(buffers[0])) + ...); };
-    return of(x, v, mass, saturation, any_, links_, made_, count_of_, begin_, slot_, first_, next_, on_other_,
-              force_, stiffness_, diagonal_) +
-           grid_.bytes() + near_.bytes();
+    return of(particles, place_, there_, x_, far_, any_, links_, made_, count_of_, acting_, on_other_, begin_,
+              slot_, first_, next_, sum_, force_, diagonal_) +
+           grid_.bytes() + wide_grid_.bytes() + near_.bytes();
 }
 
 }  // namespace wetcurl

@@ -1,9 +1,9 @@
-// Contact between strands: links of a particle with the nearest places of other strands. A link pushes where
+// Contact between strands: links of places on a strand with the nearest places of others. A link pushes where
 // they are nearer than it keeps them, holds by friction, and pulls where both are wet. Ours; friction after
 // Cundall and Strack 1979, damping in proportion to the push after Hunt and Crossley 1975.
 //
-// A link of particles of mass w (the harmonic mean of both) at a distance r along n, with the distance d that
-// it keeps and q = (r - d) / radius within [0, 1], v the speed of the one as the other sees it:
+// A link of places that bear masses w (the harmonic mean of both) at a distance r along n, with the distance
+// d that it keeps and q = (r - d) / radius within [0, 1], v the speed of the one as the other sees it:
 //   push  p = strength max(0, d - r)                      [m/s^2]
 //   pull  c = cohesion sigma_i sigma_j, by 16 q^2 (1 - q)^2; what holds it H = c (1 - q)^2 (1 + 2 q)
 //   F = w ((p (1 - b v.n) - c 16 q^2 (1 - q)^2 - e H v.n) n + T), |T| <= friction (p + H)
@@ -21,18 +21,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "base/parameters.h"
 #include "base/vec3.h"
 
 namespace wetcurl {
 
-// Of a place on a strand with the nearest of another.
-struct StrandLink {
-    static constexpr uint32_t none = ~0u;
-    uint32_t other = none;      // (strand, particle) where the nearest edge of the other strand begins
-    float kept = 0, drawn = 0;  // [m] d, and what it may become: min(radius, distance as drawn)
-    Vec3f slip{0, 0, 0};        // [m] since they touched
+// What two places of strands that touch keep from step to step.
+template <class S>
+struct Touch {
+    S kept, drawn;  // [m] d, and what it may become: min(radius, distance as drawn)
+    Vec3<S> slip;   // [m] since they touched
 };
 
 struct StrandContact {
@@ -56,7 +56,7 @@ struct StrandContact {
          &StrandContact::cohesion},
     };
     // Of friction's spring against the push's; damping against what is critical for a particle.
-    static constexpr float held = 0.5f, damped = 0.15f;
+    static constexpr float held = 0.5f, damped = 0.3f;
     // Of one step of dt [s].
     struct Step {
         float dt, radius, strength, friction, cohesion, hold, drag, bounce;
@@ -72,55 +72,59 @@ struct StrandContact {
         WETCURL_HD float per_second() const { return 1.5f / dt; }  // 1 / h of BDF2
     };
     // On the place, by the other [N]; and what its slopes are at most [N/m], along `normal` and across it.
+    // All are zero where the places do not touch.
+    template <class S>
     struct Force {
-        Vec3f force{0, 0, 0}, normal{0, 0, 0};
-        float along = 0, across = 0;
-        WETCURL_HD float stiffness() const { return maximum(along, across); }
-        // What holds back a change of speed [N/m m/s].
-        WETCURL_HD Vec3f against(const Vec3f& speed) const {
-            const Vec3f apart = dot(speed, normal) * normal;
-            return along * apart + across * (speed - apart);
-        }
+        Vec3<S> force, normal;
+        S along, across;
     };
-    // d: from the other to the particle, where both are expected [m]; v: its speed against it [m/s]; `wet`:
-    // sigma_i sigma_j; `weight`: w [kg]. The link's distance and slip follow.
-    WETCURL_HD static Force act(const Step& step, const Vec3f& d, const Vec3f& v, float wet, float weight,
-                                StrandLink& link) {
-        const float r = norm(d);
-        link.kept = maximum(link.kept, minimum(link.drawn, r));
-        const float gap = r - link.kept, pull = step.cohesion * wet;
-        const float q = minimum(maximum(gap / step.radius, 0.f), 1.f), left = (1 - q) * (1 - q);
-        const float push = step.strength * maximum(-gap, 0.f), hold = pull * left * (1 + 2 * q);
-        const float most = step.friction * (push + hold);
-        if (!(push + hold > 0)) {
-            link.slip = {0, 0, 0};
-            return {};
-        }
-        const Vec3f n = (1 / maximum(r, tiny_length<float>)) * d;
-        const float apart = dot(v, n);
-        const Vec3f along = v - apart * n;
-        link.slip = link.slip - dot(link.slip, n) * n + step.dt * along;
-        const float slip = norm(link.slip);
-        if (step.hold * slip > most) link.slip = (most / (step.hold * slip)) * link.slip;
-        Vec3f rub = -step.hold * (link.slip + step.dt * along) - step.drag * along;
-        const float rubbed = norm(rub), kept = rubbed > most ? most / rubbed : 1;
-        rub = kept * rub;
-        const float more = minimum(maximum(1 - step.bounce * apart, 0.f), 2.f);
-        const float damping = 2 * damped * std::sqrt(3 * pull / step.radius) * left * (1 + 2 * q);
+    // What holds back a change of speed [N/m m/s].
+    template <class S>
+    WETCURL_HD static Vec3<S> against(const Vec3<S>& normal, const S& along, const S& across,
+                                      const Vec3<S>& speed) {
+        const Vec3<S> apart = dot(speed, normal) * normal;
+        return along * apart + across * (speed - apart);
+    }
+    // d: from the other to the place, where both are expected [m]; v: its speed against it [m/s]; `wet`:
+    // sigma_i sigma_j; `weight`: w [kg]. The distance that they keep and their slip follow.
+    template <class S>
+    WETCURL_HD static Force<S> act(const Step& step, const Vec3<S>& d, const Vec3<S>& v, const S& wet,
+                                   const S& weight, Touch<S>& touch) {
+        const S zero(0), one(1), two(2), strength(step.strength), hold(step.hold), drag(step.drag),
+            bounce(step.bounce), radius(step.radius), dt(step.dt), per_second(step.per_second());
+        auto bounded = [&](const S& a, const S& most) { return select(a > most, most / a, one); };
+        const S r = norm(d);
+        touch.kept = maximum(minimum(touch.drawn, r), touch.kept);  // not NaN, should r be
+        const S gap = r - touch.kept, pull = S(step.cohesion) * wet;
+        const S q = minimum(maximum(gap / radius, zero), one), left = (one - q) * (one - q),
+                fades = left * (one + two * q);
+        const S push = strength * maximum(-gap, zero), bears = push + pull * fades,
+                most = S(step.friction) * bears;
+        const Vec3<S> n = (one / maximum(r, S(tiny_length<S>))) * d;
+        const S apart = dot(v, n);
+        const Vec3<S> along = v - apart * n, moved = touch.slip - dot(touch.slip, n) * n + dt * along;
+        const Vec3<S> slip = bounded(hold * norm(moved), most) * moved,
+                      rub = -hold * (slip + dt * along) - drag * along;
+        const S kept = bounded(norm(rub), most), more = minimum(maximum(one - bounce * apart, zero), two);
+        const S damping = S(2 * damped) * sqrt(S(3) * pull / radius) * fades;
         // What just touches, to rounding, has no slope yet.
-        const bool pressed = gap < -1e-5f * step.radius;
-        const float along_n = (pressed ? step.strength * maximum(more, 1.f) : 0.f) +
-                              (push * step.bounce + damping) * step.per_second() +
-                              pull / step.radius * maximum(32 * q * (1 - q) * (1 - 2 * q), 0.f);
-        return {weight * ((push * more - pull * 16 * q * q * left - damping * apart) * n + rub), n,
-                weight * along_n, weight * kept * (step.hold + step.drag * step.per_second())};
+        const S pressed = select(gap < S(-1e-5f) * radius, strength * maximum(more, one), zero);
+        const S slope = pressed + (push * bounce + damping) * per_second +
+                        pull / radius * maximum(S(32) * q * (one - q) * (one - two * q), zero);
+        const auto touches = bears > zero;
+        const Vec3<S> none{zero, zero, zero};
+        const S away = push * more - pull * S(16) * q * q * left - damping * apart;
+        touch.slip = select(touches, slip, none);
+        return {select(touches, weight * (away * n + kept * rub), none), n,
+                select(touches, weight * slope, zero),
+                select(touches, weight * kept * (hold + drag * per_second), zero)};
     }
     // [J] of a link with both ends a distance r apart.
-    WETCURL_HD double potential(double r, double wet, double weight, const StrandLink& link) const {
-        const double pressed = maximum(double(link.kept) - r, 0.0);
-        const double q = minimum(maximum((r - double(link.kept)) / radius, 0.0), 1.0);
+    WETCURL_HD double potential(double r, double wet, double weight, const Touch<float>& touch) const {
+        const double pressed = maximum(double(touch.kept) - r, 0.0);
+        const double q = minimum(maximum((r - double(touch.kept)) / radius, 0.0), 1.0);
         const double well = 1.0 / 30 - q * q * q * (1.0 / 3 - q * (0.5 - q / 5));
-        const Vec3d slip = cast<double>(link.slip);
+        const Vec3d slip = cast<double>(touch.slip);
         return weight * (0.5 * strength * (pressed * pressed + double(held) * dot(slip, slip)) -
                          16 * cohesion * wet * radius * well);
     }
@@ -146,17 +150,21 @@ struct StrandContact {
     // Above `least_stiff` a sweep corrects the speeds at the end of a substep; above `most_stiff` the rest
     // goes on the diagonal.
     static constexpr float least_stiff = 0.5f, most_stiff = 4;
-    // Places of a particle that are linked: contact is smooth where they are no farther apart than the
-    // radius.
-    uint32_t places(double edge) const { return uint32_t(std::clamp(std::ceil(edge / radius), 1.0, 8.0)); }
+    // Places of a strand that are linked, of so many particles with edges of that length at most [m]: contact
+    // is smooth where they are no farther apart than the radius.
+    uint32_t places(double edge, int particles) const {
+        const double free = particles - 2;
+        return uint32_t(std::clamp(std::ceil(free * edge / radius), 1.0, std::max(8 * free, 1.0)));
+    }
     double reach(double edge) const { return std::max(2 * radius, 1.1 * std::hypot(radius, 0.5 * edge)); }
 };
 
 // The place of an edge from a to b nearest to p: how far along it, within [0, 1].
-WETCURL_HD inline float nearest_on(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
-    const Vec3f e = b - a;
-    const float t = dot(p - a, e) / maximum(dot(e, e), tiny_length<float> * tiny_length<float>);
-    return minimum(maximum(t, 0.f), 1.f);
+template <class S>
+WETCURL_HD inline S nearest_on(const Vec3<S>& p, const Vec3<S>& a, const Vec3<S>& b) {
+    const Vec3<S> e = b - a;
+    const S t = dot(p - a, e) / maximum(dot(e, e), S(tiny_length<S> * tiny_length<S>));
+    return minimum(maximum(t, S(0)), S(1));
 }
 
 }  // namespace wetcurl

@@ -1,6 +1,9 @@
 // The device's contact between strands run on the host, particle by particle, against the reference.
 #include <gtest/gtest.h>
 
+#include <numeric>
+#include <utility>
+
 #include "cuda/strand_contact/strand_contact_kernel_body.h"
 #include "solver/strand_contact/strand_links.h"
 #include "tests/cuda/host_search.h"
@@ -48,87 +51,102 @@ struct Reference {
     void see(const Tangle<T>& t) {
         auto expected = [&](size_t k) { return t.scheme.predicted(t.x[k], t.x_before[k], t.v[k]); };
         for (size_t k = 0; k < t.x.size(); ++k) {
-            links.x[k] = cast<float>(expected(k) - expected(0)), links.v[k] = cast<float>(t.v[k]);
-            links.mass[k] = float(t.mass[k]), links.saturation[k] = float(t.saturation[k]);
+            links.particles[k] = {cast<float>(expected(k) - expected(0)), float(t.mass[k]),
+                                  cast<float>(t.v[k]), float(t.saturation[k])};
         }
     }
 };
 
 template <class T>
 struct Device {
-    std::vector<Vec3f> x, v;
-    std::vector<float> mass, saturation;
-    std::vector<ContactSum> sum;
+    std::vector<LinkedParticle> particles;
+    std::vector<Vec3f> x;
+    std::vector<float> slope;
     std::vector<Vec3<T>> force;
     std::vector<T> stiffness;
     std::vector<StrandLink> links, found;
-    std::vector<uint8_t> count;
     std::vector<ActingLink> acting;
+    std::vector<LinkForce> link_force;
+    std::vector<uint32_t> rank, begin, leading;
     uint32_t stiffest = 0;
     StrandMemory<T> memory{};
     StrandContactKernelBody<T> b;
     explicit Device(Tangle<T>& t)
-        : x(t.count(), {NAN, NAN, NAN}),
-          v(x),
-          mass(t.count(), NAN),
-          saturation(t.count(), NAN),
-          sum(t.count()),
+        : particles(t.count(), {{NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}, NAN}),
+          x(t.count(), {NAN, NAN, NAN}),
+          slope(t.count(), NAN),
           force(t.count(), {T(NAN), T(NAN), T(NAN)}),
           stiffness(t.count(), T(NAN)),
           links(places_of(t) * most_links),
           found(links),
-          count(places_of(t), 0),
           acting(links.size()),
+          link_force(links.size()),
+          rank(links.size()),
+          begin(size_t(t.drawn.count) + 1),
+          leading(links.size()),
           b{.term = t.term,
             .step = StrandContact::Step(t.term, dt),
-            .places = {uint32_t(t.drawn.particles), t.term.places(t.edge)},
+            .places = {uint32_t(t.drawn.particles), t.term.places(t.edge, t.drawn.particles)},
             .reach = float(t.term.reach(t.edge)),
             .search = {},
             .drawn = t.drawn.points.data(),
+            .particles = particles.data(),
             .x = x.data(),
-            .v = v.data(),
-            .mass = mass.data(),
-            .saturation = saturation.data(),
+            .slope = slope.data(),
             .links = links.data(),
             .found = found.data(),
-            .count = count.data(),
             .acting = acting.data(),
-            .sum = sum.data(),
+            .force = link_force.data(),
+            .rank = rank.data(),
+            .begin = begin.data(),
+            .leading = leading.data(),
             .stiffest = &stiffest} {
         memory.n = t.drawn.particles, memory.strands = t.drawn.count;
         memory.x = t.x.data(), memory.x_before = t.x_before.data();
         memory.v = t.v.data(), memory.v_before = t.v_before.data();
         memory.mass = t.mass.data(), memory.saturation = t.saturation.data();
+        b.search.count = t.count();
     }
-    static size_t places_of(const Tangle<T>& t) { return t.count() * t.term.places(t.edge); }
-    auto add() {
-        return [this](uint32_t id, const Vec3f& force, float stiffness) {
-            sum[id].x += ContactSum::whole(force.x, ContactSum::of_force);
-            sum[id].y += ContactSum::whole(force.y, ContactSum::of_force);
-            sum[id].z += ContactSum::whole(force.z, ContactSum::of_force);
-            sum[id].stiffness += ContactSum::whole(stiffness, ContactSum::of_stiffness);
-        };
+    static size_t places_of(const Tangle<T>& t) {
+        return size_t(t.drawn.count) * t.term.places(t.edge, t.drawn.particles);
     }
-    // Backwards: a pass reads nothing that it writes for another. Returns how many links are found.
-    size_t evaluate(const Tangle<T>& t, bool finds) {
-        for (uint32_t id = t.count(); id-- > 0;) b.see(id, memory, t.scheme);
+    std::vector<ContactSum> sums() const {
+        std::vector<ContactSum> sum(particles.size());
+        for (uint32_t s = b.strand_count(); s-- > 0;)
+            for (uint32_t k = b.links_at(s); k-- > 0;)
+                b.add_up(s, k, [&](uint32_t particle, const ContactSum& more) {
+                    ContactSum& to = sum[s * b.places.n + particle];
+                    to.x += more.x, to.y += more.y, to.z += more.z, to.stiffness += more.stiffness;
+                });
+        return sum;
+    }
+    // Backwards: a pass reads nothing that it writes for another. Returns how many links are found. `side`:
+    // of the search's cells [m].
+    size_t evaluate(const Tangle<T>& t, bool finds, double side) {
+        for (uint32_t id = t.count(); id-- > 0;) b.see(id, memory, t.scheme, finds);
         size_t all = 0;
         if (finds) {
-            const HostSearch search(x, t.drawn.particles, double(b.reach), {0, 0, 0});
+            const HostSearch search(x, t.drawn.particles, side, {0, 0, 0});
             b.search = search.view;
             for (uint32_t k = t.count(); k-- > 0;) all += b.link(k);
-            std::copy(found.begin(), found.end(), links.begin());
+            for (uint32_t l = b.link_count(); l-- > 0;)
+                b.count_link(
+                    l, [](uint32_t& shared, uint32_t more) { return std::exchange(shared, shared + more); });
+            std::exclusive_scan(begin.begin(), begin.end(), begin.begin(), 0u);
+            for (uint32_t l = b.link_count(); l-- > 0;) b.list_link(l);
         }
-        for (uint32_t which = uint32_t(count.size()); which-- > 0;) b.act(which, add());
+        for (uint32_t l = b.link_count(); l-- > 0;) b.act(l);
+        const auto sum = sums();
         for (uint32_t id = t.count(); id-- > 0;)
-            b.give(id, false, force.data(), stiffness.data(),
+            b.give(id, sum[id], false, force.data(), stiffness.data(),
                    [](uint32_t& shared, uint32_t bits) { shared = std::max(shared, bits); });
         return all;
     }
     void correct(const Tangle<T>& t) {
         for (uint32_t id = t.count(); id-- > 0;) b.see_change(id, memory, t.scheme);
-        for (uint32_t which = uint32_t(count.size()); which-- > 0;) b.hold_back(which, add());
-        for (uint32_t id = t.count(); id-- > 0;) b.correct(id, memory, t.scheme);
+        for (uint32_t l = b.link_count(); l-- > 0;) b.hold_back(l);
+        const auto sum = sums();
+        for (uint32_t id = t.count(); id-- > 0;) b.correct(id, sum[id], memory, t.scheme);
     }
 };
 
@@ -139,17 +157,17 @@ double largest(const std::vector<Vec3f>& a) {
 }
 
 template <class T>
-void expect_the_references(Tangle<T> t) {
+void expect_the_references(Tangle<T> t, double share) {
     Reference<T> reference(t);
     Device<T> device(t);
     auto compare = [&](bool finds) {
         if (finds) reference.links.find();
         reference.links.evaluate(dt);
-        const size_t found = device.evaluate(t, finds);
+        const size_t found = device.evaluate(t, finds, share * double(device.b.reach));
         if (finds) {
-            EXPECT_EQ(found,
-                      size_t(std::lround(reference.links.neighbours_mean() * double(device.count.size()))));
-            EXPECT_GT(found, t.x.size());
+            EXPECT_EQ(found, size_t(std::lround(reference.links.neighbours_mean() *
+                                                double(Device<T>::places_of(t)))));
+            EXPECT_GT(found, Device<T>::places_of(t));
         }
         const double most = largest(reference.links.force());
         for (size_t k = 0; k < t.x.size(); ++k) {
@@ -168,21 +186,24 @@ void expect_the_references(Tangle<T> t) {
     std::vector<Vec3d> at;
     double energy = 0, wanted = 0;
     for (const auto& p : t.x) at.push_back(cast<double>(p));
-    for (uint32_t id = 0; id < t.count(); ++id) energy += device.b.energy(id, device.memory);
+    for (uint32_t l = 0; l < device.b.link_count(); ++l) energy += device.b.energy(l, device.memory);
     wanted = reference.links.potential(at);
     EXPECT_NEAR(energy, wanted, 1e-5 * std::abs(wanted));
 
     ASSERT_TRUE(reference.links.corrects());
     EXPECT_TRUE(device.b.corrects());
-    for (size_t k = 0; k < t.x.size(); ++k) reference.links.v[k] = cast<float>(t.v[k] - t.v_before[k]);
+    for (size_t k = 0; k < t.x.size(); ++k)
+        reference.links.particles[k].v = cast<float>(t.v[k] - t.v_before[k]);
     reference.links.correct(dt);
-    const double most = largest(reference.links.v);
+    std::vector<Vec3f> changes;
+    for (const auto& p : reference.links.particles) changes.push_back(p.v);
+    const double most = largest(changes);
     const auto x = t.x, v = t.v;
     device.correct(t);
     EXPECT_GT(most, 0.001);
     for (size_t k = 0; k < t.x.size(); ++k) {
         const bool held = int(k) % t.drawn.particles < 2;
-        const Vec3f dv = held ? Vec3f{0, 0, 0} : reference.links.v[k];
+        const Vec3f dv = held ? Vec3f{0, 0, 0} : changes[k];
         EXPECT_LT(double(norm(cast<float>(t.v[k] - v[k]) - dv)), 1e-4 * most) << k;
         EXPECT_LT(double(norm(cast<float>(t.x[k] - x[k]) - float(t.scheme.h) * dv)), 1e-4 * most * dt + 3e-7)
             << k;
@@ -192,8 +213,10 @@ void expect_the_references(Tangle<T> t) {
 TEST(StrandContactKernelBody, do_what_the_reference_does) {
     for (int particles : {4, 20})
         for (double edge : {0.003, 0.011}) {
-            expect_the_references(Tangle<float>(12, particles, edge, unsigned(particles)));
-            expect_the_references(Tangle<double>(12, particles, edge, unsigned(particles)));
+            for (double share : {0.2, 1.0}) {
+                expect_the_references(Tangle<float>(12, particles, edge, unsigned(particles)), share);
+                expect_the_references(Tangle<double>(12, particles, edge, unsigned(particles)), share);
+            }
         }
 }
 
@@ -201,7 +224,7 @@ TEST(StrandContactKernelBody, leave_what_is_not_finite) {
     Tangle<double> t(12, 20, 0.003, 9);
     t.x[27] = {NAN, 2, 0}, t.x[47] = {1, INFINITY, 0}, t.x[67] = {1e30, 0, 0};
     Device<double> device(t);
-    device.evaluate(t, true);
+    device.evaluate(t, true, double(device.b.reach));
     size_t finite = 0;
     for (const auto& f : device.force) finite += std::isfinite(f.x + f.y + f.z);
     EXPECT_EQ(finite, device.force.size());
@@ -210,13 +233,12 @@ TEST(StrandContactKernelBody, leave_what_is_not_finite) {
 TEST(ContactSum, holds_forces_to_single_precision_in_any_order) {
     for (float a : {1e-9f, -3e-5f, 0.1f, -12.f, 0.f}) {
         ContactSum sum{};
-        for (int k = 0; k < 3; ++k) sum.x += ContactSum::whole(a, ContactSum::of_force);
+        for (int k = 0; k < 3; ++k) sum.x += ContactSum::of({a, 0, 0}, 0).x;
         EXPECT_NEAR(double(sum.force().x), 3 * double(a), 3e-7 * std::abs(double(a)));
     }
-    ContactSum most{};
-    most.y = ContactSum::whole(-1e20f, ContactSum::of_force),
-    most.z = ContactSum::whole(NAN, ContactSum::of_force);
+    const ContactSum most = ContactSum::of({0, -1e20f, NAN}, 0);
     EXPECT_LT(double(most.force().y), -900);
+    EXPECT_EQ(most.force().z, 0);
 }
 
 }  // namespace
