@@ -113,7 +113,7 @@ void AdhesionNetworkCoupling<S>::evaluate(const Adhesion& term, const ChainState
     }
     std::fill(answers_.begin(), answers_.end(), 0.f);
     for (size_t k = 0; k < found_.size(); ++k) {
-        const auto [s, i] = where_[k];
+        const int s = where_[k].first, i = where_[k].second;
         const float f = model ? (found_[k].contact ? outputs_[k] : 0.f) : found_[k].target;
         answer(s, i) = f;
         if (!model) continue;
