@@ -244,12 +244,10 @@ struct LinkSearch {
                 if (found.before[old] == found.strand[k]) had = &before[old];
             StrandLink made = had ? *had : StrandLink();
             float r = had ? distance(particles, p, had->other) : 0;
-            if (!had || found.particle[k] - had->other > 1) {
-                const uint32_t nearest = nearest_edge(particles, p, found.particle[k], found.strand[k]);
-                const float there = distance(particles, p, nearest);
-                // Inside a bend two edges may be the nearest in turn.
-                if (!had || there < stays * r) made.other = nearest, r = there;
-            }
+            const uint32_t nearest = nearest_edge(particles, p, found.particle[k], found.strand[k]);
+            const float there = distance(particles, p, nearest);
+            // Inside a bend two edges may be the nearest in turn.
+            if (!had || there < stays * r) made.other = nearest, r = there;
             if (!(r < 2 * radius)) continue;  // beyond that nothing acts
             if (!had) {
                 const uint32_t there = nearest_edge(drawn, p_drawn, found.particle[k], found.strand[k]);

@@ -28,6 +28,10 @@ StrandLinks::StrandLinks(const StrandContact& term, const Strands& drawn, double
       diagonal_(drawn.points.size(), 0.f) {
     for (uint32_t which = 0; which < count_of_.size(); ++which) place_.push_back(places_.at(which));
     there_.resize(place_.size());
+    // As many links as there may be: no frame asks for memory.
+    begin_.reserve(begin_.size() + 1);
+    next_.reserve(links_.size()), slot_.reserve(links_.size());
+    on_other_.reserve(links_.size()), acting_.reserve(links_.size());
 }
 
 void StrandLinks::find() {

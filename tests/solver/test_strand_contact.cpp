@@ -160,6 +160,52 @@ TEST(StrandContact, links_lead_to_the_nearest_place_of_each_strand) {
     EXPECT_EQ(missed, 0u);
 }
 
+TEST(StrandContact, keeps_its_links_until_others_are_much_nearer) {
+    // Straight strands at these distances from the first; so many that it may be linked to, and one more.
+    Tangle t(10, 20, 4);
+    float away[10] = {0, 0.001f, 1, 0.002f, 2, 0.003f, 3, 0.004f, 4, 0.0044f};
+    StrandLinks links = t.links(usual);
+    auto linked_to = [&](uint32_t strand) {
+        for (int s = 0; s < 10; ++s)
+            for (int i = 0; i < 20; ++i)
+                links.particles[size_t(20 * s + i)].x = {away[s] * (s % 4 == 1 ? 1.f : -1.f),
+                                                         0.002f * float(i), 0};
+        links.find();
+        long count = 0;
+        for (size_t l = 0; l < links.places().count * size_t(most_links); ++l)
+            if (const uint32_t other = links.links()[l].other; other != StrandLink::none)
+                count += other / 20 == strand;
+        return count;
+    };
+    const long all = long(links.places().count);
+    EXPECT_EQ(linked_to(7), all);
+    away[9] = 0.0038f;
+    EXPECT_EQ(linked_to(7), all);
+    EXPECT_EQ(linked_to(9), 0);
+    away[9] = 0.0030f;
+    EXPECT_EQ(linked_to(9), all);
+    EXPECT_EQ(linked_to(7), 0);
+}
+
+// Inside a bend two edges may be about as near: the link stays at the one that it had.
+TEST(StrandContact, a_link_stays_at_its_edge_inside_a_bend) {
+    Tangle t(2, 5, 4);
+    StrandLinks links = t.links(usual);
+    auto edge = [&](float nearer) {
+        for (size_t i = 0; i < 5; ++i) {
+            links.particles[i].x = {nearer, 0.001f, 0.0001f * float(i)};
+            const float way = 0.003f * (float(i) - 2);
+            links.particles[5 + i].x = {way, std::abs(way), 0};
+        }
+        links.find();
+        return links.links()[0].other - 5;
+    };
+    const uint32_t left = edge(-0.0003f);
+    EXPECT_LT(left, 2u);
+    EXPECT_EQ(edge(0.0001f), left);
+    EXPECT_EQ(edge(0.0008f), 2u);
+}
+
 TEST(StrandContact, leaves_the_groom_as_drawn_and_what_was_found_nearer) {
     Tangle t(12, 20, 6);
     t.v = Strands(12, 20);
