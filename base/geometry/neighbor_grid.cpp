@@ -19,8 +19,11 @@ void counting_sort(size_t count, size_t bins, std::vector<uint32_t>& start, std:
                    Key key, Put put) {
     // Threads count on their own: few, where there are many bins.
     const int most = int(std::min<size_t>(size_t(omp_get_max_threads()), 1 + 2 * count / bins));
-    next.assign(size_t(most) * bins, 0);
-    start.resize(bins + 1);
+    // With room for points that spread a little.
+    const size_t room = size_t(most) * bins;
+    if (next.capacity() < room) next.reserve(room + room / 2);
+    if (start.capacity() < bins + 1) start.reserve(bins + bins / 2 + 1);
+    next.assign(room, 0), start.resize(bins + 1);
 #pragma omp parallel num_threads(most)
     {
         const size_t thread = size_t(omp_get_thread_num()), threads = size_t(omp_get_num_threads()),

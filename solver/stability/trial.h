@@ -52,7 +52,7 @@ class Trial {
 
   private:
     void look();
-    const StabilityMethod& method_;
+    const StabilityMethod method_;
     std::unique_ptr<Scene> scene_;
     std::unique_ptr<Simulation> simulation_;
     bool promoted_ = false;  // to double, since single cannot be trusted with the scene

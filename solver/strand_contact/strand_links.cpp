@@ -8,15 +8,21 @@
 
 namespace wetcurl {
 
+// How far lists of neighbours go: where the nearest few of most particles lie, if that is much less than
+// `reach`.
+static float reach_in_lists(const Strands& drawn, float reach) {
+    const float few = 2.5f * float(cell_side(drawn, double(reach)));
+    return few < 0.8f * reach ? few : reach;
+}
+
 StrandLinks::StrandLinks(const StrandContact& term, const Strands& drawn, double longest_edge)
     : particles(drawn.points.size()),
       term_(term),
       drawn_(drawn),
       places_{uint32_t(drawn.particles), term.places(longest_edge, drawn.particles)},
       reach_(float(term.reach(longest_edge))),
+      listed_(reach_in_lists(drawn, reach_)),
       x_(drawn.points),
-      far_(size_t(drawn.count) * places_.count,
-           float(std::min(3 * cell_side(drawn, double(reach_)), double(reach_)))),
       any_(drawn.points.size() + NeighborList::padding, 1.f),
       links_(size_t(drawn.count) * places_.count * most_links),
       made_(links_.size()),
@@ -36,11 +42,6 @@ StrandLinks::StrandLinks(const StrandContact& term, const Strands& drawn, double
 
 void StrandLinks::find() {
     for (size_t id = 0; id < x_.size(); ++id) x_[id] = particles[id].x;
-    // Lists reach as far as most places need by what they were linked to before; who needs more looks around.
-    const auto most = far_.begin() + long(far_.size() * 5 / 8);
-    std::nth_element(far_.begin(), most, far_.end());
-    listed_ = 1.1f * *most;
-    if (listed_ > 0.8f * reach_) listed_ = reach_;
     grid_.build(x_.data(), x_.size(), listed_);
     if (listed_ < reach_) wide_grid_.build(x_.data(), x_.size(), reach_);
     const long count = long(x_.size());
@@ -109,17 +110,14 @@ void StrandLinks::link_cluster(const LinkSearch& search, size_t cluster) {
         });
         for (size_t i = 0; i < count; ++i) {
             if (which[i] >= end[i]) continue;
-            auto needed = [&] {
-                return std::min(std::sqrt(search.farthest(found[i])) + norm(at[i] - x_[id[i]]), reach_);
-            };
-            if (needed() > listed_)
+            const float far = std::sqrt(search.farthest(found[i])) + norm(at[i] - x_[id[i]]);
+            if (std::min(far, reach_) > listed_)
                 wide_grid_.around(x_[id[i]], [&](size_t other) {
                     const uint32_t there = wide_grid_.order()[other], group = there / places_.n;
                     const Vec3f d = x_[there] - x_[id[i]];
                     if (group != strand[i] && dot(d, d) < reach_ * reach_)
                         search.offer(strand[i], at[i], there, group, x_[there], found[i]);
                 });
-            far_[which[i]] = needed();
             const size_t l = size_t(which[i]) * most_links;
             count_of_[which[i]] = uint8_t(search.link(place_[which[i]], found[i], &links_[l], &made_[l]));
             ++which[i];
@@ -431,7 +429,7 @@ void StrandLinks::resume(const Carried& from) {
 
 size_t StrandLinks::bytes() const {
     auto of = [](const auto&... buffers) { return ((buffers.capacity() * sizeof(buffers[0])) + ...); };
-    return of(particles, place_, there_, x_, far_, any_, links_, made_, count_of_, acting_, on_other_, begin_,
+    return of(particles, place_, there_, x_, any_, links_, made_, count_of_, acting_, on_other_, begin_,
               slot_, first_, next_, sum_, force_, diagonal_) +
            grid_.bytes() + wide_grid_.bytes() + near_.bytes();
 }

@@ -63,15 +63,13 @@ class StrandLinks {
     const StrandContact term_;
     const Strands& drawn_;
     const StrandPlaces places_;
-    const float reach_;
+    const float reach_, listed_;         // [m] in which neighbours are looked for, and are listed
     std::vector<PlaceOnStrand> place_;   // (strand, place)
     std::vector<LinkedParticle> there_;  // the same: what is seen there
     NeighborGrid grid_, wide_grid_;      // of what lists hold, and of the whole reach
     NeighborList near_;
     std::vector<Vec3f> x_;
-    std::vector<float> far_;  // (strand, place) [m] in which neighbours were looked for; in any order at last
-    float listed_ = 0;        // [m]
-    std::vector<float> any_;  // ones
+    std::vector<float> any_;                // ones
     std::vector<StrandLink> links_, made_;  // (strand, place, link)
     std::vector<uint8_t> count_of_;         // (strand, place)
     std::vector<ActingLink> acting_;        // (link that there is)
