@@ -175,7 +175,7 @@ double cell_side(const Strands& drawn, double reach);
 
 struct LinkSearch {
     // What a place is linked to already counts as so much nearer: links that come and go keep hair from rest.
-    static constexpr float stays = 0.6f;
+    static constexpr float stays = 0.75f;
 
     const LinkedParticle* particles;  // (strand, particle)
     const Vec3f* drawn;               // the same in the groom as drawn [m]

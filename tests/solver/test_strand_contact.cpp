@@ -434,7 +434,7 @@ Shaken shake(const std::string& more, bool seen = true) {
         before = now;
         RunFrame frame;
         simulation->snapshot(frame);
-        if (seen && f < 24 && f % 6 == 5) out.crowded += crowded(frame.positions, scene.groom.rest) / 4;
+        if (seen && f < 24 && f % 2 == 1) out.crowded += crowded(frame.positions, scene.groom.rest) / 12;
     }
     EXPECT_FALSE(simulation->divergence());
     const auto v = simulation->velocities();
