@@ -92,6 +92,24 @@ struct CellSearch {
         sorted_id[at] = p.id, sorted[at] = p;
     }
 
+    // Calls candidate(near, k, sorted[k]) for k from begin to end, a few at a time: `near` for each that is
+    // nearer to p than `distance` on another strand than particle `of`.
+    template <class Candidate>
+    WETCURL_HD void look(uint32_t of, const Vec3f& p, float distance, uint32_t begin, uint32_t end,
+                         Candidate candidate) const {
+        const uint32_t own = of - of % uint32_t(particles);
+        for (uint32_t k = begin; k < end; k += at_once) {
+            SortedPoint other[at_once];
+            for (uint32_t l = 0; l < at_once; ++l) other[l] = sorted[k + l];
+            for (uint32_t l = 0; l < at_once; ++l) {
+                const Vec3f d = other[l].position() - p;
+                // All three, whatever the first says: a branch takes longer.
+                candidate(bool((l == 0 || k + l < end) & (dot(d, d) < distance * distance) &
+                               (other[l].id - own >= uint32_t(particles))),
+                          k + l, other[l]);
+            }
+        }
+    }
     // Calls candidate(near, k, sorted[k]) for sorted particles k around p, always in the same order: `near`
     // for each that is nearer to p than the radius on another strand than particle `of` (`count`: on any).
     // Where it is false, k may be count and more.
@@ -100,20 +118,7 @@ struct CellSearch {
         const Vec3f from = p - origin;
         if (!grid.holds(from)) return;
         const auto c = grid.cell_of(from);
-        const uint32_t own = of - of % uint32_t(particles);
-        auto search = [&](uint32_t begin, uint32_t end) {
-            for (uint32_t k = begin; k < end; k += at_once) {
-                SortedPoint other[at_once];
-                for (uint32_t l = 0; l < at_once; ++l) other[l] = sorted[k + l];
-                for (uint32_t l = 0; l < at_once; ++l) {
-                    const Vec3f d = other[l].position() - p;
-                    // All three, whatever the first says: a branch takes longer.
-                    candidate(bool((l == 0 || k + l < end) & (dot(d, d) < radius * radius) &
-                                   (other[l].id - own >= uint32_t(particles))),
-                              k + l, other[l]);
-                }
-            }
-        };
+        auto search = [&](uint32_t begin, uint32_t end) { look(of, p, radius, begin, end, candidate); };
         // Nine rows of three cells along x, which lie side by side in the order, but where the grid wraps
         // round: then they lie in two places. Those of the next row are asked for before one is gone through.
         const uint32_t width = 1u << grid.bits_x, left = uint32_t(c.x - 1) & (width - 1),
@@ -146,18 +151,11 @@ struct CellSearch {
         const Vec3f from = p - origin, way{distance, distance, distance};
         if (!grid.holds(from)) return;
         const auto low = grid.cell_of(from - way), high = grid.cell_of(from + way);
-        const uint32_t own = of - of % uint32_t(particles), width = 1u << grid.bits_x;
-        auto look = [&](uint32_t begin, uint32_t end) {
-            for (uint32_t k = begin; k < end; k += at_once) {
-                SortedPoint other[at_once];
-                for (uint32_t l = 0; l < at_once; ++l) other[l] = sorted[k + l];
-                for (uint32_t l = 0; l < at_once; ++l) {
-                    const Vec3f d = other[l].position() - p;
-                    if ((l == 0 || k + l < end) & (dot(d, d) < distance * distance) &
-                        (other[l].id - own >= uint32_t(particles)))
-                        visit(k + l, other[l]);
-                }
-            }
+        const uint32_t width = 1u << grid.bits_x;
+        auto search = [&](uint32_t begin, uint32_t end) {
+            look(of, p, distance, begin, end, [&](bool near, uint32_t k, const SortedPoint& other) {
+                if (near) visit(k, other);
+            });
         };
         // The grid wraps round: no cell is seen twice.
         auto cells = [](int from_cell, int to_cell, int bits) {
@@ -169,8 +167,8 @@ struct CellSearch {
         for (int z = cells(low.z, high.z, grid.bits_z); z-- > 0;)
             for (int y = cells(low.y, high.y, grid.bits_y); y-- > 0;) {
                 const uint32_t* const of_row = start + grid.key(0, low.y + y, low.z + z);
-                look(of_row[left], of_row[right]);
-                if (over > 0) look(of_row[0], of_row[over]);
+                search(of_row[left], of_row[right]);
+                if (over > 0) search(of_row[0], of_row[over]);
             }
     }
     // Whether test(cell) holds of a cell around p.

@@ -69,7 +69,7 @@ void StrandLinks::link_cluster(const LinkSearch& search, size_t cluster) {
         const uint32_t of_strand = id[i] - strand[i] * places_.n, begin = strand[i] * places_.count;
         which[i] = begin + places_.first_of(of_strand), end[i] = begin + places_.first_of(of_strand + 1);
     }
-    struct alignas(64) Lanes {
+    struct alignas(64) Numbers {
         float of[P::lanes] = {};
     };
     auto some = [&] {
@@ -80,7 +80,7 @@ void StrandLinks::link_cluster(const LinkSearch& search, size_t cluster) {
     while (some()) {
         LinkSearch::Candidates found[points];
         Vec3f at[points] = {};
-        Lanes x, y, z, own, worst;
+        Numbers x, y, z, own, worst;
         std::fill_n(worst.of, P::lanes, -1.f);
         for (size_t i = 0; i < count; ++i) {
             if (which[i] < end[i]) {
