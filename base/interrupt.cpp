@@ -10,7 +10,9 @@
 
 namespace wetcurl {
 
-static volatile std::sig_atomic_t asked_for = 0;
+// Workers read it while another guard begins.
+static std::atomic<int> asked_for = 0;
+static_assert(std::atomic<int>::is_always_lock_free);  // a signal handler writes it
 
 // Of the last signal that asked [ms]; 0: there was none.
 static std::atomic<long> asked_at = 0;
