@@ -50,6 +50,9 @@ constexpr const char* shown_wet = R"(
 radius = {}
 tightness = 0.97
 passes = 10
+relaxation = 1
+spacing = 0
+neighbours = 0
 )";
 
 // What a scene may name beside the workload, in the place of Eq 10; where it reaches, as far as that.
@@ -60,7 +63,8 @@ constexpr Addition additions[] = {
     {"flow", "saturation", "[wetness.flow]\nreach = {}\n"},
     {"strand contact", "strand contact", "[strand_contact]\n"},
     {"adhesion", "chain", "[adhesion]\n"},
-    {"cohesion in the solve", "cohesion in the solve", "[cohesion]\nradius = {}\nstrength = 20\n"},
+    {"cohesion in the solve", "cohesion in the solve",
+     "[cohesion]\nradius = {}\nstrength = 20\nrelaxation = 1\npasses = 10\ntightness = 0.85\n"},
     {"Lin 2015", "baseline", "[baseline]\nmethod = \"lin\"\nradius = {}\n"},
     {"Kim 2016", "baseline", "[baseline]\nmethod = \"kim\"\nradius = {}\n"},
     {"boundary particles", "baseline", "[baseline]\nmethod = \"boundary_particles\"\n"},

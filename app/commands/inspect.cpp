@@ -12,6 +12,7 @@
 
 #include "app/dataset/dataset_recipe.h"
 #include "app/engine/device.h"
+#include "app/engine/run_of_scene.h"
 #include "app/engine/run_solids.h"
 #include "app/files/key_rows.h"
 #include "app/files/results.h"
@@ -19,6 +20,7 @@
 #include "app/files/watch_results.h"
 #include "app/measures/axial_extent.h"
 #include "app/measures/fall.h"
+#include "app/measures/locks.h"
 #include "app/options/option_list.h"
 #include "base/log.h"
 #include "base/provenance.h"
@@ -207,6 +209,14 @@ Json run_json(const InspectOptions& o) {
         }
         const RunFrame last = run.frame(run.frames() - 1);
         json["displayed"] = last.displayed.count > 0;
+        if (last.displayed.count > 0 && last.positions.count > 0) {
+            const Locks locks = locks_of(last.positions, last.displayed, support_radius_of(h) / 2);
+            json["locks"] = {{"gathered_mm", 1000 * locks.gathered},
+                             {"drawn_mm", 1000 * locks.drawn},
+                             {"tips_mm", 1000 * locks.tips},
+                             {"strands", locks.strands},
+                             {"share_of_strands", locks.share}};
+        }
         for (size_t k = 0; k < h.energy_kinds.size(); ++k)
             json["last_energy_joule"][h.energy_kinds[k]] = last.energy[k];
         const char* water[] = {"held", "taken", "dripped", "dried"};

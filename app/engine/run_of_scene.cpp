@@ -76,9 +76,11 @@ int substeps_of(const RunHeader& run) {
 }
 
 float support_radius_of(const RunHeader& run) {
+    const Table table =
+        Config::parse(run.scene, scene_name(run), run.scene_folder).root().table(Cohesion::table);
     Cohesion cohesion;
-    read_parameters(cohesion, Cohesion::parameters,
-                    Config::parse(run.scene, scene_name(run), run.scene_folder).root().table("cohesion"));
+    read_parameters(cohesion, Cohesion::parameters, table);
+    cohesion.complete(table, false);
     return float(cohesion.h_c);
 }
 

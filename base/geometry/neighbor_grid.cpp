@@ -49,7 +49,7 @@ void counting_sort(size_t count, size_t bins, std::vector<uint32_t>& start, std:
 
 }  // namespace
 
-void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
+void NeighborGrid::build(const Vec3f* p, size_t count, float radius, const std::vector<float>* weight) {
     constexpr float all = std::numeric_limits<float>::infinity();
     float lx = all, ly = all, lz = all, hx = -all, hy = -all, hz = -all;
 #pragma omp parallel for schedule(static) reduction(min : lx, ly, lz) reduction(max : hx, hy, hz)
@@ -72,6 +72,7 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
     per_column_ = 1 / width;
     reach_ = int(std::ceil(radius / width)) + 1;
 
+    parts_ = weight ? 2 : 1;
     points_.resize(count);
     // The first sort's order waits in the place of the points' numbers.
     counting_sort(
@@ -80,7 +81,11 @@ void NeighborGrid::build(const Vec3f* p, size_t count, float radius) {
     const auto by_column = [&](size_t k) { return std::bit_cast<uint32_t>(points_.number(k)); };
     order_.resize(count), column_.resize(count);
     counting_sort(
-        count, size_t(nx_) * size_t(nz_), start_, next_, [&](size_t i) { return row_of(p[by_column(i)]); },
+        count, parts_ * size_t(nx_) * size_t(nz_), start_, next_,
+        [&](size_t i) {
+            const size_t k = by_column(i), row = first_part(row_of(p[k]));
+            return weight && !((*weight)[k] > 0) ? row + 1 : row;
+        },
         [&](size_t i, uint32_t k) { order_[k] = by_column(i); });
 #pragma omp parallel for schedule(static)
     for (size_t k = 0; k < count; ++k) {

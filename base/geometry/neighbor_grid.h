@@ -60,8 +60,10 @@ class PointQuads {
 // next.
 class NeighborGrid {
   public:
-    // `positions` (count) [m]; a row is `radius` [m] wide at least. Numbers are left to the caller.
-    void build(const Vec3f* positions, size_t count, float radius);
+    // `positions` (count) [m]; a row is `radius` [m] wide at least. Numbers are left to the caller. `weight`
+    // (count): who has none is in the order, and nobody's neighbour; null: all have some.
+    void build(const Vec3f* positions, size_t count, float radius,
+               const std::vector<float>* weight = nullptr);
     size_t size() const { return order_.size(); }
     const std::vector<uint32_t>& order() const { return order_; }
     Vec3f sorted(size_t k) const { return points_.at(k); }
@@ -96,7 +98,7 @@ class NeighborGrid {
         // To points first .. e - 1: those before `stop` that lie in a row with `first` and no farther from it
         // along the row than the radius reaches. Returns e. `first`: beyond the call before's.
         size_t move_to(size_t first, size_t stop) {
-            if (first >= row_end_) start(grid_.sorted(first));
+            if (first >= row_end_) start(first);
             const int low = grid_.column_[first];
             size_t end = stop < row_end_ ? stop : row_end_;
             while (grid_.column_[end - 1] - low > grid_.reach_) --end;
@@ -119,14 +121,17 @@ class NeighborGrid {
         struct Range {
             uint32_t begin, end, stop;
         };
-        void start(const Vec3f& x) {
+        void start(size_t first_of_row) {
+            const Vec3f x = grid_.sorted(first_of_row);
             count_ = 0;
             const int first = grid_.column(x.y) - grid_.reach_;
             grid_.for_each_row(x, [&](uint32_t begin, uint32_t end) {
                 const uint32_t from = grid_.first_at(begin, end, first);
                 range_[count_++] = {from, from, end};
             });
-            row_end_ = grid_.start_[grid_.row_of(x) + 1];
+            const size_t row = grid_.first_part(grid_.row_of(x));
+            row_end_ = grid_.start_[row + 1];
+            if (first_of_row >= row_end_) row_end_ = grid_.start_[row + 2];
         }
         const NeighborGrid& grid_;
         Range range_[9];
@@ -143,6 +148,8 @@ class NeighborGrid {
     size_t row_of(const Vec3f& p) const {
         return size_t(cell(p.z, origin_.z)) * size_t(nx_) + size_t(cell(p.x, origin_.x));
     }
+    // Of a row: those with weight; where some are without, these follow.
+    size_t first_part(size_t row) const { return parts_ * row; }
     // The first of sorted points begin .. end - 1, of one row, that lies in `column` or beyond.
     uint32_t first_at(uint32_t begin, uint32_t end, int column) const {
         while (begin < end) {
@@ -159,7 +166,7 @@ class NeighborGrid {
         const int cx = cell(x.x, origin_.x), cz = cell(x.z, origin_.z);
         for (int z = cz > 0 ? cz - 1 : 0; z <= cz + 1 && z < nz_; ++z)
             for (int across = cx > 0 ? cx - 1 : 0; across <= cx + 1 && across < nx_; ++across) {
-                const size_t row = size_t(z) * size_t(nx_) + size_t(across);
+                const size_t row = first_part(size_t(z) * size_t(nx_) + size_t(across));
                 if (start_[row] < start_[row + 1]) visit(start_[row], start_[row + 1]);
             }
     }
@@ -168,7 +175,8 @@ class NeighborGrid {
     Vec3f origin_{0, 0, 0};
     float inverse_ = 1, per_column_ = 1;
     int reach_ = 0, nx_ = 0, nz_ = 0;      // reach: columns that hold the radius
-    std::vector<uint32_t> start_, order_;  // start: (row and one)
+    size_t parts_ = 1;                     // of a row
+    std::vector<uint32_t> start_, order_;  // start: (row, part, and one)
     std::vector<uint32_t> next_;           // of a sort: (thread, bin)
     std::vector<uint16_t> column_;         // of sorted points
     PointQuads points_;

@@ -220,19 +220,19 @@ CohesionDevice::CohesionDevice(const Cohesion& term, int strands, const Thinning
       own_weight_(size_t(strands)),
       self_weight_(search_.view().count) {
     const int particles = thinning.count;
-    if (thinning.every > 1) {
+    if (!thinning.is_whole()) {
         const ThinnedWater water(thinning, volume, saturation);
         volume_ = DeviceBuffer<float>(water.volume);
         wet_volume_ = DeviceBuffer<float>(wet_volumes_of(water.volume, water.saturation));
         own_volume_ = DeviceBuffer<float>(water.own_volume);
-        thinned_ = DeviceBuffer<Vec3f>(volume_.size());
+        if (thinning.every > 1) thinned_ = DeviceBuffer<Vec3f>(volume_.size());
     } else {
         volume_ = DeviceBuffer<float>(volume);
         wet_volume_ = DeviceBuffer<float>(wet_volumes_of(volume, saturation));
     }
     point_ = DeviceBuffer<HairPoint>(volume_.size() + 1);
     sorted_wet_volume_ = DeviceBuffer<float>(volume_.size() + 1);
-    if (flows || std::ranges::any_of(saturation, [](float sigma) { return sigma <= 0; }))
+    if (flows || thinning.seen < 1 || std::ranges::any_of(saturation, [](float sigma) { return sigma <= 0; }))
         wet_cell_ = DeviceBuffer<uint8_t>(search_.view().grid.cells());
     int device = 0, processors = 1, most_shared = 0;
     check_cuda(cudaGetDevice(&device), "device");

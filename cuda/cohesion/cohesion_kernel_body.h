@@ -67,8 +67,9 @@ struct CohesionMemory {
     CellSearch search;  // within Eq 10's h
     // In the order of cells, and one more who is nobody, without volume.
     HairPoint* point;
-    float* wet_volume;     // sigma V
-    uint8_t* wet_cell;     // (cells) whether a wet particle lies there; null where all are wet
+    float* wet_volume;  // sigma V
+    // (cells) whether a wet particle that is seen lies there; null where all are wet, and seen.
+    uint8_t* wet_cell;
     ListGroup* group;      // (blocks, groups of 32)
     uint8_t* who;          // (blocks, 128) of its block's particles a lane takes; any where there is no list
     Ranks<4>* list;        // (row, lane); lists are filled up with nobody, of rank search.count
@@ -108,9 +109,9 @@ struct CohesionKernelBody {
         const uint32_t cell = m.search.cell_of(p.position());
         if (cell < m.search.grid.cells()) m.wet_cell[cell] = 1;
     }
-    // Calls candidate(near, j) for particles around particle k of the order, where some hair is dry once all
-    // are taken: `near` for those that Eq 10 sees, j their rank. Returns false where all of them are dry:
-    // nobody is drawn to those.
+    // Calls candidate(near, j) for particles around particle k of the order, where some hair is dry or not
+    // seen once all are taken: `near` for those that Eq 10 sees, j their rank. Returns false where all of
+    // them are dry: nobody is drawn to those.
     template <class Candidate>
     WETCURL_HD bool neighbours(uint32_t k, Candidate candidate) const {
         const SortedPoint p = m.search.sorted[k];
@@ -122,8 +123,9 @@ struct CohesionKernelBody {
         bool wet = false;
         if (m.search.any_cell(p.position(), [&](uint32_t cell) { return m.wet_cell[cell]; }))
             candidates([&](bool near, uint32_t j) {
-                candidate(near, j);
-                if (near) wet = wet || m.wet_volume[j] > 0;
+                const bool seen = near && m.point[j].volume > 0;
+                candidate(seen, j);
+                if (seen) wet = wet || m.wet_volume[j] > 0;
             });
         return wet;
     }

@@ -60,7 +60,7 @@ CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
 template <class T>
 void CudaHair<T>::begin_display(const std::vector<float>& saturation, double) {
     displayed_ = DeviceBuffer<Vec3f>(positions_.size());
-    cohesion_.emplace(*scene_.cohesion, state.strands, Thinning(scene_.groom.rest, scene_.cohesion->spacing),
+    cohesion_.emplace(*scene_.cohesion, state.strands, Thinning(scene_.groom.rest, *scene_.cohesion),
                       cast<float>(head.translation), volumes_of(scene_), saturation, scene_.flow.has_value(),
                       rest_depths_of(scene_));
 }

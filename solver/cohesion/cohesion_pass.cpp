@@ -20,7 +20,8 @@ CohesionPass::CohesionPass(const Cohesion& term, int strands, const Thinning& th
       strands_(strands),
       particles_(thinning.count),
       reach_(reach),
-      water_(thinning.every > 1 ? std::optional<ThinnedWater>({thinning, volume, saturation}) : std::nullopt),
+      water_(thinning.is_whole() ? std::nullopt
+                                 : std::optional<ThinnedWater>({thinning, volume, saturation})),
       own_volume_(water_ ? water_->own_volume : volume),
       volume_(water_ ? water_->volume : volume),
       saturation_(water_ ? water_->saturation : saturation) {
@@ -29,13 +30,13 @@ CohesionPass::CohesionPass(const Cohesion& term, int strands, const Thinning& th
     rank_.resize(count);
     if (reach > 0) any_.assign(padded, 1.f);
     segment_.resize(size_t(strands)), own_weight_.resize(size_t(strands));
-    if (water_) thinned_ = Strands(strands, particles_);
+    if (thinning.every > 1) thinned_ = Strands(strands, particles_);
 }
 
 void CohesionPass::build_lists(const Strands& p, const Strands& whole) {
     const double begin = omp_get_wtime();
     const float radius = std::max(float(term_.h_c), reach_);
-    grid_.build(p.points.data(), p.points.size(), radius);
+    grid_.build(p.points.data(), p.points.size(), radius, thinning_.seen < 1 ? &volume_ : nullptr);
     const long count = long(grid_.size());
 #pragma omp parallel
     {
@@ -43,8 +44,8 @@ void CohesionPass::build_lists(const Strands& p, const Strands& whole) {
         for (int s = 0; s < strands_; ++s) {
             segment_[size_t(s)] = float(arc_length(p.strand(s), particles_) / (particles_ - 1));
             own_weight_[size_t(s)] = float(term_.own_weight(
-                !water_ ? segment_[size_t(s)]
-                        : arc_length(whole.strand(s), whole.particles) / (whole.particles - 1)));
+                thinning_.every == 1 ? segment_[size_t(s)]
+                                     : arc_length(whole.strand(s), whole.particles) / (whole.particles - 1)));
         }
 #pragma omp for schedule(static)
         for (long k = 0; k < count; ++k) {
@@ -76,12 +77,12 @@ void CohesionPass::build_lists(const Strands& p, const Strands& whole) {
 }
 
 void CohesionPass::draw_together(const Strands& p) {
-    if (water_) {
+    if (thinning_.every > 1) {
 #pragma omp parallel for schedule(static)
         for (int s = 0; s < strands_; ++s)
             for (int j = 0; j < particles_; ++j) thinned_.at(s, j) = p.at(s, thinning_.at(s, j));
     }
-    build_lists(water_ ? thinned_ : p, p);
+    build_lists(thinning_.every > 1 ? thinned_ : p, p);
     const long clusters = long(list_.clusters());
     for (int sweep = 0; sweep < term_.sweeps(); ++sweep) {
 #pragma omp parallel for schedule(dynamic, 256)
@@ -98,7 +99,7 @@ void CohesionPass::show(int strand, Vec3f* x, float* edges) const {
     edges[0] = 0;
     for (int i = 1; i < thinning_.particles; ++i) {
         Vec3f end;
-        if (!water_) {
+        if (thinning_.every == 1) {
             end = now.at(rank[i]);
         } else {
             const Thinning::Place at = thinning_.place(strand, i);

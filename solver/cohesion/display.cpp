@@ -15,8 +15,8 @@ Display::Display(const Scene& scene, const std::vector<float>& saturation, doubl
       lends_(reach > 0),
       volume_(volumes_of(scene)),
       rest_depth_(rest_depths_of(scene)),
-      cohesion_(*scene.cohesion, scene.groom.rest.count, Thinning(scene.groom.rest, scene.cohesion->spacing),
-                volume_, saturation, float(reach)) {
+      cohesion_(*scene.cohesion, scene.groom.rest.count, Thinning(scene.groom.rest, *scene.cohesion), volume_,
+                saturation, float(reach)) {
     for (const Solid& solid : scene.solids)
         shapes_.push_back(solid.deformation ? ShapeView{ShapeView::Kind::moving_grid, {}, {}, {}}
                                             : view_of(solid.shape));

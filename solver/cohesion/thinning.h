@@ -1,5 +1,6 @@
 // Strands by some of their particles: every so-manieth from the root, and the tip. What is known of these
-// goes over to the others linearly, and what the others hold goes to these by the same weights.
+// goes over to the others linearly, and what the others hold goes to these by the same weights. And hair by
+// some of its strands, which others see in the place of all.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 #include <vector>
 
 #include "base/strands.h"
+#include "solver/grooms/neighbourhood.h"
+#include "solver/terms/cohesion.h"
 
 namespace wetcurl {
 
@@ -14,14 +17,28 @@ struct Thinning {
     int particles;  // of a whole strand, 2 or more
     int every;      // 1: all; at most particles - 1
     int count;      // of a strand, who are asked
+    double seen;    // share of the strands, 1: all
 
-    explicit Thinning(int particles, int every = 1)
+    explicit Thinning(int particles, int every = 1, double seen = 1)
         : particles(particles),
           every(every),
           count((particles - 2) / every + 2),
+          seen(seen),
           inverse(1.f / float(every)) {}
-    // About `spacing` [m] apart where strands lie as `rest` does, 0: all.
-    Thinning(const Strands& rest, double spacing) : Thinning(rest.particles, every_of(rest, spacing)) {}
+    // As the term asks where strands lie as `rest` does.
+    Thinning(const Strands& rest, const Cohesion& term)
+        : Thinning(rest.particles, every_of(rest, term.spacing)) {
+        if (term.neighbours == 0) return;
+        const double all = Neighbourhood(rest).within(term.h_c) / every;
+        if (all > term.neighbours) seen = term.neighbours / all;
+    }
+    bool is_whole() const { return every == 1 && seen == 1; }
+    // Of any run of strands the same share is seen.
+    bool sees(size_t strand) const {
+        constexpr double golden = 0.61803398874989485;
+        const double turns = double(strand) * golden;
+        return turns - std::floor(turns) < seen;
+    }
 
     // Where the j-th of a strand is. Strands take turns: asked at one height, all would draw together there.
     WETCURL_HD int at(int strand, int j) const { return after_turn(strand % every, j); }
@@ -72,7 +89,7 @@ struct Thinning {
 };
 
 // Of some particles, (strand, count): their own volume, and volume [m^3] and saturation of what each stands
-// for.
+// for; a strand that is not seen stands for nothing.
 struct ThinnedWater {
     std::vector<float> own_volume, volume, saturation;
     ThinnedWater(const Thinning& thinning, const std::vector<float>& whole_volume,
@@ -80,7 +97,11 @@ struct ThinnedWater {
         : own_volume(thinning.picked(whole_volume)), volume(thinning.gathered(whole_volume)) {
         for (size_t k = 0; k < whole_volume.size(); ++k) whole_saturation[k] *= whole_volume[k];
         saturation = thinning.gathered(whole_saturation);
-        for (size_t k = 0; k < volume.size(); ++k) saturation[k] /= volume[k];
+        for (size_t k = 0; k < volume.size(); ++k) {
+            saturation[k] /= volume[k];
+            if (thinning.seen < 1)
+                volume[k] *= thinning.sees(k / size_t(thinning.count)) ? float(1 / thinning.seen) : 0.f;
+        }
     }
 };
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 
 #include "base/exchange/scene_mesh.h"
@@ -24,12 +25,14 @@ uint64_t mixed(uint64_t z) {
     return z ^ (z >> 31);
 }
 
-// Random numbers of one strand: a function of the seed and the place alone. i / W and (2 i) / (2 W) are the
-// same double, since division rounds the same quotient.
-class StrandNoise {
+// Random numbers of one strand or lock: a function of the seed and the place alone. i / W and (2 i) / (2 W)
+// are the same double, since division rounds the same quotient.
+class Noise {
   public:
-    StrandNoise(uint64_t seed, double u, double v)
-        : state_(mixed(mixed(mixed(seed) ^ std::bit_cast<uint64_t>(u)) ^ std::bit_cast<uint64_t>(v))) {}
+    template <class... Place>
+    explicit Noise(uint64_t seed, Place... place) : state_(mixed(seed)) {
+        ((state_ = mixed(state_ ^ std::bit_cast<uint64_t>(double(place)))), ...);
+    }
     // In [-1, 1).
     double next() { return double((state_ = mixed(state_)) >> 11) * 0x1p-52 - 1; }
 
@@ -47,8 +50,7 @@ struct Shape {
     double length, radius, phase, turn;  // turn: +1 or -1, the helix's hand
 };
 
-Shape shape_at(const ProceduralGroom& g, double u, double v) {
-    StrandNoise noise(g.seed, u, v);
+Shape shape_of(const ProceduralGroom& g, Noise noise) {
     Shape shape;
     shape.phase = g.phase_noise * noise.next();
     shape.radius = g.curl_radius * (1 + g.radius_noise * noise.next());
@@ -56,6 +58,26 @@ Shape shape_at(const ProceduralGroom& g, double u, double v) {
     shape.turn = noise.next() < 0 ? -1 : 1;
     return shape;
 }
+
+// The middle of the lock that a root at `place` belongs to, and the lock's noise: of points that lie at
+// random, one in each cube of `width`, the nearest (Worley 1996).
+struct Lock {
+    Vec3d middle;
+    Noise noise;
+    Lock(uint64_t seed, double width, const Vec3d& place) : noise(seed, 0, 0) {
+        const Vec3d at = (1 / width) * place;
+        double least = std::numeric_limits<double>::infinity();
+        for (int n = 0; n < 27; ++n) {
+            const Vec3d cube{std::floor(at.x) + n % 3 - 1, std::floor(at.y) + n / 3 % 3 - 1,
+                             std::floor(at.z) + n / 9 - 1};
+            Noise own(seed, cube.x, cube.y, cube.z);
+            const auto within = [&] { return 0.5 + 0.5 * own.next(); };
+            const Vec3d point{cube.x + within(), cube.y + within(), cube.z + within()};
+            if (const double far = norm(point - at); far < least)
+                least = far, middle = width * point, noise = own;
+        }
+    }
+};
 
 Cap cap_of(const ProceduralGroom& g) {
     return {{0, std::cos(g.tilt), -std::sin(g.tilt)},
@@ -85,6 +107,7 @@ class Grower {
         return normalized(dot(part_, out) * out - part_, Vec3d{0, 0, -1});
     }
     Vec3d fall(const Vec3d& x, double height) const;
+    Shape shape_at(double u, double v, const Vec3d& root) const;
 
     const ProceduralGroom& g_;
     Scalp scalp_;
@@ -100,9 +123,23 @@ Vec3d Grower::fall(const Vec3d& x, double height) const {
     return normalized(down + (g_.comb * near * near * close) * away_from_part(out), down);
 }
 
+// Strands of a lock have its curl, but for a share of their own, and are in phase side by side.
+Shape Grower::shape_at(double u, double v, const Vec3d& root) const {
+    Shape shape = shape_of(g_, Noise(g_.seed, u, v));
+    if (!(g_.curl_lock > 0)) return shape;
+    constexpr double own = 0.15;
+    const Lock lock(g_.seed, g_.curl_lock, root);
+    const Shape shared = shape_of(g_, lock.noise);
+    const double ahead = dot(root - lock.middle, fall(root, 0));
+    shape.radius = shared.radius + own * (shape.radius - shared.radius);
+    shape.phase = shared.phase + own * shape.phase + shared.turn * two_pi * ahead / g_.pitch;
+    shape.turn = shared.turn;
+    return shape;
+}
+
 Vec3d Grower::grow(double u, double v, Vec3f* points) const {
-    const Shape shape = shape_at(g_, u, v);
     const ScalpPoint root = scalp_.root(cap_.direction(u, v));
+    const Shape shape = shape_at(u, v, root.place);
     ScalpPoint here = root;
     // The core keeps this height where it glides over the scalp, so that the curl stays outside.
     const double glide = shape.radius + 1e-3;

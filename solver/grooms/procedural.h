@@ -24,6 +24,7 @@ struct ProceduralGroom {
     double curl_radius;                 // [m]; 0: straight
     double pitch;                       // along the core, a turn [m]
     double phase_noise;                 // [rad]
+    double curl_lock;                   // [m]; 0: each strand curls by itself
     double radius_noise, length_noise;  // fractions
     double lift;                        // how far a strand stands out before it falls [m]
     double comb;                        // pull away from the part, against gravity's 1
@@ -120,6 +121,9 @@ inline constexpr Parameter<ProceduralGroom> procedural_parameters[] = {
     {KeyRow::number("phase_noise", "rad", 1.5, 0, 3.141592653589793,
                     "Largest shift of the phase of a helix."),
      &ProceduralGroom::phase_noise},
+    {KeyRow::number("curl_lock", "m", 0, 0, 1,
+                    "Width of the locks whose strands curl alike; 0: each strand by itself."),
+     &ProceduralGroom::curl_lock},
     {KeyRow::number("radius_noise", "1", 0.1, 0, 0.9, "Largest change of the curl radius, as a share of it."),
      &ProceduralGroom::radius_noise},
     {KeyRow::number("length_noise", "1", 0.1, 0, 0.9, "Largest change of the length, as a share of it."),

@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "base/median.h"
 #include "base/number_text.h"
+#include "solver/grooms/neighbourhood.h"
 
 namespace wetcurl {
 
@@ -243,35 +244,6 @@ void find_water(std::vector<Finding>& out, const Scene& scene) {
                            "rate, center, radius, motion, from or until of that source"});
 }
 
-// Distances between particles of different strands at rest: of some to some of all others.
-class Neighbourhood {
-  public:
-    explicit Neighbourhood(const Strands& hair) {
-        const size_t particles = size_t(hair.particles), all = size_t(hair.count) * particles;
-        constexpr size_t most = 24, most_others = 20000;
-        const size_t step = std::max<size_t>(1, all / most),
-                     step_others = std::max<size_t>(1, all / most_others);
-        const auto at = [&](size_t k) { return hair.at(int(k / particles), int(k % particles)); };
-        for (size_t k = 0; k < all; k += step, ++looked_at_)
-            for (size_t other = k % step_others; other < all; other += step_others)
-                if (other / particles != k / particles) distances_.push_back(norm(at(k) - at(other)));
-        std::sort(distances_.begin(), distances_.end());
-        share_ = 1 / double(step_others);
-    }
-    // Of one particle, in the mean, within a radius [m].
-    double within(double radius) const {
-        const auto end = std::upper_bound(distances_.begin(), distances_.end(), float(radius));
-        return double(end - distances_.begin()) / (share_ * double(looked_at_));
-    }
-    // [m] within which there are `count`, fewer than there are in all.
-    double radius_of(double count) const { return distances_[size_t(count * share_ * double(looked_at_))]; }
-
-  private:
-    std::vector<float> distances_;  // [m] rising
-    double share_ = 1;              // of all others that were asked
-    size_t looked_at_ = 0;
-};
-
 // Searches for neighbours that find far more of them than any effect needs: a frame takes minutes.
 void find_wide_radii(std::vector<Finding>& out, const Scene& scene) {
     constexpr double too_many = 2000, plenty = 100;
@@ -291,7 +263,8 @@ void find_wide_radii(std::vector<Finding>& out, const Scene& scene) {
                                        2.5 * boundary->spacing, BoundaryParticles2013::table)});
     }
     std::vector<Search> radii;
-    if (scene.cohesion) radii.push_back({Cohesion::table, "radius", scene.cohesion->h_c});
+    if (scene.cohesion && scene.cohesion->neighbours == 0)
+        radii.push_back({Cohesion::table, "radius", scene.cohesion->h_c});
     if (scene.strand_contact) radii.push_back({StrandContact::table, "radius", scene.strand_contact->radius});
     if (scene.flow && scene.flow->exchange > 0) radii.push_back({Flow::table, "reach", scene.flow->reach});
     if (const auto& lin = scene.baseline<Lin2015>()) radii.push_back({Lin2015::table, "radius", lin->h});

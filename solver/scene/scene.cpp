@@ -148,6 +148,7 @@ void read_wet(Scene& scene, const Table& root) {
         root.table("cohesion")
             .fail("spacing",
                   "found beside [wetness.flow], which goes by the neighbours of each particle; allowed is 0");
+    if (scene.cohesion) scene.cohesion->complete(root.table("cohesion"), scene.flow.has_value());
     for (const char* wet : {"curl", "cohesion", "adhesion"})
         if (root.has(wet) && !scene.wetness)
             root.fail(wet, std::string("[") + wet + "] acts on wet hair and needs a [wetness] table");

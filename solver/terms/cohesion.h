@@ -4,8 +4,10 @@
 // It holds the particle's own strand, taken as straight: the particle alone is too little where segments are
 // short beside h. The displacement is then smoothed along the strand over `coherence`, since a few passes of
 // Eq 10 alone draw curls into knots of particles: strands come together whole and keep their curl. 0 leaves
-// Eq 10 as it is. Such a displacement may be asked for at some particles of a strand alone (`spacing`), and
-// fewer, over-relaxed passes may stand for all (`relaxation`).
+// Eq 10 as it is. Such a displacement may be asked for at some particles of a strand alone (`spacing`),
+// fewer, over-relaxed passes may stand for all (`relaxation`), and in dense hair some strands for all
+// (`neighbours`). A lock then gathers hair of a width that goes with h, whatever is drawn of it
+// (`lock_width`).
 #pragma once
 
 #include <algorithm>
@@ -22,13 +24,22 @@ namespace wetcurl {
 struct Cohesion {
     static constexpr const char *name = "cohesion", *table = "cohesion",
                                 *about = "Clumping of wet strands; needs [wetness].";
-    double h_c, lambda, coherence, stretch, strength, spacing = 0, relaxation = 1;
-    int passes = 10;
+    double h_c, lambda, coherence, stretch, strength, spacing = 0, relaxation = 1, lock_width = 0;
+    int passes = 10, neighbours = 0;
+    // Measured: width of the hair that a lock gathers, in h; and how far apart particles may be asked, in h.
+    static constexpr double width_of_radius = 1.5, spacing_of_radius = 0.6;
     static constexpr Parameter<Cohesion> parameters[] = {
-        {KeyRow::number("radius", "m", 0.012, 1e-6, 1, "Distance within which wet strands attract.",
-                        "Eq 10, h: support of W"),
+        {KeyRow::number(
+             "lock_width", "m", 0.012, 1e-6, 1,
+             "Width of the hair that one lock gathers, however many strands are drawn of it; in the "
+             "place of radius.",
+             "ours"),
+         &Cohesion::lock_width},
+        {KeyRow::number("radius", "m", 0, 1e-6, 1, "Distance within which wet strands attract.",
+                        "Eq 10, h: support of W")
+             .without_default("lock_width / 1.5"),
          &Cohesion::h_c},
-        {KeyRow::number("tightness", "1", 0.85, 0, 0.999,
+        {KeyRow::number("tightness", "1", 0.97, 0, 0.999,
                         "Share of the way to the mean of its neighbours that a particle moves in a pass.",
                         "Eq 10, lambda"),
          &Cohesion::lambda},
@@ -48,15 +59,34 @@ struct Cohesion {
              "spacing", "m", 0, 0, 1,
              "Approximate distance along a strand between particles at which Eq 10 is computed; those "
              "between are interpolated; 0: at each particle.",
-             "ours"),
+             "ours")
+             .without_default("0.6 times the radius; 0 beside [wetness.flow] and strength"),
          &Cohesion::spacing},
         {KeyRow::number(
-             "relaxation", "1", 1, 1, 3.4,
+             "relaxation", "1", 3.4, 1, 3.4,
              "Approximate number of passes that one over-relaxed sweep replaces; 1: no such sweeps.", "ours"),
          &Cohesion::relaxation},
         {KeyRow::integer("passes", 10, 1, 1000, "Passes of Eq 10 in a frame.", "Eq 10"), &Cohesion::passes},
+        {KeyRow::integer(
+             "neighbours", 100, 0, 1e6,
+             "Neighbours that Eq 10 sees of a particle in the mean, at most: where the drawn hair "
+             "has more, some strands stand for all; 0: all. Beside [wetness.flow] and strength all "
+             "are seen.",
+             "ours"),
+         &Cohesion::neighbours},
     };
 
+    // What the table does not write and follows from what it does. Throws Misuse where it writes both of two
+    // keys that say the same.
+    void complete(const Table& written, bool flows) {
+        if (written.has("radius") && written.has("lock_width"))
+            written.fail("lock_width",
+                         "found beside radius; allowed is one of the two: radius = lock_width / 1.5");
+        if (!written.has("radius")) h_c = lock_width / width_of_radius;
+        const bool all = flows || strength > 0;  // whose forces go by the same neighbours
+        if (all) neighbours = 0;
+        if (!all && !written.has("spacing")) spacing = spacing_of_radius * h_c;
+    }
     // Sweeps that stand for the passes.
     int sweeps() const { return std::min(passes, std::max(2, int(std::ceil(passes / relaxation)))); }
     // By how much more than a pass the k-th of them moves: they come in threes, the last with what is left.

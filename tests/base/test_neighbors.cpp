@@ -70,8 +70,9 @@ struct Listed {
     std::vector<uint32_t> group;
     std::vector<float> source;
     NeighborList list;
-    Listed(const std::vector<Vec3f>& p, float radius, float source_above) {
-        grid.build(p.data(), p.size(), radius);
+    Listed(const std::vector<Vec3f>& p, float radius, float source_above,
+           const std::vector<float>* weight = nullptr) {
+        grid.build(p.data(), p.size(), radius, weight);
         group.resize(p.size()), source.resize(p.size() + NeighborList::padding);
         for (size_t k = 0; k < p.size(); ++k) {
             group[k] = grid.order()[k] % 3;
@@ -103,6 +104,31 @@ TEST(NeighborList, holds_each_neighbour_of_another_group_once_and_no_other) {
     }
     EXPECT_GT(pairs, 10000u);
     EXPECT_DOUBLE_EQ(all.list.neighbours_mean(), double(pairs) / double(p.size()));
+}
+
+TEST(NeighborList, holds_none_without_weight_and_lists_for_all) {
+    const auto p = cloud(1500, 0.1, 7);
+    const float radius = 0.03f;
+    std::vector<float> weight(p.size());
+    for (size_t k = 0; k < p.size(); ++k) weight[k] = k % 5 < 2 ? 0.5f : 0.f;
+    const Listed some(p, radius, -1, &weight);
+    size_t pairs = 0, of_those_without = 0;
+    for (size_t k = 0; k < p.size(); ++k) {
+        std::vector<uint32_t> wanted;
+        for (uint32_t j = 0; j < p.size(); ++j) {
+            const Vec3f d = some.grid.sorted(j) - some.grid.sorted(k);
+            if (dot(d, d) < radius * radius && some.group[j] != some.group[k] &&
+                weight[some.grid.order()[j]] > 0)
+                wanted.push_back(j);
+        }
+        EXPECT_EQ(some.neighbours(k), wanted);
+        pairs += wanted.size();
+        if (weight[some.grid.order()[k]] == 0) of_those_without += wanted.size();
+    }
+    EXPECT_GT(pairs, 5000u);
+    EXPECT_GT(of_those_without, 2000u);
+    std::vector<float> none(p.size());
+    EXPECT_EQ(Listed(p, radius, -1, &none).list.neighbours_mean(), 0);
 }
 
 TEST(NeighborList, is_empty_where_no_neighbour_is_a_source) {

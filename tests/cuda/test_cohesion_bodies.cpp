@@ -41,7 +41,7 @@ struct Result {
 };
 
 Result by_reference(const Tuft& hair, const Cohesion& term) {
-    CohesionPass pass(term, hair.p.count, Thinning(hair.p, term.spacing), hair.volume, hair.saturation);
+    CohesionPass pass(term, hair.p.count, Thinning(hair.p, term), hair.volume, hair.saturation);
     Strands out = hair.p;
     pass.apply(out);
     return {out, pass.neighbours_mean(), 0};
@@ -49,7 +49,7 @@ Result by_reference(const Tuft& hair, const Cohesion& term) {
 
 template <class Who = OneAlone>
 Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}, int staged = 48) {
-    const Thinning thinning(hair.p, term.spacing);
+    const Thinning thinning(hair.p, term);
     const int n = thinning.count;
     const ThinnedWater water(thinning, hair.volume, hair.saturation);
     Strands asked(hair.p.count, n);
@@ -59,7 +59,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}, int stage
     const uint32_t count = uint32_t(simulated.size());
     std::vector<HairPoint> point(count + 1);
     std::vector<float> wet_volume(count), sorted_wet_volume(count + 1);
-    const bool some_dry = std::ranges::count(hair.saturation, 0.f) > 0;
+    const bool some_dry = thinning.seen < 1 || std::ranges::count(hair.saturation, 0.f) > 0;
     const uint32_t blocks = (count + list_block - 1) / list_block, places = blocks * list_block;
     std::vector<ListGroup> group(places / ListGroup::lanes);
     std::vector<uint8_t> lane_takes(places);
@@ -72,7 +72,7 @@ Result by_bodies(const Tuft& hair, const Cohesion& term, Who who = {}, int stage
         thinning,
         {search.view, point.data(), sorted_wet_volume.data(), some_dry ? wet_cell.data() : nullptr,
          group.data(), lane_takes.data(), nullptr, displaced.data(), beta.data(), weight.data(),
-         thinning.every > 1 ? water.own_volume.data() : nullptr, self_weight.data()}};
+         !thinning.is_whole() ? water.own_volume.data() : nullptr, self_weight.data()}};
     for (int s = 0; s < hair.p.count; ++s)
         b.measure(s, arc_length(hair.p.strand(s), hair.p.particles), arc_length(asked.strand(s), n));
     for (uint32_t k = 0; k < count; ++k) wet_volume[k] = water.volume[k] * water.saturation[k];
@@ -155,11 +155,30 @@ TEST(CohesionKernelBody, do_so_where_some_particles_stand_for_others) {
         Cohesion term{0.004, 0.85, 0.015, 0.05, 0};
         const Tuft hair(40, particles, unsigned(particles));
         term.passes = 3, term.spacing = 2 * arc_length(hair.p.strand(0), particles) / (particles - 1);
-        ASSERT_EQ(Thinning(hair.p, term.spacing).every, 2);
+        ASSERT_EQ(Thinning(hair.p, term).every, 2);
         const Result wanted = by_reference(hair, term), got = by_bodies(hair, term);
         ASSERT_GT(farthest(wanted.displayed, hair.p), 2e-5);
         EXPECT_NEAR(got.neighbours_mean, wanted.neighbours_mean, 1e-9);
         EXPECT_LT(farthest(got.displayed, wanted.displayed), 3e-6) << particles;
+    }
+}
+
+TEST(CohesionKernelBody, do_so_where_some_strands_stand_for_all) {
+    for (const int every : {1, 2}) {
+        Cohesion term{0.012, 0.85, 0.015, 0.05, 0};
+        const Tuft hair(60, 33, 7);
+        const Result all = by_reference(hair, term);
+        if (every > 1) term.spacing = every * arc_length(hair.p.strand(0), 33) / 32;
+        term.passes = 3, term.neighbours = int(all.neighbours_mean / every / 3);
+        const Thinning thinning(hair.p, term);
+        ASSERT_EQ(thinning.every, every);
+        ASSERT_GT(thinning.seen, 0.1);
+        ASSERT_LT(thinning.seen, 0.6);
+        const Result wanted = by_reference(hair, term), got = by_bodies(hair, term);
+        ASSERT_GT(farthest(wanted.displayed, hair.p), 2e-5);
+        EXPECT_NEAR(got.neighbours_mean, wanted.neighbours_mean, 1e-9);
+        EXPECT_LT(got.neighbours_mean, 0.7 * all.neighbours_mean / every);
+        EXPECT_LT(farthest(got.displayed, wanted.displayed), 3e-6) << every;
     }
 }
 

@@ -348,7 +348,9 @@ TEST_F(Findings, sources_of_water_that_come_near_no_strand_are_seen) {
 TEST_F(Findings, searches_that_find_far_too_much_are_seen_and_a_radius_is_named) {
     const StrandPoints strands = falling(300);
     const auto wet = [&](const std::string& radius) {
-        return scene_of(strands, "", std::string(head) + "[wetness]\n[cohesion]\nradius = " + radius + "\n");
+        return scene_of(
+            strands, "",
+            std::string(head) + "[wetness]\n[cohesion]\nneighbours = 0\nradius = " + radius + "\n");
     };
     const auto wide = [](const Scene& scene) {
         std::vector<Finding> out = findings_of(scene);
@@ -371,6 +373,9 @@ TEST_F(Findings, searches_that_find_far_too_much_are_seen_and_a_radius_is_named)
                 for (int j = 0; j < hair.particles; ++j)
                     near += s != t && norm(hair.at(s, i) - hair.at(t, j)) < radius;
     EXPECT_NEAR(near / (hair.count * hair.particles), 100, 35);
+    // Where some strands stand for all, a frame takes no such time.
+    EXPECT_TRUE(
+        wide(scene_of(strands, "", std::string(head) + "[wetness]\n[cohesion]\nradius = 0.8\n")).empty());
 }
 
 // About pi (range / spacing)^2 of them, on a surface: 314 and 7854.

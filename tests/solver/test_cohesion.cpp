@@ -27,7 +27,7 @@ struct Hair {
     Hair(int count, int particles)
         : p(count, particles), volume(p.points.size(), 1e-10f), saturation(p.points.size(), 1.f) {}
     Strands displayed(const Cohesion& term) const {
-        CohesionPass pass(term, p.count, Thinning(p, term.spacing), volume, saturation);
+        CohesionPass pass(term, p.count, Thinning(p, term), volume, saturation);
         Strands out = p;
         pass.apply(out);
         return out;
@@ -121,6 +121,28 @@ TEST(Cohesion, displacements_do_not_depend_on_place_turn_or_order) {
                 EXPECT_LT(norm(cast<double>(out_turned.at(s, i)) - rotate(q, x)), 1e-6);
                 EXPECT_LT(norm(cast<double>(out_permuted.at(other(s), i)) - x), 1e-6);
             }
+    }
+}
+
+// Volumes that stand for all add up to about all, whatever share of them is seen.
+TEST(Cohesion, strands_that_are_seen_stand_for_all) {
+    const Hair hair = tuft(1000, 4, 8);
+    for (const double seen : {0.5, 0.13}) {
+        const Thinning thinning(4, 1, seen);
+        const ThinnedWater water(thinning, hair.volume, hair.saturation);
+        double all = 0, of_seen = 0;
+        int strands = 0;
+        for (int s = 0; s < 1000; ++s) {
+            strands += thinning.sees(size_t(s));
+            for (size_t k = 4 * size_t(s); k < 4 * size_t(s) + 4; ++k) {
+                all += hair.volume[k], of_seen += water.volume[k];
+                EXPECT_EQ(water.own_volume[k], hair.volume[k]);
+                EXPECT_FLOAT_EQ(water.saturation[k], hair.saturation[k]);
+                EXPECT_EQ(water.volume[k] > 0, thinning.sees(size_t(s)));
+            }
+        }
+        EXPECT_NEAR(strands, 1000 * seen, 3);
+        EXPECT_NEAR(of_seen, all, 0.05 * all);
     }
 }
 

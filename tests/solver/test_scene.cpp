@@ -72,6 +72,9 @@ TEST(Scene, tables_that_lean_on_others_say_so) {
     expect_error<Misuse>([&] { scene_of(chain + "[wetness]\n[adhesion]\n"); }, {"scene.toml:6", "[[solid]]"});
     expect_error<Misuse>([&] { scene_of(chain + "[wetness]\n[wetness.flow]\n[cohesion]\nspacing = 0.01\n"); },
                          {"scene.toml:8", "spacing", "[wetness.flow]"});
+    expect_error<Misuse>(
+        [&] { scene_of(chain + "[wetness]\n[cohesion]\nlock_width = 0.01\nradius = 0.01\n"); },
+        {"scene.toml:7", "lock_width", "radius"});
     expect_error<Misuse>([&] { scene_of(chain, {"groom.rest='sag_free'"}); }, {"sag_free", "[bend]"});
     expect_error<Misuse>(
         [&] { scene_of(chain + "[[solid]]\nattached = \"head\"\n[solid.motion]\nperiod = 1\n"); },

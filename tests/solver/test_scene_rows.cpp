@@ -169,7 +169,8 @@ string allowed_value(const TableRow& table, const KeyRow& row) {
     if (row.kind == Kind::words) return "[" + quoted(row.words.front()) + "]";
     if (row.kind == Kind::boolean) return row.fallback != 0 ? "true" : "false";
     if (row.is_vector()) return row.default_text().empty() ? "[0, 0, 0]" : row.default_text();
-    if (row.key == string("rest_frame")) return "1";  // one that is there
+    if (row.key == string("rest_frame")) return "1";                     // one that is there
+    if (row.key == string("spacing") && !row.has_default()) return "0";  // what stands beside [wetness.flow]
     const double usual = row.has_default() ? row.fallback : std::clamp(0.01, row.minimum, row.maximum);
     return row.is_whole() ? std::to_string(long(usual)) : number_text(usual);
 }
@@ -430,7 +431,9 @@ std::map<string, Change> changes() {
         {"curl.pitch", {a_helix, "0.022"}},
         {"curl.form", {a_helix, "\"printed\""}},
         {"curl.push", {with_helix({{"curl.form", "\"printed\""}})}},
-        {"cohesion.relaxation", {{}, "2"}},  // a little more than 1 still makes each pass
+        {"cohesion.relaxation", {{}, "2"}},  // a little less takes as many sweeps
+        {"cohesion.lock_width", {{{"cohesion.radius", ""}}, "0.05"}},
+        {"cohesion.neighbours", {{{"cohesion.radius", "0.1"}}, "1"}},
         {"solid.shape", {{}, "\"capsule\""}},
         {"solid.radius with shape = capsule", {{{"solid.shape", "\"capsule\""}}}},
         {"solid.radius with shape = head", {{{"solid.shape", "\"head\""}}}},
