@@ -356,7 +356,7 @@ TEST_F(Commands, a_displayed_network_refuses_a_solid_that_is_not_the_heads_befor
     low.scene = o.input, low.dry = true;
     low.set = {"integrator.substeps=" + std::to_string(substeps_of(run.header()))};
     simulate_command(low);
-    more.input = low.output, more.cohesion = true, more.overwrite = true;
+    more.input = low.output, more.cohesion = true, more.overwrite = true, more.relaxation = 1;
     std::vector<Vec3f> tips;
     for (int passes : {1, 6}) {
         more.output = scratch.path("more" + std::to_string(passes) + ".h5"), more.passes = passes;

@@ -53,6 +53,7 @@ TEST(Procedural, coarse_grids_are_every_second_root_to_the_bit) {
     expect_nests("grid = [22, 14]\n", "grid = [11, 7]\n");  // sides that are no powers of two
     Scratch scratch;
     expect_nests("grid = [12, 12]\n", "grid = [6, 6]\n", ball_mesh(scratch) + "scalp_centre = [0, 0, 0]\n");
+    expect_nests("grid = [32, 32]\n", "grid = [16, 16]\n", "curl_lock = 0.03\n");
 }
 
 TEST(Procedural, same_seed_same_bits_for_any_number_of_threads_and_another_seed_other_strands) {
@@ -121,6 +122,38 @@ TEST(Procedural, curls_have_the_radius_and_pitch_asked_for_and_either_hand) {
         EXPECT_GT(left, 16);
         EXPECT_LT(left, 48);
     }
+}
+
+// How alike strands curl whose roots lie `apart` [m] or nearer: the mean cosine of the edges of one to those
+// of the other that are nearest.
+double alike(const Groom& hair, double apart) {
+    double sum = 0, count = 0;
+    const int n = hair.rest.particles;
+    for (int s = 0; s < hair.rest.count; ++s)
+        for (int t = 0; t < s; ++t) {
+            if (norm(hair.rest.at(s, 0) - hair.rest.at(t, 0)) > apart) continue;
+            const auto edge = [&](int strand, int i) {
+                return cast<double>(hair.rest.at(strand, i + 1) - hair.rest.at(strand, i));
+            };
+            for (int i = n / 2; i + 1 < n; i += 5) {
+                int nearest = 0;
+                const auto far = [&](int j) { return norm(hair.rest.at(t, j) - hair.rest.at(s, i)); };
+                for (int j = 1; j + 1 < n; ++j)
+                    if (far(j) < far(nearest)) nearest = j;
+                const Vec3d a = edge(s, i), b = edge(t, nearest);
+                sum += dot(a, b) / (norm(a) * norm(b)), count += 1;
+            }
+        }
+    return sum / count;
+}
+
+TEST(Procedural, strands_of_a_lock_curl_alike_and_locks_differ) {
+    const std::string curls = "grid = [40, 40]\nparticles = 100\ncurl_radius = 0.008\nphase_noise = 3.1\n";
+    const Groom alone = groom(curls), locks = groom(curls + "curl_lock = 0.04\n");
+    EXPECT_LT(alike(alone, 0.012), 0.7);
+    EXPECT_GT(alike(locks, 0.012), alike(alone, 0.012) + 0.15);
+    // Those of other locks are no more alike than without any.
+    EXPECT_LT(alike(groom(curls + "curl_lock = 0.004\n"), 0.012), alike(alone, 0.012) + 0.05);
 }
 
 TEST(Procedural, without_curl_a_long_strand_ends_plumb) {

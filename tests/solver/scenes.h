@@ -44,6 +44,7 @@ jitter = 0.3
 [curl]
 [cohesion]
 radius = 0.03
+spacing = 0
 [adhesion]
 [stiffness]
 [[solid]]
