@@ -147,7 +147,8 @@ for name in "${!runs[@]}"; do
     begin=$(date +%s%3N)
     "$wetcurl" $command -o whole.h5 >said 2>&1 || fail "$name: $(<said)"
     longest=$(($(date +%s%3N) - begin))
-    for ((tries = 0; kills < (all_kills + ${#runs[@]} - 1) / ${#runs[@]} && tries < 4 * all_kills; ++tries)); do
+    # Until one has left a frame too: on a machine that is busy just now, many come before the first.
+    for ((tries = 0; (kills < (all_kills + ${#runs[@]} - 1) / ${#runs[@]} || broken == 0) && tries < 8 * all_kills; ++tries)); do
         "$wetcurl" $command -o killed.h5 --resume >said 2>&1 &
         writer=$!
         moment=$(((RANDOM * 32768 + RANDOM) % longest))
@@ -175,7 +176,7 @@ for name in "${!runs[@]}"; do
     echo "$name: $kills kills within $longest ms, $broken of them with frames"
     all=$((all + kills)) all_broken=$((all_broken + broken))
 done
-((all >= all_kills && 3 * all_broken > all)) || fail "only $all kills, of which only $all_broken left a frame"
+((all >= all_kills && all_broken >= ${#runs[@]})) || fail "only $all kills, of which only $all_broken left a frame"
 cp alone.h5 killed.h5
 expect 0 'is complete, nothing to resume' "'$wetcurl' simulate scene.toml --threads 1 -o killed.h5 --resume"
 

@@ -20,11 +20,20 @@ mkdir -p table/quad
 # A name that is not there: a script that fails must show.
 sed 's/^function startPlayer/function startsPlayer/' report.html >broken.html
 
-# The <body> tag of a page once its script ran.
-body() {
+# The <body> tag of a page once its script ran; "" where the browser did not come that far.
+body_once() {
     timeout 60 "$browser" --headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking \
         --disable-component-update --disable-sync --user-data-dir="$folder/browser" --dump-dom "file://$folder/$1" 2>/dev/null |
         grep -o '<body[^>]*>' | head -n 1
+}
+# A browser that says nothing at all, as on a machine that is busy, is asked again.
+body() {
+    local said
+    for _ in 1 2 3; do
+        said=$(body_once "$1") || true
+        [[ -z $said ]] || break
+    done
+    echo "$said"
 }
 failures=0
 expect() {  # page, what its <body> must and must not say
