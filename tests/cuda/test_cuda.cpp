@@ -454,8 +454,7 @@ double mean_change(const std::vector<float>& a, const std::vector<float>& b) {
 }
 
 TEST_F(Cuda, water_flows_as_on_the_cpu_and_all_that_reads_it_reads_the_same) {
-    std::string unseen = flowing;
-    unseen.erase(unseen.find("[cohesion]\nradius = 0.03\n"), 25);
+    const std::string unseen = without(flowing, "[cohesion]");
     const std::vector<std::string> printed{"curl.form='printed'", "curl.radius=0.008", "curl.pitch=0.02"};
     for (const auto& c : std::vector<Case>{{"blended curl", flowing, {}},
                                            {"printed curl", flowing, printed},

@@ -57,6 +57,13 @@ time = 0.3
 translation = [0, -0.02, 0.01]
 )";
 
+// The scene less a table and its keys; `title`: "[cohesion]".
+inline std::string without(std::string scene, const std::string& title) {
+    const size_t begin = scene.find(title + "\n"), end = scene.find("\n[", begin);
+    scene.erase(begin, end == std::string::npos ? end : end + 1 - begin);
+    return scene;
+}
+
 // Hair of which `crossing` makes straight lines from the roots through the head, past its middle, of such
 // edges.
 inline const std::string crossed_scene =

@@ -35,8 +35,7 @@ TEST(Simulation, gives_the_same_bits_for_one_and_three_threads) {
 }
 
 TEST(Simulation, of_low_resolution_is_every_second_strand_of_the_high_one) {
-    string text = wet_scene;
-    text.erase(text.find("[cohesion]"), string("[cohesion]\nradius = 0.03\n").size());
+    const string text = without(wet_scene, "[cohesion]");
     const Scene fine = scene_of(text, {"groom.grid=[6, 6]"}),
                 coarse = scene_of(text, {"groom.grid=[6, 6]"}, 2);
     const RunFrame a = after(fine, 8), b = after(coarse, 8);
