@@ -148,7 +148,14 @@ void read_wet(Scene& scene, const Table& root) {
         root.table("cohesion")
             .fail("spacing",
                   "found beside [wetness.flow], which goes by the neighbours of each particle; allowed is 0");
-    if (scene.cohesion) scene.cohesion->complete(root.table("cohesion"), scene.flow.has_value());
+    if (scene.cohesion) {
+        const Table t = root.table("cohesion");
+        if (t.has("neighbours") && scene.cohesion->neighbours > 0 &&
+            (scene.flow || scene.cohesion->strength > 0))
+            t.fail("neighbours", std::string("found beside ") + (scene.flow ? "[wetness.flow]" : "strength") +
+                                     ", which goes by all neighbours of a particle; allowed is 0");
+        scene.cohesion->complete(t, scene.flow.has_value());
+    }
     for (const char* wet : {"curl", "cohesion", "adhesion"})
         if (root.has(wet) && !scene.wetness)
             root.fail(wet, std::string("[") + wet + "] acts on wet hair and needs a [wetness] table");

@@ -75,6 +75,9 @@ TEST(Scene, tables_that_lean_on_others_say_so) {
     expect_error<Misuse>(
         [&] { scene_of(chain + "[wetness]\n[cohesion]\nlock_width = 0.01\nradius = 0.01\n"); },
         {"scene.toml:7", "lock_width", "radius"});
+    for (const char* beside : {"[wetness.flow]\n[cohesion]\n", "[cohesion]\nstrength = 20\n"})
+        expect_error<Misuse>([&] { scene_of(chain + "[wetness]\n" + beside + "neighbours = 50\n"); },
+                             {"scene.toml:8", "neighbours", "allowed is 0"});
     expect_error<Misuse>([&] { scene_of(chain, {"groom.rest='sag_free'"}); }, {"sag_free", "[bend]"});
     expect_error<Misuse>(
         [&] { scene_of(chain + "[[solid]]\nattached = \"head\"\n[solid.motion]\nperiod = 1\n"); },

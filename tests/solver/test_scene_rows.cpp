@@ -169,8 +169,9 @@ string allowed_value(const TableRow& table, const KeyRow& row) {
     if (row.kind == Kind::words) return "[" + quoted(row.words.front()) + "]";
     if (row.kind == Kind::boolean) return row.fallback != 0 ? "true" : "false";
     if (row.is_vector()) return row.default_text().empty() ? "[0, 0, 0]" : row.default_text();
-    if (row.key == string("rest_frame")) return "1";                     // one that is there
-    if (row.key == string("spacing") && !row.has_default()) return "0";  // what stands beside [wetness.flow]
+    if (row.key == string("rest_frame")) return "1";  // one that is there
+    // What stands beside [wetness.flow].
+    if ((row.key == string("spacing") && !row.has_default()) || row.key == string("neighbours")) return "0";
     const double usual = row.has_default() ? row.fallback : std::clamp(0.01, row.minimum, row.maximum);
     return row.is_whole() ? std::to_string(long(usual)) : number_text(usual);
 }
