@@ -24,6 +24,13 @@ program_for() {
     echo "$program"
 }
 
+# particles_of KINDS HAIR EACH: of a strand of scenes/kinds.toml, 0.2 m long, with so many to each turn of its curl, 64 at
+# least. KINDS: what `inspect hair --json` said.
+particles_of() {
+    jq -r --arg hair "$2" --argjson each "$3" '.kinds[] | select(.hair == $hair) | [64, $each * 0.2 / (if .curl_radius > 0
+        then ((6.283 * .curl_radius) * (6.283 * .curl_radius) + .pitch * .pitch | sqrt) else 1 end)] | max | ceil' "$1"
+}
+
 # python_with MODULE: the path of the variable PYTHON or of python3, if it has the module.
 python_with() {
     local python
