@@ -222,7 +222,7 @@ bool LockedFile::try_lock(Kind kind, Others others) {
     const int operation =
         (kind == Kind::alone ? LOCK_EX : LOCK_SH) | (others == Others::refuse ? LOCK_NB : 0);
     // Who only looks whether the file is locked, or is just ending, holds it for a moment.
-    constexpr int most = 25;
+    constexpr int most = 100;
     for (int k = 0; k < most; ++k) {
         if (flock(descriptor_, operation) == 0) return true;
         if (errno == EINTR) continue;

@@ -203,13 +203,20 @@ rm other.h5.state
 expect 0 'without a state in other.h5.state all frames are computed again' "'$wetcurl' simulate scene.toml --threads 1 -o other.h5 --resume"
 same 'a run without its state' alone.h5 other.h5
 
-"$wetcurl" $run -o stopped.h5 >said 2>&1 &
-writer=$!
-until [[ $(number stopped.h5.partial frames) -gt 2 ]] 2>/dev/null; do kill -0 $writer || break; sleep 0.02; done
-kill -TERM $writer
-status=0
-wait $writer || status=$?
-writer=
+# Begun again where it ended before three frames were seen, as happens on a busy machine.
+for ((tries = 0; tries < 20; ++tries)); do
+    "$wetcurl" $run -o stopped.h5 --overwrite >said 2>&1 &
+    writer=$!
+    until [[ $(number stopped.h5.partial frames) -gt 2 ]] 2>/dev/null; do
+        kill -0 $writer 2>/dev/null || break
+        sleep 0.02
+    done
+    kill -TERM $writer 2>/dev/null || true
+    status=0
+    wait $writer || status=$?
+    writer=
+    [[ $status == 0 ]] || break
+done
 [[ $status == 130 && $(<said) == *'--resume goes on'* ]] || fail "a signal: $status: $(<said)"
 "$wetcurl" $run -o stopped.h5 --resume
 same 'a run that was stopped' alone.h5 stopped.h5

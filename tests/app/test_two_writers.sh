@@ -154,17 +154,23 @@ rm -f run.h5
 # Whether process $1 holds the lock of file $2.
 locked_by() { grep -q "FLOCK.* $1 [0-9a-f:]*:$(stat -c %i "$2") " /proc/locks; }
 
-# Starts `wetcurl $2...` and stops it as soon as it writes file $1.
+# Starts `wetcurl $2...` and stops it as soon as it writes file $1. Begins again where it ended before that was
+# seen, as happens on a busy machine.
 begin() {
-    local file=$1
+    local file=$1 again=() tries
     shift
-    "$wetcurl" "$@" >said 2>&1 &
-    first=$!
-    until [[ -e $file ]] && locked_by "$first" "$file"; do
-        kill -0 "$first" || { fail "$*: ended before a second process could begin: $(<said)" && return; }
-        sleep 0.005
+    for ((tries = 0; tries < 20; ++tries)); do
+        "$wetcurl" "$@" ${again[@]+"${again[@]}"} >said 2>&1 &
+        first=$!
+        until [[ -e $file ]] && locked_by "$first" "$file"; do
+            kill -0 "$first" 2>/dev/null || break
+            sleep 0.005
+        done
+        kill -STOP "$first" 2>/dev/null && locked_by "$first" "$file" && return
+        again=(--overwrite)
+        wait "$first" || break
     done
-    kill -STOP "$first"
+    fail "$*: ended before a second process could begin: $(<said)"
 }
 finish() {  # expected status
     local status=0
