@@ -72,7 +72,7 @@ InterruptGuard::~InterruptGuard() {
     sigaction(SIGINT, &interrupt_before_, nullptr);
     sigaction(SIGTERM, &terminate_before_, nullptr);
 }
-bool InterruptGuard::asked() const { return asked_for; }
+bool InterruptGuard::asked() { return asked_for; }
 
 RemovedWhenInterrupted::RemovedWhenInterrupted(const std::string& path) {
     if (path.size() >= sizeof removed_path) throw Error(path + ": the path is too long");

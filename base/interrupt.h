@@ -22,7 +22,7 @@ class InterruptGuard {
     ~InterruptGuard();
     InterruptGuard(const InterruptGuard&) = delete;
     InterruptGuard& operator=(const InterruptGuard&) = delete;
-    bool asked() const;
+    static bool asked();  // also of the last guard, once it has ended
 
   private:
     struct sigaction interrupt_before_, terminate_before_;

@@ -138,10 +138,14 @@ void simulate_scene(Scene given, const SimulationRequest& request, ResultFile& r
     std::optional<BrokenRun> whole, broken;
     if (request.resume) whole = whole_run_at(request.output, request.overwrite);
     std::optional<OutputFile> place;
-    if (!whole) place.emplace(request.output, request.overwrite);
-    if (request.resume && place) broken = broken_run_at(*place);
     std::optional<RemovedWhenInterrupted> still_empty;
-    if (place && !broken) still_empty.emplace(place->partial());
+    {
+        const InterruptGuard until_it_is_known_what_to_remove;
+        if (!whole) place.emplace(request.output, request.overwrite);
+        if (request.resume && place) broken = broken_run_at(*place);
+        if (place && !broken) still_empty.emplace(place->partial());
+    }
+    if (InterruptGuard::asked()) throw Interrupted("interrupted");
     const std::optional<RunStart>& start = request.from;
     if (start) take_wetness(given, *start);
     std::optional<Reference> reference;
