@@ -26,6 +26,13 @@ StabilityMethod of_fibres(double diameter, const std::string& precision) {
     m.fibre = diameter;
     return m;
 }
+// The same, that touch each other and, wet, cohere in every substep.
+StabilityMethod of_fibres_that_touch(double diameter, const std::string& precision) {
+    StabilityMethod m = of_fibres(diameter, precision);
+    m.name = "ours touching", m.dry = false;
+    m.cohesion = "[cohesion]\nradius = 0.01\nstrength = 5000\n[strand_contact]\n";
+    return m;
+}
 // Its forces on wet hair in the place of ours, on our chain.
 StabilityMethod compared(const std::string& name, std::vector<Figures> sweep) {
     StabilityMethod m{.name = name, .integrator = "implicit double", .precision = "double", .settings = {}};
@@ -56,6 +63,8 @@ const std::vector<StabilityMethod>& stability_methods() {
         of_fibres(40e-6, "float"),
         of_fibres(70e-6, "float"),
         of_fibres(120e-6, "float"),
+        of_fibres_that_touch(70e-6, "double"),
+        of_fibres_that_touch(70e-6, "float"),
         {"printed", "explicit double", "double", printed, 1, {}, {}},
         {.name = "iben",
          .integrator = "explicit double",
@@ -105,7 +114,7 @@ std::vector<StabilityJob> stability_jobs(const StabilityMethod& method, const St
             add("S7", [=] { return invariances(b, {.shapes = {straight, curly}, .k_over_m = k}, ""); });
         for (double k : some({1e4, 1e6, 1e8}, {1e4})) add("S8", [=] { return Cases{limiter_honesty(b, k)}; });
     }
-    if (fibre) {
+    if (fibre && method.dry) {
         add("S10", [=] { return fibres(b, method.fibre); });
         if (method.fibre == 70e-6 && method.precision == "double")
             for (const char* hair : {"type1", "type2b", "type3a", "type3b", "type3c", "type4a"})
@@ -124,6 +133,10 @@ std::vector<StabilityJob> stability_jobs(const StabilityMethod& method, const St
     if (wet && !(method.compared() && !options.scene.empty()))
         for (double factor : b.some({0.01, 0.1, 1, 10, 100, 1e4}, {1, 100}))
             add("S9", [=] { return everything_at_once(b, factor); });
+    if (fibre && method.fibre == 70e-6 && options.scene.empty())
+        for (const HairKind& kind : hair_kinds)
+            if (!options.quick || kind.name == std::string("type4a"))
+                add("S9", [=] { return Cases{everything_on(b, kind.name)}; });
     return jobs;
 }
 

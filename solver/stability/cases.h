@@ -60,6 +60,8 @@ StabilityCase order_in_particles(const Battery& b);
 Cases invariances(const Battery& b, const StrandSetup& plain, const std::string& of);
 // S9, everything.cpp: a whole scene; stiffnesses of the strand times `stiffer`.
 Cases everything_at_once(const Battery& b, double stiffer);
+// The same on hair of a kind that [fibre] names.
+StabilityCase everything_on(const Battery& b, const char* hair);
 
 // S10, fibres.cpp: hair of a real diameter [m] keeps its length, gains no energy and comes to rest.
 Cases fibres(const Battery& b, double diameter);

@@ -53,28 +53,8 @@ struct SceneText {
 // Hair is at rest once its particles move by no more in a frame, in segments.
 constexpr double still_enough = 5e-5;
 
-StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer, double pull, double radius,
-                          double limiter) {
-    StabilityCase c = b.named("S9", "everything at once",
-                              {{"stiffness_factor", stiffer},
-                               {"adhesion", pull},
-                               {"cohesion_radius", radius},
-                               {"limiter", limiter}});
-    std::vector<std::string> set = b.options.set;
-    set.push_back(setting("integrator.limiter", limiter));
-    if (of.has(Adhesion::table)) set.push_back(setting("adhesion.strength", pull));
-    if (of.has(Cohesion::table)) set.push_back(setting("cohesion.radius", radius));
-    Scene scene = scene_of(of.text, of.name, of.folder, set, b.method);
-    if (auto& t = scene.term<Stretch>()) t->k_s *= stiffer;
-    if (auto& t = scene.term<Bend>()) t->k_b *= stiffer;
-    if (auto& t = scene.term<Twist>()) t->k_b *= stiffer;
-    if (auto& t = scene.term<Core>()) t->k_c *= stiffer;
-    if (auto& f = scene.fibre) {
-        for (double* modulus :
-             {&f->youngs_modulus, &f->shear_modulus, &f->wet_youngs_modulus, &f->wet_shear_modulus})
-            *modulus *= stiffer;
-        f->strain /= stiffer;
-    }
+// Until hair is at rest, and how still it is then.
+void judge_rest(StabilityCase& c, const Battery& b, Scene scene) {
     Trial trial(b.method, std::move(scene));
     trial.advance_for(6);
     // Soft hair takes long to come to rest.
@@ -92,7 +72,36 @@ StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer,
     c.measured.emplace_back("jitter_over_segment", jitter);
     c.measured.emplace_back("seconds_to_rest", seconds);
     c.passed = c.finite && c.energy_ratio <= energy_bound && jitter <= jitter_bound;
+}
+
+// `changed`: keys of the wet terms, of those that the scene has.
+StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer, const Figures& changed,
+                          double limiter) {
+    Figures parameters{{"stiffness_factor", stiffer}};
+    parameters.insert(parameters.end(), changed.begin(), changed.end());
+    parameters.emplace_back("limiter", limiter);
+    StabilityCase c = b.named("S9", "everything at once", parameters);
+    std::vector<std::string> set = b.options.set;
+    set.push_back(setting("integrator.limiter", limiter));
+    for (const auto& [key, value] : changed) set.push_back(setting(key, value));
+    Scene scene = scene_of(of.text, of.name, of.folder, set, b.method);
+    if (auto& t = scene.term<Stretch>()) t->k_s *= stiffer;
+    if (auto& t = scene.term<Bend>()) t->k_b *= stiffer;
+    if (auto& t = scene.term<Twist>()) t->k_b *= stiffer;
+    if (auto& t = scene.term<Core>()) t->k_c *= stiffer;
+    if (auto& f = scene.fibre) {
+        for (double* modulus :
+             {&f->youngs_modulus, &f->shear_modulus, &f->wet_youngs_modulus, &f->wet_shear_modulus})
+            *modulus *= stiffer;
+        f->strain /= stiffer;
+    }
+    judge_rest(c, b, std::move(scene));
     return c;
+}
+
+// Of the battery's own scene, on a chain of these tables.
+std::string wet_scene(const Battery& b, const std::string& chain) {
+    return everything + chain + (b.method.takes_drag ? drag : "") + b.method.cohesion + b.method.adhesion;
 }
 
 }  // namespace
@@ -100,24 +109,44 @@ StabilityCase all_at_once(const Battery& b, const SceneText& of, double stiffer,
 Cases everything_at_once(const Battery& b, double stiffer) {
     const std::string chain =
         b.method.fibre > 0 ? "[fibre]\n" + setting("diameter ", b.method.fibre) + "\n" : springs;
-    SceneText of{
-        everything + chain + (b.method.takes_drag ? drag : "") + b.method.cohesion + b.method.adhesion,
-        "battery", "."};
+    SceneText of{wet_scene(b, chain), "battery", "."};
     if (!b.options.scene.empty()) {
         const Config config = Config::load(b.options.scene);
         of = {config.text(), b.options.scene, config.folder()};
     }
-    // Strength of the adhesion [m/s²], radius of the cohesion [m]: over decades, one at a time.
-    std::vector<std::pair<double, double>> wet{{60, 0.01}};
-    if (!b.options.quick && of.has(Adhesion::table))
-        for (double pull : {6.0, 600.0, 6000.0}) wet.push_back({pull, 0.01});
-    if (!b.options.quick && of.has(Cohesion::table))
-        for (double radius : {0.001, 0.1}) wet.push_back({60, radius});
+    // Of the wet terms that are there, over decades, one at a time.
+    struct Key {
+        const char *table, *name;
+        double usual;
+        std::vector<double> others;
+    };
+    std::vector<Key> keys{{Adhesion::table, "adhesion.strength", 60, {6, 600, 6000}}};
+    const bool touches =
+        of.has(StrandContact::table);  // on all neighbours within the radius, in each substep
+    keys.push_back(
+        {Cohesion::table, "cohesion.radius", 0.01, touches ? std::vector{0.001} : std::vector{0.001, 0.1}});
+    if (touches)
+        keys.insert(keys.end(), {{Cohesion::table, "cohesion.strength", 5000, {50, 5e5}},
+                                 {StrandContact::table, "strand_contact.strength", 1e4, {1e2, 1e6}}});
+    std::erase_if(keys, [&](const Key& key) { return !of.has(key.table); });
+    std::vector<Figures> wet{{}};
+    for (const Key& key : keys) wet[0].emplace_back(key.name, key.usual);
+    for (size_t k = 0; k < keys.size() && !b.options.quick; ++k)
+        for (const double value : keys[k].others) wet.emplace_back(wet[0])[k].second = value;
     Cases out;
     for (double limiter : {0.0, 0.1})
-        for (const auto& [pull, radius] : wet)
-            out.push_back(all_at_once(b, of, stiffer, pull, radius, limiter));
+        for (const Figures& changed : wet) out.push_back(all_at_once(b, of, stiffer, changed, limiter));
     return out;
+}
+
+StabilityCase everything_on(const Battery& b, const char* hair) {
+    StabilityCase c = b.named("S9", std::string("everything at once on ") + hair, {});
+    c.parameters.clear();  // the kind has a diameter of its own
+    const std::string chain = std::string("[fibre]\nhair = \"") + hair + "\"\n";
+    judge_rest(c, b,
+               scene_of(wet_scene(b, chain), "battery", ".", {"groom.particles=100", "groom.length=0.15"},
+                        b.method));
+    return c;
 }
 
 }  // namespace wetcurl::stability
