@@ -21,6 +21,7 @@
 #include "app/measures/axial_extent.h"
 #include "app/measures/fall.h"
 #include "app/measures/locks.h"
+#include "app/measures/settings_advice.h"
 #include "app/options/option_list.h"
 #include "base/log.h"
 #include "base/provenance.h"
@@ -28,6 +29,7 @@
 #include "learn/codec/network_module.h"
 #include "learn/codec/pairs.h"
 #include "solver/chain/scene_checks.h"
+#include "solver/grooms/turns.h"
 #include "solver/run/simulation.h"
 #include "solver/scene/findings.h"
 #include "solver/scene/scene_rows.h"
@@ -67,6 +69,9 @@ std::string lines_of(const Json& json) {
 }
 void show(const InspectOptions& o, const Json& json) { show(o, json, lines_of(json)); }
 
+// To three digits, of what is an estimate.
+double rounded(double value) { return std::stod(fmt::format("{:.3g}", value)); }
+
 void show_scene(const InspectOptions& o) {
     const Scene scene = load_scene(o.file, {.set = o.set,
                                             .frames = {},
@@ -95,6 +100,18 @@ void show_scene(const InspectOptions& o) {
     json["bytes"] = sum;
     json["bytes_per_particle"] = double(sum) / double(scene.groom.rest.points.size());
     json["stiffness_number"] = stiffness_number(scene);
+    const CurlTurns curl = turns_of(scene.groom.rest);
+    json["curl_turns"] = rounded(curl.turns);
+    json["curl_radius_mm"] = rounded(1000 * curl.radius);
+    if (const auto advice = advice_on(scene, 1000 * curl.radius)) {
+        json["measured_on"] = {
+            {"hair", advice->hair}, {"kind", advice->kind}, {"processor", advice->machine}};
+        for (const auto& row : advice->rows)
+            json["settings"].push_back({{"setting", row.setting},
+                                        {"error_percent", rounded(row.error)},
+                                        {"time", rounded(row.time)}});
+        json["advice"] = advice->advice;
+    }
     std::string text = lines_of(json);
     json["findings"] = Json::array();
     for (const Finding& finding : findings_of(scene)) {

@@ -10,7 +10,9 @@
 
 namespace wetcurl {
 
-static Json json_of(const Spread& s) { return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}}; }
+static Json json_of(const Spread& s) {
+    return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}};
+}
 static Json json_of(const std::optional<double>& x) { return x ? Json(*x) : Json(nullptr); }
 
 Json json_of(const Comparison& c) {

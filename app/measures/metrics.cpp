@@ -115,7 +115,7 @@ std::vector<Nearest> nearest_others(const std::vector<Vec3f>& points, int k) {
     return out;
 }
 
-// Mean, 95th percentile (to 2 micrometres) and maximum of many distances.
+// Mean, median and 95th percentile (both to 2 micrometres) and maximum of many distances.
 class Distances {
   public:
     void add(float metres) {
@@ -127,15 +127,16 @@ class Distances {
         max_ = std::max(max_, metres);
     }
     double mean() const { return n_ ? sum_ / double(n_) : 0; }
-    Spread millimetres() const {
-        const size_t wanted = size_t(std::ceil(0.95 * double(n_)));
-        size_t seen = 0, bin = 0;
-        while (bin < count_.size() && (seen += count_[bin]) < wanted) ++bin;
-        const double p95 = std::min<double>(max_, (double(bin) + 0.5) * bin_width_);
-        return {mean() * 1e3, p95 * 1e3, max_ * 1e3};
-    }
+    Spread millimetres() const { return {mean() * 1e3, share(0.95) * 1e3, max_ * 1e3, share(0.5) * 1e3}; }
 
   private:
+    // That this share of them stays below.
+    double share(double of) const {
+        const size_t wanted = size_t(std::ceil(of * double(n_)));
+        size_t seen = 0, bin = 0;
+        while (bin < count_.size() && (seen += count_[bin]) < wanted) ++bin;
+        return std::min<double>(max_, (double(bin) + 0.5) * bin_width_);
+    }
     static constexpr float bin_width_ = 2e-6f;
     static constexpr size_t bins_ = 1000000;  // 2 m, all beyond in the last
     std::vector<size_t> count_;

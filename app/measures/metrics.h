@@ -17,7 +17,7 @@ namespace wetcurl {
 using SolidDistance = std::function<float(const Vec3f& x, const Pose& head, double time)>;
 
 struct Spread {
-    double mean = 0, p95 = 0, max = 0;
+    double mean = 0, p95 = 0, max = 0, median = 0;
 };
 
 struct Comparison {

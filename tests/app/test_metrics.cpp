@@ -49,6 +49,7 @@ TEST(Compare, a_rigid_shift_of_a_millimetre_is_a_millimetre) {
     const Comparison r = c.compared(none, [](int, int, int) { return Vec3d{0, 0.6e-3, 0.8e-3}; });
     for (const Spread& s : {r.position_mm, r.shared_mm, r.new_mm}) {
         EXPECT_NEAR(s.mean, 1, 1e-3);
+        EXPECT_NEAR(s.median, 1, 2e-3);
         EXPECT_NEAR(s.p95, 1, 2e-3);
         EXPECT_NEAR(s.max, 1, 1e-3);
     }
@@ -85,6 +86,7 @@ TEST(Compare, shared_and_new_roots_are_told_apart) {
     EXPECT_NEAR(r.shared_mm.mean, 2, 1e-3);
     EXPECT_NEAR(r.new_mm.mean, 0, 1e-3);
     EXPECT_NEAR(r.position_mm.mean, 0.5, 1e-3);
+    EXPECT_NEAR(r.position_mm.median, 0, 2e-3);
     EXPECT_NEAR(r.position_mm.p95, 2, 1e-2);
 }
 
