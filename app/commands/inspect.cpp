@@ -29,7 +29,6 @@
 #include "learn/codec/network_module.h"
 #include "learn/codec/pairs.h"
 #include "solver/chain/scene_checks.h"
-#include "solver/grooms/turns.h"
 #include "solver/run/simulation.h"
 #include "solver/scene/findings.h"
 #include "solver/scene/scene_rows.h"
@@ -100,10 +99,9 @@ void show_scene(const InspectOptions& o) {
     json["bytes"] = sum;
     json["bytes_per_particle"] = double(sum) / double(scene.groom.rest.points.size());
     json["stiffness_number"] = stiffness_number(scene);
-    const CurlTurns curl = turns_of(scene.groom.rest);
-    json["curl_turns"] = rounded(curl.turns);
-    json["curl_radius_mm"] = rounded(1000 * curl.radius);
-    if (const auto advice = advice_on(scene, 1000 * curl.radius)) {
+    json["curl_turns"] = rounded(scene.curl_turns.turns);
+    json["curl_radius_mm"] = rounded(1000 * scene.curl_turns.radius);
+    if (const auto advice = advice_on(scene)) {
         json["measured_on"] = {
             {"hair", advice->hair}, {"kind", advice->kind}, {"processor", advice->machine}};
         for (const auto& row : advice->rows)

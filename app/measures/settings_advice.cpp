@@ -60,19 +60,20 @@ class MeasuredHair {
     const Json& hair_;
 };
 
-// By how much one curl bends more than another [1/mm]; straight hair, of radius 0, does not.
-double unlike(double radius_mm, double other_mm) {
-    const auto bend = [](double radius) { return radius > 0 ? 1 / radius : 0; };
-    return std::abs(bend(radius_mm) - bend(other_mm));
-}
+// How much a curl bends [1/m]; straight hair, of radius 0, does not.
+double bend_of(double radius) { return radius > 0 ? 1 / radius : 0; }
 
-const Json* most_like(const Json& table, const Scene& scene, double radius_mm, const std::string& kind) {
+// Null where no hair of that kind was measured.
+const Json* most_like(const Json& table, const Scene& scene, const std::string& kind) {
     const Json* best = nullptr;
     double least = 0;
     for (const Json& hair : table.at("hair")) {
-        if (hair.at("kind") != kind || (hair.at("hair") == "springs") != !scene.fibre) continue;
-        const double far = unlike(radius_mm, hair.at("curl_radius_mm"));
-        if (!best || far < least) best = &hair, least = far;
+        const std::string name = hair.at("hair");
+        if (hair.at("kind") != kind || (name == "springs") != !scene.fibre) continue;
+        const HairKind* measured = hair_named(name);
+        const double unlike =
+            measured ? std::abs(bend_of(scene.curl_turns.radius) - bend_of(measured->curl_radius)) : 0;
+        if (!best || unlike < least) best = &hair, least = unlike;
     }
     return best;
 }
@@ -84,12 +85,12 @@ struct PrintedKey {
 
 }  // namespace
 
-std::optional<SettingsAdvice> advice_on(const Scene& scene, double curl_radius_mm) {
+std::optional<SettingsAdvice> advice_on(const Scene& scene) {
     if (!scene.integrator.is_implicit() || !title_of(scene.baselines).empty()) return std::nullopt;
     static const Json table = Json::parse(settings_table);
     const bool wet = scene.wetness && scene.cohesion,
                touching = scene.strand_contact || (wet && scene.cohesion->strength > 0);
-    const Json* hair = most_like(table, scene, curl_radius_mm, touching ? "touching" : wet ? "wet" : "dry");
+    const Json* hair = most_like(table, scene, touching ? "touching" : wet ? "wet" : "dry");
     if (!hair) return std::nullopt;
     const MeasuredHair measured(*hair);
     SettingsAdvice out;
@@ -124,14 +125,13 @@ std::optional<SettingsAdvice> advice_on(const Scene& scene, double curl_radius_m
                            : fmt::format("cohesion.{} = {}", key.name, key.value),
             cost(substeps, "float", key.name));
 
-    // Better by less than this nobody sees; a time that differs by less is noise.
+    // An error that is larger by less than this nobody sees; a time that differs by less is noise.
     constexpr double seen = 0.05, noise = 0.1;  // [%], [1]
     for (size_t k = 1; k < out.rows.size(); ++k) {
         const auto& row = out.rows[k];
-        if (row.time < 1 - noise && row.error < own.error + seen)
-            out.advice.push_back(
-                fmt::format("{}: takes {:.2g} of the time and errs no more", row.setting, row.time));
-        else if (own.error > 1 && row.error < own.error / 1.5)
+        const bool cheaper = row.time < 1 - noise && row.error<own.error + seen, better = own.error> 1 &&
+                             row.error < own.error / 1.5;
+        if (cheaper || better)
             out.advice.push_back(
                 fmt::format("{}: errs by {:.2g} % of the length in place of {:.2g}, in {:.2g} times the time",
                             row.setting, row.error, own.error, row.time));

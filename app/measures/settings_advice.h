@@ -23,8 +23,8 @@ struct SettingsAdvice {
     std::vector<std::string> advice;  // which of them is better, or dearer for nothing
 };
 
-// From the measured hair that is most like the scene's, whose curls have that radius (0: straight). None
-// where no such scene was measured: an explicit integrator or a compared method.
-std::optional<SettingsAdvice> advice_on(const Scene& scene, double curl_radius_mm);
+// From the measured hair that is most like the scene's. None where no such scene was measured: an explicit
+// integrator or a compared method.
+std::optional<SettingsAdvice> advice_on(const Scene& scene);
 
 }  // namespace wetcurl

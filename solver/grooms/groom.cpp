@@ -147,7 +147,7 @@ static ImportedStrands taken_whole(const StrandPoints& brought, const std::strin
 }
 
 static Groom groom_of_strands(const Table& table, const GroomTable& groom, const ScalpOfSolid& of_solid,
-                              std::vector<Finding>* findings, const StrandPoints& brought) {
+                              std::vector<Finding>* findings, const StrandPoints& brought, CurlTurns& curl) {
     const std::string file = brought.empty() ? groom.file : "strands in memory";
     const int particles = groom.particles;
     rest_procedural_keys(table, file);
@@ -159,7 +159,8 @@ static Groom groom_of_strands(const Table& table, const GroomTable& groom, const
     const std::vector<Vec3d> roots = roots_of(strands);
     const auto scalp = read_scalp(groom, of_solid ? of_solid(roots) : nullptr, in.up);
     if (scalp) log_info(file + ": " + described(root_depth(strands, *scalp)));
-    if (findings) findings->push_back(finding_of_turns(turns_of(strands), particles));
+    curl = turns_of(strands);
+    if (findings) findings->push_back(finding_of_turns(curl, particles));
     const RootLayout layout = lay_on_grid(roots, scalp.get(), grid_wanted(table, groom, roots.size()));
     log_info(file + ": " + described(layout));
 
@@ -184,13 +185,16 @@ static Groom groom_of_strands(const Table& table, const GroomTable& groom, const
 }
 
 Groom load_groom(const Table& table, unsigned long long seed, const ScalpOfSolid& of_solid,
-                 std::vector<Finding>* findings, const StrandPoints& brought) {
+                 std::vector<Finding>* findings, const StrandPoints& brought, CurlTurns* curl) {
+    CurlTurns found;
+    if (!curl) curl = &found;
     GroomTable read;
     read_parameters(read, GroomTable::parameters, table);
     if (!read.file.empty() || !brought.empty())
-        return groom_of_strands(table, read, of_solid, findings, brought);
+        return groom_of_strands(table, read, of_solid, findings, brought, *curl);
     const ProceduralGroom groom = read_procedural(table, seed, of_solid ? of_solid({}) : nullptr);
-    if (findings) findings->push_back(finding_of_turns(turns_of(groom), groom.particles));
+    *curl = turns_of(groom);
+    if (findings) findings->push_back(finding_of_turns(*curl, groom.particles));
     return make_procedural(groom);
 }
 

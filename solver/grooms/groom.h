@@ -26,7 +26,8 @@ using ScalpOfSolid = std::function<std::shared_ptr<const ScalpMesh>(const std::v
 // receives what looks wrong about the strands. `brought` [m], where not empty: strands in place of a
 // file's, none of which may be degenerate. Throws Misuse for keys and values, Error for bad files.
 Groom load_groom(const Table& table, unsigned long long seed, const ScalpOfSolid& of_solid = {},
-                 std::vector<Finding>* findings = nullptr, const StrandPoints& brought = {});
+                 std::vector<Finding>* findings = nullptr, const StrandPoints& brought = {},
+                 CurlTurns* curl = nullptr);
 
 // The strands of `groom.file` [m], y up, in the order, at the place and repaired as the table says. Throws as
 // import_strands of a file does.

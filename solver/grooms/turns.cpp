@@ -66,14 +66,6 @@ CurlTurns turns_of(const StrandPoints& strands) {
     return *curly;
 }
 
-CurlTurns turns_of(const Strands& strands) {
-    StrandPoints points(size_t(strands.count));
-    for (int s = 0; s < strands.count; ++s)
-        for (int i = 0; i < strands.particles; ++i)
-            points[size_t(s)].push_back(cast<double>(strands.at(s, i)));
-    return turns_of(points);
-}
-
 int enough_particles(const CurlTurns& curl) {
     return int(std::ceil(enough_particles_of_a_turn * curl.turns)) + 1;
 }

@@ -1,7 +1,6 @@
 // Turns of curls, and how many particles stand for them well.
 #pragma once
 
-#include "base/strands.h"
 #include "solver/grooms/readers.h"
 
 namespace wetcurl {
@@ -23,7 +22,6 @@ struct CurlTurns {
 CurlTurns turns_of(const std::vector<Vec3d>& strand);
 // Of strands the one that three quarters of them turn no more than; at most 256 are looked at.
 CurlTurns turns_of(const StrandPoints& strands);
-CurlTurns turns_of(const Strands& strands);
 
 // How many particles of a strand would do.
 int enough_particles(const CurlTurns& curl);

@@ -310,7 +310,7 @@ Scene read_scene(Config config, const SceneOptions& options) {
             scalp = &solid_of_scalp(scene, g, around.scalp);
             return scalp_of(*scalp);
         },
-        &scene.groom_findings, brought.strands);
+        &scene.groom_findings, brought.strands, &scene.curl_turns);
     if (!scalp) read_all(roots_of(full.rest));
     read_chain(scene, root, full);
     // Of the full groom, so that a thinned run is smoothed as its twin.

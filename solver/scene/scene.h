@@ -148,6 +148,7 @@ struct Scene {
 
     std::vector<std::string> allow;       // findings (solver/scene/findings.h) that do not stop the scene
     std::vector<Finding> groom_findings;  // of the strands' file
+    CurlTurns curl_turns;                 // of the full groom as drawn
 
     Groom groom;  // of this run: the full groom, thinned by `stride`
     int stride = 1;
