@@ -23,8 +23,8 @@ class MeasuredHair {
   public:
     explicit MeasuredHair(const Json& hair) : hair_(hair) {}
 
-    // Errors and times go by powers of the step between those that were measured. Beyond, errors go with it,
-    // and times against it.
+    // Between what was measured, error and time go by a power of the substeps; beyond, a time with their
+    // number and an error against it.
     Cost at(double substeps, const std::string& precision) const {
         std::vector<std::pair<double, Cost>> measured;
         for (const Json& row : hair_.at("rows"))

@@ -121,11 +121,14 @@ Cases everything_at_once(const Battery& b, double stiffer) {
         std::vector<double> others;
     };
     std::vector<Key> keys{{Adhesion::table, "adhesion.strength", 60, {6, 600, 6000}}};
-    const bool touches =
-        of.has(StrandContact::table);  // on all neighbours within the radius, in each substep
-    keys.push_back(
-        {Cohesion::table, "cohesion.radius", 0.01, touches ? std::vector{0.001} : std::vector{0.001, 0.1}});
-    if (touches)
+    const bool touches = of.has(StrandContact::table);
+    if (of.text.find("lock_width") != std::string::npos)  // says what the radius does
+        keys.push_back({Cohesion::table, "cohesion.lock_width", 0.015, {0.0015, 0.15}});
+    else if (!touches)
+        keys.push_back({Cohesion::table, "cohesion.radius", 0.01, {0.001, 0.1}});
+    else  // on all neighbours within the radius, in each substep
+        keys.push_back({Cohesion::table, "cohesion.radius", 0.01, {0.001}});
+    if (touches && b.options.scene.empty())
         keys.insert(keys.end(), {{Cohesion::table, "cohesion.strength", 5000, {50, 5e5}},
                                  {StrandContact::table, "strand_contact.strength", 1e4, {1e2, 1e6}}});
     std::erase_if(keys, [&](const Key& key) { return !of.has(key.table); });
