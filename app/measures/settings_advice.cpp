@@ -9,6 +9,7 @@
 
 #include "app/files/results.h"
 #include "app/measures/settings_table.h"
+#include "solver/grooms/neighbourhood.h"
 
 namespace wetcurl {
 
@@ -102,6 +103,10 @@ std::optional<SettingsAdvice> advice_on(const Scene& scene) {
         keys = {{"spacing", "0", scene.cohesion->spacing == 0},
                 {"neighbours", "0", scene.cohesion->neighbours == 0},
                 {"relaxation", "1", scene.cohesion->relaxation == 1}};
+    // What all neighbours cost was measured where there are few.
+    constexpr double few = 100;
+    if (wet && Neighbourhood(scene.groom.rest).within(scene.cohesion->h_c) > few)
+        std::erase_if(keys, [](const PrintedKey& key) { return key.name == std::string_view("neighbours"); });
     // With every setting of Eq 10 as in the scene, but for `turned`.
     const auto cost = [&](double substeps, const char* precision, const char* turned = "") {
         Cost sum = measured.at(substeps, precision);

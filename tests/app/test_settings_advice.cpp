@@ -106,6 +106,17 @@ TEST(SettingsAdvice, tells_what_a_scene_would_save_that_computes_all_of_Eq_10) {
     }));
 }
 
+TEST(SettingsAdvice, says_nothing_of_more_neighbours_than_were_measured) {
+    const auto has_neighbours = [](const std::string& radius) {
+        const SettingsAdvice advice = advice_of("[fibre]\n[wetness]\n[cohesion]\nradius = " + radius + "\n");
+        return std::any_of(advice.rows.begin(), advice.rows.end(), [](const auto& row) {
+            return row.setting.find("cohesion.neighbours") != std::string::npos;
+        });
+    };
+    EXPECT_TRUE(has_neighbours("0.005"));
+    EXPECT_FALSE(has_neighbours("0.5"));  // 15 strands of 200 particles
+}
+
 TEST(SettingsAdvice, is_none_on_what_was_not_measured) {
     const auto advice = [](const std::string& text) {
         return advice_on(
