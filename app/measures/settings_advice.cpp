@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "app/files/results.h"
 #include "app/measures/settings_table.h"
-#include "solver/grooms/neighbourhood.h"
 
 namespace wetcurl {
 
@@ -24,22 +24,23 @@ class MeasuredHair {
   public:
     explicit MeasuredHair(const Json& hair) : hair_(hair) {}
 
-    // Between what was measured, error and time go by a power of the substeps; beyond, a time with their
-    // number and an error against it.
+    // By powers of the substeps between those that were measured; beyond, times go straight on, and the error
+    // stays what it was measured to be.
     Cost at(double substeps, const std::string& precision) const {
         std::vector<std::pair<double, Cost>> measured;
         for (const Json& row : hair_.at("rows"))
             if (row.at("precision") == precision && !row.contains("cohesion"))
                 measured.emplace_back(row.at("substeps"), cost_of(row));
         std::sort(measured.begin(), measured.end(), [](auto& a, auto& b) { return a.first < b.first; });
-        const auto& [fewest, first] = measured.front();
-        const auto& [most, last] = measured.back();
-        if (substeps <= fewest) return {first.error * fewest / substeps, first.time * substeps / fewest};
-        if (substeps >= most) return {last.error * most / substeps, last.time * substeps / most};
         size_t k = 1;
-        while (measured[k].first < substeps) ++k;
+        while (k + 1 < measured.size() && measured[k].first < substeps) ++k;
         const auto& [n, below] = measured[k - 1];
         const auto& [m, above] = measured[k];
+        if (substeps < n || substeps > m) {
+            const Cost& end = substeps < n ? below : above;
+            const double a_substep = std::max(0.0, (above.time - below.time) / (m - n));
+            return {end.error, end.time + a_substep * (substeps - (substeps < n ? n : m))};
+        }
         const double share = std::log(substeps / n) / std::log(m / n);
         const auto between = [&](double a, double b) { return a * std::pow(b / a, share); };
         return {between(below.error, above.error), between(below.time, above.time)};
@@ -61,19 +62,33 @@ class MeasuredHair {
     const Json& hair_;
 };
 
-// How much a curl bends [1/m]; straight hair, of radius 0, does not.
-double bend_of(double radius) { return radius > 0 ? 1 / radius : 0; }
+// Curvature of a curl [1/m] of whose wire a turn takes so much [m]; of straight hair 0.
+double curvature_of(double radius, double turn) {
+    constexpr double two_pi = 2 * std::numbers::pi;
+    return radius > 0 ? two_pi * two_pi * radius / (turn * turn) : 0;
+}
+double curvature_of(const HairKind& kind) {
+    return curvature_of(kind.curl_radius, std::hypot(2 * std::numbers::pi * kind.curl_radius, kind.pitch));
+}
+double curvature_of(const Scene& scene) {
+    const Strands& rest = scene.groom.rest;
+    const CurlTurns& curl = scene.curl_turns;
+    if (!(curl.turns > 0) || rest.count == 0) return 0;
+    double length = 0;
+    for (int s = 0; s < rest.count; ++s) length += arc_length(rest.strand(s), rest.particles) / rest.count;
+    return curvature_of(curl.radius, length / curl.turns);
+}
 
 // Null where no hair of that kind was measured.
 const Json* most_like(const Json& table, const Scene& scene, const std::string& kind) {
     const Json* best = nullptr;
     double least = 0;
+    const double curvature = curvature_of(scene);
     for (const Json& hair : table.at("hair")) {
         const std::string name = hair.at("hair");
         if (hair.at("kind") != kind || (name == "springs") != !scene.fibre) continue;
         const HairKind* measured = hair_named(name);
-        const double unlike =
-            measured ? std::abs(bend_of(scene.curl_turns.radius) - bend_of(measured->curl_radius)) : 0;
+        const double unlike = measured ? std::abs(curvature_of(*measured) - curvature) : 0;
         if (!best || unlike < least) best = &hair, least = unlike;
     }
     return best;
@@ -89,9 +104,11 @@ struct PrintedKey {
 std::optional<SettingsAdvice> advice_on(const Scene& scene) {
     if (!scene.integrator.is_implicit() || !title_of(scene.baselines).empty()) return std::nullopt;
     static const Json table = Json::parse(settings_table);
-    const bool wet = scene.wetness && scene.cohesion,
-               touching = scene.strand_contact || (wet && scene.cohesion->strength > 0);
-    const Json* hair = most_like(table, scene, touching ? "touching" : wet ? "wet" : "dry");
+    const bool wet = scene.wetness.has_value();
+    if (wet != scene.cohesion.has_value() || (wet && scene.cohesion->strength > 0) ||
+        (scene.strand_contact && !wet))
+        return std::nullopt;
+    const Json* hair = most_like(table, scene, scene.strand_contact ? "touching" : wet ? "wet" : "dry");
     if (!hair) return std::nullopt;
     const MeasuredHair measured(*hair);
     SettingsAdvice out;
@@ -99,14 +116,9 @@ std::optional<SettingsAdvice> advice_on(const Scene& scene) {
     out.machine = table.at("provenance").at("processor");
 
     std::vector<PrintedKey> keys;
-    if (wet && !touching)
+    if (wet && !scene.strand_contact)
         keys = {{"spacing", "0", scene.cohesion->spacing == 0},
-                {"neighbours", "0", scene.cohesion->neighbours == 0},
                 {"relaxation", "1", scene.cohesion->relaxation == 1}};
-    // What all neighbours cost was measured where there are few.
-    constexpr double few = 100;
-    if (wet && Neighbourhood(scene.groom.rest).within(scene.cohesion->h_c) > few)
-        std::erase_if(keys, [](const PrintedKey& key) { return key.name == std::string_view("neighbours"); });
     // With every setting of Eq 10 as in the scene, but for `turned`.
     const auto cost = [&](double substeps, const char* precision, const char* turned = "") {
         Cost sum = measured.at(substeps, precision);
@@ -116,14 +128,16 @@ std::optional<SettingsAdvice> advice_on(const Scene& scene) {
                     sum.error = std::max(0.0, sum.error + printed->error), sum.time *= printed->time;
         return sum;
     };
+    constexpr int fewest = 5, most = 40;  // that were measured
     const int substeps = scene.integrator.substeps;
     const Cost own = cost(substeps, "float");
     const auto add = [&](std::string setting, const Cost& c) {
         out.rows.push_back({std::move(setting), c.error, c.time / own.time});
     };
     add("as it is", own);
-    if (substeps > 1) add(fmt::format("integrator.substeps = {}", substeps / 2), cost(substeps / 2, "float"));
-    add(fmt::format("integrator.substeps = {}", 2 * substeps), cost(2 * substeps, "float"));
+    for (const int other : {substeps / 2, 2 * substeps})
+        if (other >= fewest && other <= most)
+            add(fmt::format("integrator.substeps = {}", other), cost(other, "float"));
     add("--precision double", cost(substeps, "double"));
     for (const PrintedKey& key : keys)
         add(key.is_printed ? fmt::format("without cohesion.{} = {}", key.name, key.value)

@@ -23,8 +23,9 @@ struct SettingsAdvice {
     std::vector<std::string> advice;  // which of them is better, or dearer for nothing
 };
 
-// From the measured hair that is most like the scene's. None where no such scene was measured: an explicit
-// integrator or a compared method.
+// From the measured hair whose curls are curved most like the scene's. None where no such scene was measured:
+// an explicit integrator, a compared method, contact without water, water without Eq 10, cohesion in the
+// solve.
 std::optional<SettingsAdvice> advice_on(const Scene& scene);
 
 }  // namespace wetcurl

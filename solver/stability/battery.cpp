@@ -30,7 +30,7 @@ StabilityMethod of_fibres(double diameter, const std::string& precision) {
 StabilityMethod of_fibres_that_touch(double diameter, const std::string& precision) {
     StabilityMethod m = of_fibres(diameter, precision);
     m.name = "ours touching", m.dry = false;
-    m.cohesion = "[cohesion]\nradius = 0.01\nstrength = 5000\n[strand_contact]\n";
+    m.cohesion = "[cohesion]\nradius = 0.012\nstrength = 5000\n[strand_contact]\n";
     return m;
 }
 // Its forces on wet hair in the place of ours, on our chain.
@@ -129,13 +129,14 @@ std::vector<StabilityJob> stability_jobs(const StabilityMethod& method, const St
         }
     }
     if (method.on_strands) add("S7", [=] { return invariances(b, wet_lock(b, 1e5), ", wet lock"); });
-    // A scene that is given names our wet terms.
-    if (wet && !(method.compared() && !options.scene.empty()))
+    // A scene that is given names wet terms of its own: those of `ours`.
+    const bool wet_as_ours = !method.compared() && method.cohesion == StabilityMethod().cohesion;
+    if (wet && (options.scene.empty() || wet_as_ours))
         for (double factor : b.some({0.01, 0.1, 1, 10, 100, 1e4}, {1, 100}))
             add("S9", [=] { return everything_at_once(b, factor); });
     if (fibre && method.fibre == 70e-6 && options.scene.empty())
         for (const HairKind& kind : hair_kinds)
-            if (!options.quick || kind.name == std::string("type4a"))
+            if (!options.quick || (method.dry && kind.name == std::string("type4a")))
                 add("S9", [=] { return Cases{everything_on(b, kind.name)}; });
     return jobs;
 }

@@ -45,6 +45,7 @@ const char* const drag = "[stiffness]\nglobal = 6\n";
 
 struct SceneText {
     std::string text, name, folder;
+    bool touches = false, says_lock_width = false;  // which says what the radius does
     bool has(const char* table) const {
         return text.find(std::string("[") + table + "]") != std::string::npos;
     }
@@ -71,6 +72,7 @@ void judge_rest(StabilityCase& c, const Battery& b, Scene scene) {
     c.kinetic_ratio = trial.finite ? trial.kinetic / trial.weight_length() : unbounded;
     c.measured.emplace_back("jitter_over_segment", jitter);
     c.measured.emplace_back("seconds_to_rest", seconds);
+    if (trial.scene().cohesion) c.measured.emplace_back("neighbours", trial.simulation().neighbours_mean());
     c.passed = c.finite && c.energy_ratio <= energy_bound && jitter <= jitter_bound;
 }
 
@@ -110,9 +112,13 @@ Cases everything_at_once(const Battery& b, double stiffer) {
     const std::string chain =
         b.method.fibre > 0 ? "[fibre]\n" + setting("diameter ", b.method.fibre) + "\n" : springs;
     SceneText of{wet_scene(b, chain), "battery", "."};
+    of.touches = of.has(StrandContact::table);
     if (!b.options.scene.empty()) {
-        const Config config = Config::load(b.options.scene);
+        Config config = Config::load(b.options.scene);
         of = {config.text(), b.options.scene, config.folder()};
+        for (const auto& assignment : b.options.set) config.set(assignment);
+        of.says_lock_width =
+            config.root().has(Cohesion::table) && config.root().table(Cohesion::table).has("lock_width");
     }
     // Of the wet terms that are there, over decades, one at a time.
     struct Key {
@@ -121,16 +127,14 @@ Cases everything_at_once(const Battery& b, double stiffer) {
         std::vector<double> others;
     };
     std::vector<Key> keys{{Adhesion::table, "adhesion.strength", 60, {6, 600, 6000}}};
-    const bool touches = of.has(StrandContact::table);
-    if (of.text.find("lock_width") != std::string::npos)  // says what the radius does
-        keys.push_back({Cohesion::table, "cohesion.lock_width", 0.015, {0.0015, 0.15}});
-    else if (!touches)
-        keys.push_back({Cohesion::table, "cohesion.radius", 0.01, {0.001, 0.1}});
-    else  // on all neighbours within the radius, in each substep
-        keys.push_back({Cohesion::table, "cohesion.radius", 0.01, {0.001}});
-    if (touches && b.options.scene.empty())
-        keys.insert(keys.end(), {{Cohesion::table, "cohesion.strength", 5000, {50, 5e5}},
+    if (of.touches)  // on all neighbours within the radius, in each substep
+        keys.insert(keys.end(), {{Cohesion::table, "cohesion.radius", 0.012, {0.0012}},
+                                 {Cohesion::table, "cohesion.strength", 5000, {50, 5e5}},
                                  {StrandContact::table, "strand_contact.strength", 1e4, {1e2, 1e6}}});
+    else if (of.says_lock_width)
+        keys.push_back({Cohesion::table, "cohesion.lock_width", 0.015, {0.0015, 0.15}});
+    else
+        keys.push_back({Cohesion::table, "cohesion.radius", 0.01, {0.001, 0.1}});
     std::erase_if(keys, [&](const Key& key) { return !of.has(key.table); });
     std::vector<Figures> wet{{}};
     for (const Key& key : keys) wet[0].emplace_back(key.name, key.usual);
@@ -146,9 +150,9 @@ StabilityCase everything_on(const Battery& b, const char* hair) {
     StabilityCase c = b.named("S9", std::string("everything at once on ") + hair, {});
     c.parameters.clear();  // the kind has a diameter of its own
     const std::string chain = std::string("[fibre]\nhair = \"") + hair + "\"\n";
-    judge_rest(c, b,
-               scene_of(wet_scene(b, chain), "battery", ".", {"groom.particles=100", "groom.length=0.15"},
-                        b.method));
+    std::vector<std::string> set{"groom.particles=100", "groom.length=0.15"};
+    set.insert(set.end(), b.options.set.begin(), b.options.set.end());
+    judge_rest(c, b, scene_of(wet_scene(b, chain), "battery", ".", set, b.method));
     return c;
 }
 

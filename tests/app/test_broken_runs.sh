@@ -205,7 +205,8 @@ same 'a run without its state' alone.h5 other.h5
 
 # Begun again where it ended before three frames were seen, as happens on a busy machine.
 for ((tries = 0; tries < 20; ++tries)); do
-    "$wetcurl" $run -o stopped.h5 --overwrite >said 2>&1 &
+    rm -f stopped.h5*
+    "$wetcurl" $run -o stopped.h5 >said 2>&1 &
     writer=$!
     until [[ $(number stopped.h5.partial frames) -gt 2 ]] 2>/dev/null; do
         kill -0 $writer 2>/dev/null || break

@@ -154,21 +154,22 @@ rm -f run.h5
 # Whether process $1 holds the lock of file $2.
 locked_by() { grep -q "FLOCK.* $1 [0-9a-f:]*:$(stat -c %i "$2") " /proc/locks; }
 
-# Starts `wetcurl $2...` and stops it as soon as it writes file $1. Begins again where it ended before that was
+# Starts `wetcurl $2... OUTPUT` and stops it as soon as it writes file $1. Begins again where it ended before that was
 # seen, as happens on a busy machine.
 begin() {
-    local file=$1 again=() tries
+    local file=$1 tries
     shift
     for ((tries = 0; tries < 20; ++tries)); do
-        "$wetcurl" "$@" ${again[@]+"${again[@]}"} >said 2>&1 &
+        "$wetcurl" "$@" >said 2>&1 &
         first=$!
         until [[ -e $file ]] && locked_by "$first" "$file"; do
             kill -0 "$first" 2>/dev/null || break
             sleep 0.005
         done
         kill -STOP "$first" 2>/dev/null && locked_by "$first" "$file" && return
-        again=(--overwrite)
+        kill -CONT "$first" 2>/dev/null || true
         wait "$first" || break
+        rm -rf "${@: -1}" "${@: -1}".*
     done
     fail "$*: ended before a second process could begin: $(<said)"
 }
