@@ -134,7 +134,9 @@ TEST(Battery, ours_stands_it_with_fibres_that_touch) {
         for (const char* id : {"S1", "S2", "S5", "S7", "S9"})
             for (const auto& c : cases_of(touching, id)) {
                 EXPECT_TRUE(c.passed) << touching.precision << " " << c.id << " " << c.what;
-                if (c.id == "S9") EXPECT_GT(figure(c.measured, "neighbours"), 1) << c.what;
+                if (c.id == "S9") {
+                    EXPECT_GT(figure(c.measured, "neighbours"), 1) << c.what;
+                }
             }
     }
 }
