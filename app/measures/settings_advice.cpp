@@ -148,8 +148,8 @@ std::optional<SettingsAdvice> advice_on(const Scene& scene) {
     constexpr double seen = 0.05, noise = 0.1;  // [%], [1]
     for (size_t k = 1; k < out.rows.size(); ++k) {
         const auto& row = out.rows[k];
-        const bool cheaper = row.time < 1 - noise && row.error<own.error + seen, better = own.error> 1 &&
-                             row.error < own.error / 1.5;
+        const bool cheaper = row.time < 1 - noise && row.error < own.error + seen;
+        const bool better = own.error > 1 && row.error < own.error / 1.5;
         if (cheaper || better)
             out.advice.push_back(
                 fmt::format("{}: errs by {:.2g} % of the length in place of {:.2g}, in {:.2g} times the time",
