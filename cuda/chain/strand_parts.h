@@ -141,7 +141,7 @@ class StrandParts {
     // Whether a surface can have met a particle that a step changed by d. `gap`: from surfaces where it was
     // first expected, which tells where forces were taken no more than once.
     WETCURL_HD static bool may_meet(const Bdf2<T>& scheme, bool looked_anew, T pushed, T gap, const V& d) {
-        return pushed != 0 || looked_anew || !(gap - scheme.h * norm(d) > T(1e-6));
+        return pushed != 0 || looked_anew || may_enter(scheme.h, gap, d);
     }
     // It is led to x and v, `pushed` as told by hold_of; these, and where it was, follow.
     WETCURL_HD void meet(const SubstepMotion<T>& motion, const Bdf2<T>& scheme, const V& d, Particle<T>& p,

@@ -149,8 +149,8 @@ class StrandStep {
         auto way_of = [&](int g, int edge) {
             return scheme_.h * (system_.right(g, edge + 1) - system_.right(g, edge));
         };
-        const bool limits = has<StrainLimit>(set_) && of_limit.may_move(),
-                   holds = set_.has(present::contact) && of_holds.may_move();
+        const bool limits = has<StrainLimit>(set_) && of_limit.may_move(), entering = k_.rules.holds_entering,
+                   holds = set_.has(present::contact) && of_holds.may_move(entering);
         for_each_particle(2, n, [&](int g, int i) {
             if (!is(solved, g)) return;
             const int k = cell(g, i);
@@ -167,6 +167,11 @@ class StrandStep {
                 Hold<T> hold = parts_.hold_of(*motion_, scheme_, particle(k), pushed_[k]);
                 if (weigh_again(scheme_.h, system_.right(g, i), hold) > 0)
                     pushed_[k] = -pushed_[k], seen |= hold_changed;
+            } else if (const V d = system_.right(g, i);
+                       holds && entering && may_enter(scheme_.h, is(looked_anew, g) ? T(0) : gap_[k], d)) {
+                Hold<T> hold = parts_.hold_of(*motion_, scheme_, particle(k), -T(a_bit));
+                if (weigh_again(scheme_.h, d, hold) > 0)
+                    pushed_[k] = T(a_bit), seen |= hold_changed | entered;
             }
             if (seen) Barrier::raise(flags_[g].seen, seen);
         });
@@ -182,6 +187,7 @@ class StrandStep {
             flags_[g].seen = 0;
             if (!(now & solved)) return;
             now = seen & turned ? now | far_off : now & ~far_off;
+            if (seen & entered) now |= touches;
             if (!(seen & (limit_moved | hold_changed))) now &= ~solved;
             flags_[g].now = now;
             again |= now & solved;
@@ -237,7 +243,7 @@ class StrandStep {
     // have been taken more than once.
     enum : unsigned { active = 1, solved = 2, touches = 4, far_off = 8, looked_anew = 16 };
     // Seen in its solution.
-    enum : unsigned { limit_moved = 1, hold_changed = 2, turned = 4 };
+    enum : unsigned { limit_moved = 1, hold_changed = 2, turned = 4, entered = 8 };
 
     WETCURL_HD int cell(int g, int i) const { return g * m_.n + i; }
     WETCURL_HD bool is(unsigned what, int g) const { return flags_[g].now & what; }

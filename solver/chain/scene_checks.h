@@ -24,7 +24,7 @@ double predictor_share(const Scene& scene);
 template <class T>
 SubstepRules<T> substep_rules(const Scene& scene) {
     return {scene.chain, scene.baseline<Iben2013>(), scene.integrator.is_implicit(),
-            T(spring_sum(scene.chain))};
+            T(spring_sum(scene.chain)), scene.fibre.has_value()};
 }
 // `precision`, or "double" where a float factorisation of this scene is not to be trusted.
 std::string trusted_precision(const Scene& scene, const std::string& precision);

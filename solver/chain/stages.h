@@ -47,7 +47,8 @@ struct Solve {
     static constexpr const char* name = "solve";
 };
 // The strain limit is linearised where the solution has led edges, and surfaces hold other particles than
-// expected. `solves`: so often has the system been solved. Returns whether it must be solved again.
+// expected: of those that they push, and, if `entering`, of those that the solution alone leads into them.
+// `solves`: so often has the system been solved. Returns whether it must be solved again.
 struct MoveLimit {
     static constexpr const char* name = "move limit";
     int solves;
@@ -56,7 +57,9 @@ struct MoveLimit {
 struct MoveHolds {
     static constexpr const char* name = "move holds";
     int solves;
-    WETCURL_HD bool may_move() const { return solves < most_contact_solves; }
+    WETCURL_HD bool may_move(bool entering) const {
+        return solves < (entering ? most_entering_solves : most_contact_solves);
+    }
 };
 // Forces are taken anew where the solution has led strands of which an edge turned far. `linearisations`: so
 // often have they been taken. Returns whether there is such a strand.

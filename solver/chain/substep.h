@@ -15,6 +15,9 @@ struct SubstepRules {
     std::optional<Iben2013> iben;
     bool implicit;
     T spring_sum;
+    // What only the solution of a step leads into a solid is held as what was expected there. Seen: of stiff
+    // strands each projection out of a solid bends a few edges, and they gain energy without end.
+    bool holds_entering;
 };
 
 // In the place of a WorkMeter.
@@ -142,8 +145,9 @@ class BlockStages {
                update_limit_edges(*limit(), view_, scheme_.h, s_.solution, active_, s_.limit_edge);
     }
     WETCURL_HD bool take(stage::MoveHolds at) {
-        return b_.pushed && at.may_move() &&
-               update_holds(n_, scheme_.h, s_.solution, b_.pushed, active_, s_.hold);
+        if (!b_.pushed || !at.may_move(rules_.holds_entering)) return false;
+        const bool changed = update_holds(n_, scheme_.h, s_.solution, b_.pushed, active_, s_.hold);
+        return (rules_.holds_entering && hold_entering()) || changed;
     }
 
     WETCURL_HD bool take(stage::Relinearise at) {
@@ -271,6 +275,32 @@ class BlockStages {
             eliminate_row<true>(i, n_, diagonal, s_.upper1, s_.upper2, s_.solution);
         else
             eliminate_row<false>(i, n_, diagonal, s_.upper1, s_.upper2, s_.solution);
+    }
+    // Holds particles that the solution leads into solids where none were expected. Returns whether there
+    // are.
+    WETCURL_HD bool hold_entering() {
+        S entered(0);
+        surfaces_.expect([&](auto contact) {
+            for (int i = 2; i < n_; ++i) {
+                const V& d = s_.solution[i];
+                const auto may = may_enter(scheme_.h, anew_ ? S(0) : s_.gap[i], d);
+                const S free = select(b_.pushed[i] > S(0), S(0), select(may, active_, S(0)));
+                if (!any_positive(free)) continue;
+                S pushed{T(a_bit)};
+                Hold<S> hold = contact(i, rest_depth_ ? rest_depth_[i] : S(0),
+                                       hold_stiffness(rules_.spring_sum, scheme_.h, view_.mass[i]),
+                                       scheme_.predicted(b_.x[i], b_.x_before[i], b_.v[i]), b_.v[i], pushed);
+                hold.gap += scheme_.h * dot(view_.v[i] - scheme_.expected_velocity(b_.v[i]), hold.normal);
+                hold.weight = S(0);
+                const S enters = free * weigh_again(scheme_.h, d, hold);
+                if (!any_positive(enters)) continue;
+                entered += enters;
+                if (!any_positive(b_.pushed[i])) s_.hold[i] = no_contact<S>();
+                take_over(enters, hold, s_.hold[i]);
+                b_.pushed[i] = select(enters > S(0), pushed, b_.pushed[i]);
+            }
+        });
+        return any_positive(entered);
     }
     // What rows 0 and 1 lack: h R = A d - r.
     WETCURL_HD void put_reaction() {

@@ -132,7 +132,8 @@ WETCURL_HD S weigh_again(const S& h, const Vec3<S>& d, Hold<S>& hold) {
     hold.weight = weight;
     return change * change;
 }
-constexpr int most_contact_solves = 2;
+// So often is the system solved at most while holds change; more often where what enters is held.
+constexpr int most_contact_solves = 2, most_entering_solves = 8;
 // The gap alone that a particle at x has to the solid that it is deepest in.
 template <class S, class Solids>
 WETCURL_HD S least_gap(const Solids& solids, const S& rest_depth, const Vec3<S>& x) {
@@ -148,10 +149,11 @@ WETCURL_HD Hold<S> deepest_contact(const Solids& solids, const S& rest_depth, co
     for (const auto& solid : solids) take_deeper(solid, rest_depth, x, hold);
     return hold;
 }
-// What is expected inside counts as pushed: a bit, without friction yet.
+// What is expected inside counts as pushed: a bit [kg m/s], without friction yet.
+constexpr double a_bit = 1e-30;
 template <class S>
 WETCURL_HD void expect_push(const S& gap, S& pushed) {
-    pushed = select(gap < S(0), maximum(pushed, S(Plain<S>(1e-30))), pushed);
+    pushed = select(gap < S(0), maximum(pushed, S(Plain<S>(a_bit))), pushed);
 }
 // Of a particle at x, with velocity v, that a surface `pushed` in the step before or is to push now: a spring
 // of `stiff` [kg] that closes the gap, and friction.
@@ -162,6 +164,23 @@ WETCURL_HD Hold<S> expected_contact(const Solids& solids, const S& rest_depth, c
     expect_push(hold.gap, pushed);
     if (any_positive(pushed)) weigh(pushed, stiff, v, hold);
     return hold;
+}
+// Whether a step that changes its velocity by d can lead a particle into a solid; `gap` where it is expected.
+template <class S>
+WETCURL_HD auto may_enter(const S& h, const S& gap, const Vec3<S>& d) {
+    return gap - h * norm(d) < S(Plain<S>(1e-6));
+}
+// The hold becomes `other` where `where` is above 0.
+template <class S>
+WETCURL_HD void take_over(const S& where, const Hold<S>& other, Hold<S>& hold) {
+    const auto taken = where > S(0);
+    hold.normal = select(taken, other.normal, hold.normal);
+    hold.surface_velocity = select(taken, other.surface_velocity, hold.surface_velocity);
+    hold.gap = select(taken, other.gap, hold.gap);
+    hold.friction = select(taken, other.friction, hold.friction);
+    hold.stiff = select(taken, other.stiff, hold.stiff);
+    hold.weight = select(taken, other.weight, hold.weight);
+    hold.drag = select(taken, other.drag, hold.drag);
 }
 // Adds spring and drag to a particle's row, A d = r with d beside the velocity v.
 template <class S>

@@ -47,7 +47,7 @@ class Stepper {
                             root_turn,
                             bend ? s_.frame.data() : nullptr,
                             nullptr};
-        const SubstepRules<double> rules{terms_, std::nullopt, true, spring_sum(terms_)};
+        const SubstepRules<double> rules{terms_, std::nullopt, true, spring_sum(terms_), false};
         using Solids = std::vector<PosedSolid<double>>;
         const Solids none;
         const double* no_depth = nullptr;

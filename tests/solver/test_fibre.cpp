@@ -148,6 +148,20 @@ TEST_F(FibreScene, energy_of_a_fall_rises_by_the_error_of_the_step_alone) {
         }
 }
 
+// On a head that stands still: nothing drives it, so that its energy can only fall.
+TEST_F(FibreScene, stiff_hair_that_falls_on_a_head_gains_nothing) {
+    for (const std::string hair : {"type1", "horse"}) {
+        const Scene scene = parse_scene(
+            "fps = 24\n[groom]\ngrid = [4, 4]\nparticles = 100\nlength = 0.15\n[integrator]\nsubsteps = "
+            "10\n[fibre]\nhair = \"" +
+                hair + "\"\n[[solid]]\nname = \"head\"\nradius = 0.095\n",
+            "test", ".");
+        const EnergyCourse course = energy_course(scene, 96);
+        EXPECT_GT(course.fall, 1e-7) << hair;
+        EXPECT_LT(course.rise, 1e-3 * course.fall) << hair;
+    }
+}
+
 TEST_F(FibreScene, single_precision_keeps_it) {
     const StrandPoints hair{helix_points(1200, 0.2, 0.004, 0.012)};
     const std::string text =
