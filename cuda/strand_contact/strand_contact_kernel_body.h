@@ -90,10 +90,13 @@ struct StrandContactKernelBody {
             const Vec3f at = place.position(particles);
             const size_t first = size_t(which) * most_links;
             LinkSearch::Candidates candidates = near.begin(strand, at, &links[first]);
-            const float far = std::sqrt(near.farthest(candidates)) + norm(at - from);
-            search.within(id, from, minimum(far, reach), [&](uint32_t, const SortedPoint& other) {
-                near.offer(strand, at, other.id, other.id / places.n, other.position(), candidates);
-            });
+            // Those who are nearer to the place are fewer than those who are that near to the particle.
+            const float far = std::sqrt(near.farthest(candidates)), off = norm(at - from);
+            const bool known = far + off < reach;
+            search.within(
+                id, known ? at : from, known ? far : reach, [&](uint32_t, const SortedPoint& other) {
+                    near.offer(strand, at, other.id, other.id / places.n, other.position(), candidates);
+                });
             all += uint32_t(near.link(place, candidates, &links[first], &found[first]));
         }
         return all;
@@ -121,18 +124,25 @@ struct StrandContactKernelBody {
         acting[l] = {seen.other, acts.normal, acts.along, acts.across};
         force[l] = {acts.force, maximum(acts.along, acts.across)};
     }
-    // What links do to a strand: its own, and those that lead to it.
-    WETCURL_HD uint32_t links_at(uint32_t strand) const {
-        return places.count * uint32_t(most_links) + begin[strand + 1] - begin[strand];
+    // What links do to a strand: its places, each with all of its links, and the links that lead to it.
+    WETCURL_HD uint32_t acts_on(uint32_t strand) const {
+        return places.count + begin[strand + 1] - begin[strand];
     }
     // Calls add(particle of the strand, sum) for the ends of the k-th of them.
     template <class Add>
     WETCURL_HD void add_up(uint32_t strand, uint32_t k, Add add) const {
-        const uint32_t own = places.count * uint32_t(most_links);
-        const bool leads_here = k >= own;
-        const uint32_t l = leads_here ? leading[begin[strand] + k - own] : strand * own + k;
-        const LinkForce f = force[l];
-        const PlaceOnStrand place = leads_here ? acting[l].other : place_of(l);
+        const bool leads_here = k >= places.count;
+        LinkForce f{{0, 0, 0}, 0};
+        PlaceOnStrand place;
+        if (leads_here) {
+            const uint32_t l = leading[begin[strand] + k - places.count];
+            f = force[l], place = acting[l].other;
+        } else {
+            const uint32_t which = strand * places.count + k, first = which * uint32_t(most_links);
+            place = places.at(which);
+            for (uint32_t l = first; l < first + uint32_t(most_links); ++l)
+                f.force += force[l].force, f.stiffness += force[l].stiffness;
+        }
         place.share([&](uint32_t id, float share) {
             add(id - strand * places.n,
                 ContactSum::of((leads_here ? -share : share) * f.force, share * f.stiffness));

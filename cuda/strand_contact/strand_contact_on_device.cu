@@ -63,13 +63,13 @@ template <class T, class Then>
 __device__ void for_each_sum(const StrandContactKernelBody<T>& b, Then then) {
     constexpr uint32_t at_once = 256;
     __shared__ SharedWhole sum[4][at_once];
-    const uint32_t strand = blockIdx.x, links = b.links_at(strand), n = b.places.n;
+    const uint32_t strand = blockIdx.x, acts = b.acts_on(strand), n = b.places.n;
     for (uint32_t from = 0; from < n; from += at_once) {
         const uint32_t many = n - from < at_once ? n - from : at_once;
         for (uint32_t i = threadIdx.x; i < many; i += threads)
             for (auto& of : sum) of[i] = {0, 0};
         __syncthreads();
-        for (uint32_t k = threadIdx.x; k < links; k += threads)
+        for (uint32_t k = threadIdx.x; k < acts; k += threads)
             b.add_up(strand, k, [&](uint32_t particle, const ContactSum& more) {
                 const uint32_t i = particle - from;
                 if (i >= many) return;

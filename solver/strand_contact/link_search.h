@@ -246,8 +246,13 @@ struct LinkSearch {
             float r = had ? distance(particles, p, had->other) : 0;
             const uint32_t nearest = nearest_edge(particles, p, found.particle[k], found.strand[k]);
             const float there = distance(particles, p, nearest);
-            // Inside a bend two edges may be the nearest in turn.
-            if (!had || there < stays * r) made.other = nearest, r = there;
+            // Inside a bend two edges may be the nearest in turn. What has become nearer by a jump is not
+            // pressed yet: else each jump would bring energy.
+            if (!had || there < stays * r) {
+                if (had && had->other != nearest)
+                    made.touch.kept = minimum(had->touch.kept, there), made.touch.slip = {0, 0, 0};
+                made.other = nearest, r = there;
+            }
             if (!(r < 2 * radius)) continue;  // beyond that nothing acts
             if (!had) {
                 const uint32_t there = nearest_edge(drawn, p_drawn, found.particle[k], found.strand[k]);

@@ -151,10 +151,13 @@ struct StrandContact {
     // goes on the diagonal.
     static constexpr float least_stiff = 0.5f, most_stiff = 4;
     // Places of a strand that are linked, of so many particles with edges of that length at most [m]: contact
-    // is smooth where they are no farther apart than the radius.
+    // is smooth where they are no farther apart than the radius. No fewer than free edges: seen, where a
+    // place bears the mass of several particles and hands its force to one, friction shakes coils without
+    // end.
     uint32_t places(double edge, int particles) const {
         const double free = particles - 2;
-        return uint32_t(std::clamp(std::ceil(free * edge / radius), 1.0, std::max(8 * free, 1.0)));
+        return uint32_t(
+            std::clamp(std::ceil(free * edge / radius), std::max(free, 1.0), std::max(8 * free, 1.0)));
     }
     double reach(double edge) const { return std::max(2 * radius, 1.1 * std::hypot(radius, 0.5 * edge)); }
 };

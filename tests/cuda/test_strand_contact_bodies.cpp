@@ -113,7 +113,7 @@ struct Device {
     std::vector<ContactSum> sums() const {
         std::vector<ContactSum> sum(particles.size());
         for (uint32_t s = b.strand_count(); s-- > 0;)
-            for (uint32_t k = b.links_at(s); k-- > 0;)
+            for (uint32_t k = b.acts_on(s); k-- > 0;)
                 b.add_up(s, k, [&](uint32_t particle, const ContactSum& more) {
                     ContactSum& to = sum[s * b.places.n + particle];
                     to.x += more.x, to.y += more.y, to.z += more.z, to.stiffness += more.stiffness;
