@@ -80,9 +80,7 @@ class BlockStages {
         if (!s_.hold) return;
         surfaces_.expect([&](auto contact) {
             for (int i = 2; i < n_; ++i) {
-                const Hold<S> hold = contact(i, rest_depth_ ? rest_depth_[i] : S(0),
-                                             hold_stiffness(rules_.spring_sum, scheme_.h, view_.mass[i]),
-                                             view_.x[i], b_.v[i], b_.pushed[i]);
+                const Hold<S> hold = contact_of(contact, i, view_.x[i], b_.pushed[i]);
                 s_.gap[i] = hold.gap;
                 if (any_positive(b_.pushed[i])) s_.hold[i] = hold;
             }
@@ -276,6 +274,12 @@ class BlockStages {
         else
             eliminate_row<false>(i, n_, diagonal, s_.upper1, s_.upper2, s_.solution);
     }
+    // Of particle i, expected at x, by what the surfaces offer to ask.
+    template <class Contact>
+    WETCURL_HD Hold<S> contact_of(const Contact& contact, int i, const V& x, S& pushed) const {
+        return contact(i, rest_depth_ ? rest_depth_[i] : S(0),
+                       hold_stiffness(rules_.spring_sum, scheme_.h, view_.mass[i]), x, b_.v[i], pushed);
+    }
     // Holds particles that the solution leads into solids where none were expected. Returns whether there
     // are.
     WETCURL_HD bool hold_entering() {
@@ -287,9 +291,8 @@ class BlockStages {
                 const S free = select(b_.pushed[i] > S(0), S(0), select(may, active_, S(0)));
                 if (!any_positive(free)) continue;
                 S pushed{T(a_bit)};
-                Hold<S> hold = contact(i, rest_depth_ ? rest_depth_[i] : S(0),
-                                       hold_stiffness(rules_.spring_sum, scheme_.h, view_.mass[i]),
-                                       scheme_.predicted(b_.x[i], b_.x_before[i], b_.v[i]), b_.v[i], pushed);
+                Hold<S> hold =
+                    contact_of(contact, i, scheme_.predicted(b_.x[i], b_.x_before[i], b_.v[i]), pushed);
                 hold.gap += scheme_.h * dot(view_.v[i] - scheme_.expected_velocity(b_.v[i]), hold.normal);
                 hold.weight = S(0);
                 const S enters = free * weigh_again(scheme_.h, d, hold);
