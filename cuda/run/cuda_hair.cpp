@@ -58,7 +58,7 @@ CudaHair<T>::CudaHair(const Scene& scene, Stepping stepping)
 }
 
 template <class T>
-void CudaHair<T>::begin_display(const std::vector<float>& saturation, double) {
+void CudaHair<T>::begin_display(const std::vector<float>& saturation) {
     displayed_ = DeviceBuffer<Vec3f>(positions_.size());
     cohesion_.emplace(*scene_.cohesion, state.strands, Thinning(scene_.groom.rest, *scene_.cohesion),
                       cast<float>(head.translation), volumes_of(scene_), saturation, scene_.flow.has_value(),
@@ -251,8 +251,6 @@ void CudaHair<T>::launch_substeps(int substeps) {
                                arrays_.touching.data()},
                               given_adhesion_.data(), stream_.handle);
         launch_chain(slot, 1, begins);
-        mark(slot, 3);
-        if (strand_contact_) strand_contact_->launch_correction(memory(), scheme, dt_, stream_.handle);
     }
     mark(slots_, 0);
 }
@@ -365,7 +363,7 @@ void CudaHair<T>::read_couplings(int substeps) {
     double pulling = 0, touching = 0;
     for (size_t mark = marks_each * size_t(slots_ - substeps); mark + 1 < marks_.size(); mark += marks_each) {
         pulling += marks_[mark + 1].since(marks_[mark]);
-        touching += marks_[mark + 2].since(marks_[mark + 1]) + marks_[mark + 4].since(marks_[mark + 3]);
+        touching += marks_[mark + 2].since(marks_[mark + 1]);
     }
     seconds.chain -= pulling + touching;
     if (forces_) forces_->seconds += pulling, forces_->pairs = report_.last().pulled;

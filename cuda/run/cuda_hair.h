@@ -105,7 +105,7 @@ class CudaHair {
     Bdf2<T> scheme() const { return {T(dt_), first, T(predictor_share(scene_))}; }
     void take_steps_of(double dt);
 
-    void begin_display(const std::vector<float>& saturation, double reach);
+    void begin_display(const std::vector<float>& saturation);
     double neighbours_mean() const { return neighbours_mean_; }
 
     void fetch() const;
@@ -227,8 +227,8 @@ class CudaHair {
     // What acts on all strands in each substep, before it and after it; null where nothing does, or the host.
     PairForcesOnDevice<T>* forces_ = nullptr;
     StrandContactOnDevice<T>* strand_contact_ = nullptr;
-    // (slot, each) and one: before forces, contact, the step, contact's correction.
-    static constexpr size_t marks_each = 4;
+    // (slot, each) and one: before forces, contact, the step.
+    static constexpr size_t marks_each = 3;
     std::vector<Event> marks_;
     std::optional<AdhesionDevice<T>> adhesion_;  // asked before each substep
     // Solids.

@@ -39,8 +39,7 @@ struct alignas(16) LinkForce {
 
 // First all particles are seen. Where neighbours are found, all are linked by the order of their cells, links
 // are counted by the strands that they lead to, and listed. All links act, those of each strand and those
-// that lead to it are added up, and particles are given the sums. At the end of the substep all particles are
-// seen to have changed, all links hold back, and the sums of that correct particles.
+// that lead to it are added up, and particles are given the sums.
 template <class T>
 struct StrandContactKernelBody {
     StrandContact term;
@@ -52,15 +51,13 @@ struct StrandContactKernelBody {
     // (strand, particle): from where the first is expected, with speed or its change.
     LinkedParticle* particles;
     Vec3f* x;                   // (strand, particle) where neighbours are found
-    float* slope;               // (strand, particle) sum of stiffnesses [N/m]
     StrandLink *links, *found;  // (strand, place, link) those there are, and those found anew
-    ActingLink* acting;         // (strand, place, link)
+    PlaceOnStrand* other;       // (strand, place, link) where it acts on the other strand
     LinkForce* force;           // (strand, place, link)
     // Links by the strands that they lead to.
-    uint32_t* rank;      // (strand, place, link): how many were counted before
-    uint32_t* begin;     // (strands + 1) in `leading`
-    uint32_t* leading;   // (link that there is) its number
-    uint32_t* stiffest;  // the bits of a number that is not negative
+    uint32_t* rank;     // (strand, place, link): how many were counted before
+    uint32_t* begin;    // (strands + 1) in `leading`
+    uint32_t* leading;  // (link that there is) its number
 
     WETCURL_HD uint32_t particle_count() const { return search.count; }
     WETCURL_HD uint32_t strand_count() const { return search.count / places.n; }
@@ -74,7 +71,6 @@ struct StrandContactKernelBody {
                          m.saturation ? float(m.saturation[id]) : 0};
         if (finds) x[id] = at;
         if (finds && id % places.n == 0) begin[id / places.n] = 0;
-        if (id == 0) *stiffest = 0;
         if (finds && id == 0) begin[strand_count()] = 0;
     }
     // Of sorted particle k. Returns how many.
@@ -121,8 +117,8 @@ struct StrandContactKernelBody {
         const auto acts = StrandContact::act(step, seen.d, seen.v, seen.wet, seen.weight, link.touch);
         link.other = seen.other.edge;
         links[l] = link;
-        acting[l] = {seen.other, acts.normal, acts.along, acts.across};
-        force[l] = {acts.force, maximum(acts.along, acts.across)};
+        other[l] = seen.other;
+        force[l] = {acts.force, acts.stiffness};
     }
     // What links do to a strand: its places, each with all of its links, and the links that lead to it.
     WETCURL_HD uint32_t acts_on(uint32_t strand) const {
@@ -136,7 +132,7 @@ struct StrandContactKernelBody {
         PlaceOnStrand place;
         if (leads_here) {
             const uint32_t l = leading[begin[strand] + k - places.count];
-            f = force[l], place = acting[l].other;
+            f = force[l], place = other[l];
         } else {
             const uint32_t which = strand * places.count + k, first = which * uint32_t(most_links);
             place = places.at(which);
@@ -148,34 +144,13 @@ struct StrandContactKernelBody {
                 ContactSum::of((leads_here ? -share : share) * f.force, share * f.stiffness));
         });
     }
-    // Adds to `force` and `stiffness` where these are another's already. max(shared, bits) keeps the larger.
-    template <class Max>
-    WETCURL_HD void give(uint32_t id, const ContactSum& sum, bool adds, Vec3<T>* to_force, T* to_stiffness,
-                         Max max) const {
+    // Adds to `force` and `stiffness` where these are another's already.
+    WETCURL_HD void give(uint32_t id, const ContactSum& sum, bool adds, Vec3<T>* to_force,
+                         T* to_stiffness) const {
         const Vec3<T> f = cast<T>(sum.force());
-        const float mass = particles[id].mass;
-        const T k = T(StrandContact::on_diagonal(step, sum.slope(), mass));
+        const T k = T(StrandContact::on_diagonal(step, sum.slope(), particles[id].mass));
         to_force[id] = adds ? to_force[id] + f : f;
         to_stiffness[id] = adds ? to_stiffness[id] + k : k;
-        slope[id] = sum.slope();
-        const float most = StrandContact::stiffest(step, sum.slope(), mass);
-        if (most > StrandContact::least_stiff) max(*stiffest, bits_of(most));
-    }
-    WETCURL_HD bool corrects() const { return *stiffest != 0; }
-    WETCURL_HD void see_change(uint32_t id, const StrandMemory<T>& m, const Bdf2<T>& scheme) const {
-        particles[id].v = cast<float>(m.v[id] - scheme.expected_velocity(m.v_before[id]));
-    }
-    WETCURL_HD void hold_back(uint32_t l) const {
-        if (links[l].other == StrandLink::none) return;
-        const ActingLink link = acting[l];
-        force[l] = {-link.against(place_of(l).velocity(particles) - link.other.velocity(particles)), 0};
-    }
-    WETCURL_HD void correct(uint32_t id, const ContactSum& sum, const StrandMemory<T>& m,
-                            const Bdf2<T>& scheme) const {
-        if (id % places.n < 2) return;
-        const Vec3<T> dv =
-            cast<T>(StrandContact::correction(step, particles[id].mass, slope[id], sum.force()));
-        m.v[id] += dv, m.x[id] += scheme.h * dv;
     }
     // [J]
     WETCURL_HD double energy(uint32_t l, const StrandMemory<T>& m) const {
@@ -185,13 +160,6 @@ struct StrandContactKernelBody {
 
   private:
     WETCURL_HD PlaceOnStrand place_of(uint32_t l) const { return places.at(l / uint32_t(most_links)); }
-    WETCURL_HD static uint32_t bits_of(float a) {
-        union {
-            float number;
-            uint32_t bits;
-        } both{a};
-        return both.bits;
-    }
 };
 
 }  // namespace wetcurl

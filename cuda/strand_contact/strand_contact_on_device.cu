@@ -37,16 +37,6 @@ template <class T>
 __global__ void __launch_bounds__(threads) act(const StrandContactKernelBody<T> b) {
     if (const uint32_t l = item(); l < b.link_count()) b.act(l);
 }
-template <class T>
-__global__ void __launch_bounds__(threads)
-    see_change(const StrandContactKernelBody<T> b, const StrandMemory<T> m, const Bdf2<T> scheme) {
-    if (const uint32_t id = item(); b.corrects() && id < b.particle_count()) b.see_change(id, m, scheme);
-}
-template <class T>
-__global__ void __launch_bounds__(threads) hold_back(const StrandContactKernelBody<T> b) {
-    if (const uint32_t l = item(); b.corrects() && l < b.link_count()) b.hold_back(l);
-}
-
 // Whole numbers of 64 bits in a block's memory, by two of 32, which it adds at once.
 struct SharedWhole {
     uint32_t low, high;
@@ -86,16 +76,7 @@ __device__ void for_each_sum(const StrandContactKernelBody<T>& b, Then then) {
 template <class T>
 __global__ void __launch_bounds__(threads)
     give(const StrandContactKernelBody<T> b, bool adds, Vec3<T>* force, T* stiffness) {
-    for_each_sum(b, [&](uint32_t id, const ContactSum& sum) {
-        b.give(id, sum, adds, force, stiffness,
-               [](uint32_t& shared, uint32_t bits) { atomicMax(&shared, bits); });
-    });
-}
-template <class T>
-__global__ void __launch_bounds__(threads)
-    correct(const StrandContactKernelBody<T> b, const StrandMemory<T> m, const Bdf2<T> scheme) {
-    if (!b.corrects()) return;
-    for_each_sum(b, [&](uint32_t id, const ContactSum& sum) { b.correct(id, sum, m, scheme); });
+    for_each_sum(b, [&](uint32_t id, const ContactSum& sum) { b.give(id, sum, adds, force, stiffness); });
 }
 template <class T>
 __global__ void __launch_bounds__(threads)
@@ -124,16 +105,14 @@ StrandContactOnDevice<T>::StrandContactOnDevice(const Scene& scene, const ChainS
       drawn_(scene.groom.rest.points),
       particles_(drawn_.size()),
       x_(drawn_.size()),
-      slope_(drawn_.size()),
       search_(drawn_.size(), state.n, cell_side(scene.groom.rest, double(reach_)), Vec3f{0, 0, 0}),
       links_(std::vector<StrandLink>(size_t(state.strands) * places_.count * most_links)),
       found_(links_.size()),
-      acting_(links_.size()),
+      other_(links_.size()),
       force_(links_.size()),
       rank_(links_.size()),
       begin_(size_t(state.strands) + 1),
       leading_(links_.size()),
-      stiffest_(std::vector<uint32_t>(1, 0)),
       energy_(blocks_for(links_.size())) {
     size_t bytes = 0;
     check_cuda(scan(nullptr, uint32_t(state.strands), nullptr, bytes, nullptr), "size of the scan");
@@ -151,15 +130,13 @@ StrandContactKernelBody<T> StrandContactOnDevice<T>::bodies(double dt) const {
             .drawn = drawn_.data(),
             .particles = particles_.data(),
             .x = x_.data(),
-            .slope = slope_.data(),
             .links = links_.data(),
             .found = found_.data(),
-            .acting = acting_.data(),
+            .other = other_.data(),
             .force = force_.data(),
             .rank = rank_.data(),
             .begin = begin_.data(),
-            .leading = leading_.data(),
-            .stiffest = stiffest_.data()};
+            .leading = leading_.data()};
 }
 
 template <class T>
@@ -187,16 +164,6 @@ void StrandContactOnDevice<T>::launch(const StrandMemory<T>& memory, const Bdf2<
 }
 
 template <class T>
-void StrandContactOnDevice<T>::launch_correction(const StrandMemory<T>& memory, const Bdf2<T>& scheme,
-                                                 double dt, cudaStream_t stream) const {
-    const auto b = bodies(dt);
-    see_change<<<blocks_for(drawn_.size()), threads, 0, stream>>>(b, memory, scheme);
-    hold_back<<<blocks_for(links_.size()), threads, 0, stream>>>(b);
-    correct<<<b.strand_count(), threads, 0, stream>>>(b, memory, scheme);
-    check_cuda(cudaGetLastError(), "launch of the contact's correction");
-}
-
-template <class T>
 void StrandContactOnDevice<T>::launch_energies(const StrandMemory<T>& memory, cudaStream_t stream) const {
     sum_energies<<<blocks_for(links_.size()), threads, 0, stream>>>(bodies(1), memory, energy_.device.data());
     check_cuda(cudaGetLastError(), "launch of the energy of contact between strands");
@@ -218,8 +185,7 @@ template <class T>
 void StrandContactOnDevice<T>::list(BufferList& buffers) const {
     size_t bytes = search_.bytes() + energy_.device.bytes();
     auto add = [&](const auto&... of) { bytes += (of.bytes() + ...); };
-    add(drawn_, particles_, x_, slope_, links_, found_, acting_, force_, rank_, begin_, leading_,
-        scan_memory_, stiffest_);
+    add(drawn_, particles_, x_, links_, found_, other_, force_, rank_, begin_, leading_, scan_memory_);
     buffers.push_back({StrandContact::name, bytes});
 }
 

@@ -24,9 +24,6 @@ class StrandContactOnDevice {
     // anew, and their number is added to `links`.
     void launch(const StrandMemory<T>& memory, const Bdf2<T>& scheme, double dt, bool adds, Vec3<T>* force,
                 T* stiffness, unsigned long long* links, cudaStream_t stream);
-    // At the end of that substep.
-    void launch_correction(const StrandMemory<T>& memory, const Bdf2<T>& scheme, double dt,
-                           cudaStream_t stream) const;
     void begin_frame() { left_ = 0; }
     // Whether links were found since the call before.
     bool found() { return std::exchange(found_now_, false); }
@@ -74,14 +71,12 @@ class StrandContactOnDevice {
     DeviceBuffer<Vec3f> drawn_;
     DeviceBuffer<LinkedParticle> particles_;
     DeviceBuffer<Vec3f> x_;
-    DeviceBuffer<float> slope_;
     CellSearchDevice search_;
     DeviceBuffer<StrandLink> links_, found_;
-    DeviceBuffer<ActingLink> acting_;
+    DeviceBuffer<PlaceOnStrand> other_;
     DeviceBuffer<LinkForce> force_;
     DeviceBuffer<uint32_t> rank_, begin_, leading_;
     DeviceBuffer<char> scan_memory_;
-    DeviceBuffer<uint32_t> stiffest_;
     OnBoth<double> energy_;  // parts of it [J]
     WayOut way_;
 };

@@ -13,13 +13,11 @@ namespace wetcurl {
 using S = Pack<float>;
 
 CohesionPass::CohesionPass(const Cohesion& term, int strands, const Thinning& thinning,
-                           const std::vector<float>& volume, const std::vector<float>& saturation,
-                           float reach)
+                           const std::vector<float>& volume, const std::vector<float>& saturation)
     : term_(term),
       thinning_(thinning),
       strands_(strands),
       particles_(thinning.count),
-      reach_(reach),
       water_(thinning.is_whole() ? std::nullopt
                                  : std::optional<ThinnedWater>({thinning, volume, saturation})),
       own_volume_(water_ ? water_->own_volume : volume),
@@ -28,14 +26,13 @@ CohesionPass::CohesionPass(const Cohesion& term, int strands, const Thinning& th
     const size_t count = size_t(strands) * size_t(particles_), padded = count + NeighborList::padding;
     sums_.resize(padded), sorted_wet_volume_.resize(padded);
     rank_.resize(count);
-    if (reach > 0) any_.assign(padded, 1.f);
     segment_.resize(size_t(strands)), own_weight_.resize(size_t(strands));
     if (thinning.every > 1) thinned_ = Strands(strands, particles_);
 }
 
 void CohesionPass::build_lists(const Strands& p, const Strands& whole) {
     const double begin = omp_get_wtime();
-    const float radius = std::max(float(term_.h_c), reach_);
+    const float radius = float(term_.h_c);
     grid_.build(p.points.data(), p.points.size(), radius, thinning_.seen < 1 ? &volume_ : nullptr);
     const long count = long(grid_.size());
 #pragma omp parallel
@@ -55,7 +52,7 @@ void CohesionPass::build_lists(const Strands& p, const Strands& whole) {
             rank_[id] = uint32_t(k);
         }
     }
-    list_.build(grid_, any_.empty() ? sorted_wet_volume_ : any_, radius);
+    list_.build(grid_, sorted_wet_volume_, radius);
 #pragma omp parallel for schedule(static)
     for (long k = 0; k < count; ++k) grid_.points().number(size_t(k)) = volume_[grid_.order()[size_t(k)]];
     list_seconds_ = omp_get_wtime() - begin;
@@ -111,11 +108,6 @@ void CohesionPass::show(int strand, Vec3f* x, float* edges) const {
     }
 }
 
-void CohesionPass::show_at(const Strands& p) {
-#pragma omp parallel for schedule(static)
-    for (size_t k = 0; k < grid_.size(); ++k) grid_.points().set(k, p.points[grid_.order()[k]]);
-}
-
 // By the pass at hand, smoothed: exponentially along each strand, tip and back, twice. A root does not move.
 void CohesionPass::move_strands(const Cohesion& sweep) {
     const size_t n = size_t(particles_);
@@ -163,8 +155,7 @@ void CohesionPass::move_strands(const Cohesion& sweep) {
 }
 
 size_t CohesionPass::bytes() const {
-    const size_t floats =
-        sorted_wet_volume_.capacity() + segment_.capacity() + own_weight_.capacity() + any_.capacity();
+    const size_t floats = sorted_wet_volume_.capacity() + segment_.capacity() + own_weight_.capacity();
     const size_t thinned = water_ ? 3 * water_->volume.capacity() * sizeof(float) : 0;
     return thinned + thinned_.points.capacity() * sizeof(Vec3f) + floats * sizeof(float) +
            rank_.capacity() * sizeof(uint32_t) + sums_.capacity() * sizeof sums_[0] +

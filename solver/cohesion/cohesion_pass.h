@@ -18,11 +18,9 @@ namespace wetcurl {
 class CohesionPass {
   public:
     // `volume`, `saturation` (strand, particle): V_j = m_j / rho [m^3] and sigma_j.
-    // `reach` [m]: others read the lists too, which hold all neighbours up to there, dry ones among them; 0:
-    // only those that Eq 10 asks for. `thinning`: for whom it is asked, all where others read the lists or
-    // the volumes change.
+    // `thinning`: for whom it is asked, all where the volumes change.
     CohesionPass(const Cohesion& term, int strands, const Thinning& thinning,
-                 const std::vector<float>& volume, const std::vector<float>& saturation, float reach = 0);
+                 const std::vector<float>& volume, const std::vector<float>& saturation);
 
     // Positions p become displayed positions p^w. Roots stay. finish(strand, x, edges) has the last word on a
     // strand's x (particle); edges (particle): how long the one to each is in p [m], 0 at the root.
@@ -45,11 +43,6 @@ class CohesionPass {
         apply(p, [](int, Vec3f*, const float*) {});
     }
 
-    // The grid's points become p, what is seen in the end: for those who read the lists.
-    void show_at(const Strands& p);
-
-    const NeighborGrid& grid() const { return grid_; }
-    const NeighborList& list() const { return list_; }
     double neighbours_mean() const { return list_.neighbours_mean(); }
     double list_seconds() const { return list_seconds_; }  // of the last call, building lists
     size_t bytes() const;
@@ -64,8 +57,7 @@ class CohesionPass {
     void show(int strand, Vec3f* x, float* edges) const;
     Cohesion term_;
     Thinning thinning_;
-    int strands_, particles_;  // for whom Eq 10 is asked
-    const float reach_;
+    int strands_, particles_;                                      // for whom Eq 10 is asked
     std::optional<ThinnedWater> water_;                            // where not all are asked
     const std::vector<float>&own_volume_, &volume_, &saturation_;  // volume: of what a particle stands for
     Strands thinned_;
@@ -74,7 +66,6 @@ class CohesionPass {
     // In the grid's order, as long as lists ask for; V_j is the number beside each of the grid's points.
     std::vector<Cohesion::Sums<float>> sums_;  // of the pass at hand
     std::vector<float> sorted_wet_volume_;     // sigma_j V_j
-    std::vector<float> any_;                   // ones; empty where the lists are Eq 10's alone
     std::vector<uint32_t> rank_;               // of each particle (strand, particle) in the grid's order
     std::vector<float> segment_, own_weight_;  // (strand) mean segment length [m], own_weight of it
     // (thread, particle) a lane a strand: how the pass at hand moves it, and what that comes of.

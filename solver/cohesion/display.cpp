@@ -9,14 +9,13 @@
 
 namespace wetcurl {
 
-Display::Display(const Scene& scene, const std::vector<float>& saturation, double reach)
+Display::Display(const Scene& scene, const std::vector<float>& saturation)
     : scene_(scene),
       saturation_(saturation),
-      lends_(reach > 0),
       volume_(volumes_of(scene)),
       rest_depth_(rest_depths_of(scene)),
       cohesion_(*scene.cohesion, scene.groom.rest.count, Thinning(scene.groom.rest, *scene.cohesion), volume_,
-                saturation, float(reach)) {
+                saturation) {
     for (const Solid& solid : scene.solids)
         shapes_.push_back(solid.deformation ? ShapeView{ShapeView::Kind::moving_grid, {}, {}, {}}
                                             : view_of(solid.shape));
@@ -47,7 +46,6 @@ void Display::apply(Strands& p, const Pose& head, double time, const MovingGrid*
         for (int i = 1; i < p.particles; ++i)
             x[i] = led_around(x[i - 1], x[i], scene_.cohesion->torn_beyond(edges[i]), out(i));
     });
-    if (lends_) cohesion_.show_at(p);
     seconds_ = omp_get_wtime() - begin;
 }
 

@@ -15,19 +15,15 @@ namespace wetcurl {
 class Display {
   public:
     // For a scene with [cohesion]; the scene must outlive it.
-    explicit Display(const Scene& scene) : Display(scene, scene.saturation, 0) {}
-    // The same where `saturation` (strand, particle) lives, which must outlive it too, and where others read
-    // the neighbour lists up to `reach` [m].
-    Display(const Scene& scene, const std::vector<float>& saturation, double reach);
+    explicit Display(const Scene& scene) : Display(scene, scene.saturation) {}
+    // The same where `saturation` (strand, particle) lives, which must outlive it too.
+    Display(const Scene& scene, const std::vector<float>& saturation);
     // Volumes as `saturation` has them now; dry_mass (strand, particle) [kg].
     void take_up_water(const std::vector<double>& dry_mass);
     // Positions p of all strands of the scene's groom become p^w, at a pose of the head and a time [s].
     // `surfaces`: of each deforming solid, in the scene's order; null: there is none.
     void apply(Strands& p, const Pose& head, double time, const MovingGrid* surfaces = nullptr);
 
-    // Of the positions that were given last, as they are seen where others read them.
-    const NeighborGrid& grid() const { return cohesion_.grid(); }
-    const NeighborList& list() const { return cohesion_.list(); }
     double neighbours_mean() const { return cohesion_.neighbours_mean(); }
     double list_seconds() const { return cohesion_.list_seconds(); }
     double seconds() const { return seconds_; }  // of the last call, lists included
@@ -36,7 +32,6 @@ class Display {
   private:
     const Scene& scene_;
     const std::vector<float>& saturation_;
-    const bool lends_;
     std::vector<float> volume_, rest_depth_;  // (strand, particle)
     std::vector<ShapeView> shapes_;           // (solid)
     std::vector<PosedSolid<float, ShapeView>> solids_;

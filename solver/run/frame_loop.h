@@ -127,10 +127,7 @@ template <class... OfHair>
 SimulationOf<H>::SimulationOf(const Scene& scene, const OfHair&... of_hair)
     : scene_(scene), dt_(1 / (scene.fps * scene.integrator.substeps)), hair_(scene, of_hair...) {
     if (scene.flow) water_.emplace(scene, hair_);
-    if (scene.cohesion && water_)
-        hair_.begin_display(water_->saturation(), scene.flow->reach);
-    else if (scene.cohesion)
-        hair_.begin_display(scene.saturation, 0);
+    if (scene.cohesion) hair_.begin_display(water_ ? water_->saturation() : scene.saturation);
     if (scene.air) air_.emplace(scene, hair_);
     if (scene.has_deforming_solid()) surfaces_.emplace(scene, hair_);
     if (has_pair_forces(scene)) forces_.emplace(scene, hair_.state);
@@ -263,14 +260,7 @@ void SimulationOf<H>::run(const std::vector<PosedScene<T>>& path, bool ends_fram
     GivenToChain<S> given;
     if constexpr (!H::couples) pull_strands(given);
     if (host_asks()) given.adhesion = network_->given();
-    const auto scheme = hair_.scheme();
     hair_.run(path, given, ends_frame);
-    if constexpr (!H::couples) {
-        if (!strand_contact_ || !strand_contact_->corrects()) return;
-        hair_.fetch(), hair_.fetch_history();
-        strand_contact_->correct(hair_.state, scheme, dt_);
-        hair_.give_state();
-    }
 }
 
 template <Hair H>

@@ -123,9 +123,8 @@ concept Hair = requires {
     hair.take_steps_of(number);                             // [s], from now on
     { now.seconds } -> std::convertible_to<StageSeconds>;
 
-    // For a scene with [cohesion]; `saturation` must outlive the hair; others read neighbours up to a radius
-    // [m].
-    hair.begin_display(saturation, number);
+    // For a scene with [cohesion]; `saturation` must outlive the hair.
+    hair.begin_display(saturation);
     // What `run` lets act on the strands where it couples them; null: the scene has none.
     hair.take_couplings(forces, touching);
     // The network that `run` asks, and where all is when its first substep begins; null: `run` asks none.

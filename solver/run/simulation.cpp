@@ -24,12 +24,9 @@ class CpuHair : public ChainStepper<T> {
 
     explicit CpuHair(const Scene& scene) : ChainStepper<T>(scene), scene_(scene) {}
 
-    void begin_display(const std::vector<float>& saturation, double reach) {
-        display_.emplace(scene_, saturation, reach);
-    }
+    void begin_display(const std::vector<float>& saturation) { display_.emplace(scene_, saturation); }
     // Volumes as the saturation has them now; dry_mass (strand, particle) [kg].
     void take_up_water(const std::vector<double>& dry_mass) { display_->take_up_water(dry_mass); }
-    const Display* lent_neighbours() const { return display_ ? &*display_ : nullptr; }
     double neighbours_mean() const { return display_->neighbours_mean(); }
 
     // The state is always there.

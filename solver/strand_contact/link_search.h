@@ -143,17 +143,6 @@ struct StrandPlaces {
     WETCURL_HD uint32_t halves_of(uint32_t j) const { return 2 * count + (2 * j + 1) * (n - 2); }
 };
 
-// A link in the substep at hand: where it leads, and what holds back a change of speed there.
-struct alignas(32) ActingLink {
-    PlaceOnStrand other;
-    Vec3f normal;
-    float along, across;  // [N/m]
-    WETCURL_HD float stiffness() const { return maximum(along, across); }
-    WETCURL_HD Vec3f against(const Vec3f& speed) const {
-        return StrandContact::against(normal, along, across, speed);
-    }
-};
-
 // [m] of the longest edge of the groom as drawn.
 inline double longest_edge(const Strands& drawn) {
     double longest = 0;

@@ -57,24 +57,6 @@ class StrandContactCoupling {
         });
         given.force = force_.data(), given.stiffness = stiffness_.data();
     }
-    // Whether the end of that substep is corrected; and that.
-    bool corrects() const { return links_.corrects() && are_finite(); }
-    void correct(ChainState<S>& state, const Bdf2<S>& scheme, double dt) {
-        const StageTimer timer(seconds);
-        state.for_each_cell([&](size_t k, auto particle) {
-            const Vec3<S> change = state.v[k] - scheme.expected_velocity(state.v_before[k]);
-            for (int lane = 0; lane < State::lanes; ++lane)
-                links_.particles[particle(lane)].v = State::template lane_of<float>(change, lane);
-        });
-        links_.correct(dt);
-        state.for_each_cell([&](size_t k, auto particle) {
-            if (k % size_t(state.n) < 2) return;
-            Vec3<S> dv;
-            for (int lane = 0; lane < State::lanes; ++lane)
-                State::put(dv, lane, cast<double>(links_.particles[particle(lane)].v));
-            state.v[k] += dv, state.x[k] += scheme.h * dv;
-        });
-    }
     // [J] where the strands are; NaN where they are too far gone to tell.
     template <class H>
     double potential(const H& hair) const {

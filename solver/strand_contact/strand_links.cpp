@@ -37,7 +37,7 @@ StrandLinks::StrandLinks(const StrandContact& term, const Strands& drawn, double
     // As many links as there may be: no frame asks for memory.
     begin_.reserve(begin_.size() + 1);
     next_.reserve(links_.size()), slot_.reserve(links_.size());
-    on_other_.reserve(links_.size()), acting_.reserve(links_.size());
+    on_other_.reserve(links_.size());
 }
 
 void StrandLinks::find() {
@@ -138,7 +138,7 @@ void StrandLinks::list_by_other() {
         }
     }
     for (size_t s = 1; s < begin_.size(); ++s) begin_[s] += begin_[s - 1];
-    on_other_.resize(next_.size()), acting_.resize(next_.size()), slot_.resize(next_.size());
+    on_other_.resize(next_.size()), slot_.resize(next_.size());
     for (size_t k = 0; k < next_.size(); ++k) slot_[k] = begin_[next_[k]]++;
     // Each begin has moved on to its end, which is the next one's begin.
     begin_.insert(begin_.begin(), 0), begin_.pop_back();
@@ -256,22 +256,15 @@ void StrandLinks::act_on_own(uint32_t strand, const StrandContact::Step& step) {
                                   P(places_.part()) * StrandContact::weight(own[3], between(a, b, 3)), touch);
 
         // Lanes beyond those that there are write nothing.
-        const P stiffness = maximum(f.along, f.across);
         FourColumns{touch.kept, touch.drawn, touch.slip.x, touch.slip.y}.rows([&](int l, FourFloats row) {
             if (l < of.count) put_four(row, &of.link[l]->touch.kept);
         });
-        FourColumns{f.force.x, f.force.y, f.force.z, stiffness}.rows([&](int l, FourFloats row) {
+        FourColumns{f.force.x, f.force.y, f.force.z, f.stiffness}.rows([&](int l, FourFloats row) {
             if (l >= of.count) return;
             const PlaceOnStrand other{edge[l], t[l]};
             of.link[l]->other = edge[l], of.link[l]->touch.slip.z = touch.slip.z[l];
             on_other_[slot_[at + uint32_t(l)]] = {other, row * FourFloats{-1, -1, -1, 1}};
-            acting_[at + uint32_t(l)].other = other;
             at_place.add(of.place[l], row);
-        });
-        FourColumns{f.normal.x, f.normal.y, f.normal.z, f.along}.rows([&](int l, FourFloats row) {
-            if (l < of.count)
-                put_four(row, &acting_[at + uint32_t(l)].normal),
-                    acting_[at + uint32_t(l)].across = f.across[l];
         });
         at += uint32_t(of.count);
     });
@@ -281,61 +274,9 @@ void StrandLinks::act_on_other(uint32_t strand) {
     for (uint32_t k = begin_[strand]; k < begin_[strand + 1]; ++k) add(on_other_[k].place, on_other_[k].acts);
 }
 
-// What links hold back of a change of speeds.
-void StrandLinks::hold_own_back(uint32_t strand) {
-    using P = Pack<float>;
-    uint32_t at = first_[strand];
-    AtPlace at_place{*this};
-    for_each_lanes(strand, [&](Lanes& of) {
-        auto acts = [&](int l) -> const ActingLink& { return acting_[at + uint32_t(l < of.count ? l : 0)]; };
-        const auto first = FourColumns::of([&](int l) { return &acts(l).other.along; }),
-                   second = FourColumns::of([&](int l) { return &acts(l).normal.y; });
-        auto speed = [&](auto of_lane) {
-            return of.first_three(FourColumns::of([&](int l) { return of.second_half(of_lane(l)); }));
-        };
-        const Vec3<P> own = speed([&](int l) { return of.own[l]; }),
-                      a = speed([&](int l) { return &particles[acts(l).other.edge]; }),
-                      b = speed([&](int l) { return &particles[acts(l).other.edge + 1]; });
-        const P t = first[0];
-        const Vec3<P> held = StrandContact::against<P>({first[1], first[2], first[3]}, second[2], second[3],
-                                                       own - a - t * (b - a));
-        FourColumns{held.x, held.y, held.z, P(0)}.rows([&](int l, FourFloats row) {
-            if (l >= of.count) return;
-            on_other_[slot_[at + uint32_t(l)]].acts = row;
-            at_place.add(of.place[l], -row);
-        });
-        at += uint32_t(of.count);
-    });
-}
-
-// One sweep of Jacobi's for (M + h^2 K) y = M v, K of the links, from v on: y - v.
-void StrandLinks::correct(double dt) {
-    const StrandContact::Step step(term_, dt);
-    const long strands = drawn_.count;
-#pragma omp parallel
-    {
-#pragma omp for schedule(dynamic, 8)
-        for (long s = 0; s < strands; ++s) {
-            for (size_t id = size_t(s) * places_.n; id < size_t(s + 1) * places_.n; ++id)
-                sum_[id] *= FourFloats{0, 0, 0, 1};
-            hold_own_back(uint32_t(s));
-        }
-#pragma omp for schedule(dynamic, 8)
-        for (long s = 0; s < strands; ++s) {
-            act_on_other(uint32_t(s));
-            for (size_t id = size_t(s) * places_.n; id < size_t(s + 1) * places_.n; ++id) {
-                LinkedParticle& p = particles[id];
-                const FourFloats sum = sum_[id];
-                p.v = StrandContact::correction(step, p.mass, sum[3], {sum[0], sum[1], sum[2]});
-            }
-        }
-    }
-}
-
 void StrandLinks::evaluate(double dt) {
     const StrandContact::Step step(term_, dt);
     const long strands = drawn_.count;
-    float stiffest = 0;
 #pragma omp parallel
     {
 #pragma omp for schedule(dynamic, 8)
@@ -343,19 +284,16 @@ void StrandLinks::evaluate(double dt) {
             std::fill_n(&sum_[size_t(s) * places_.n], places_.n, FourFloats{0, 0, 0, 0});
             act_on_own(uint32_t(s), step);
         }
-#pragma omp for schedule(dynamic, 8) reduction(max : stiffest)
+#pragma omp for schedule(dynamic, 8)
         for (long s = 0; s < strands; ++s) {
             act_on_other(uint32_t(s));
             for (size_t id = size_t(s) * places_.n; id < size_t(s + 1) * places_.n; ++id) {
                 const FourFloats sum = sum_[id];
-                const float mass = particles[id].mass, stiffness = sum[3];
                 force_[id] = {sum[0], sum[1], sum[2]};
-                diagonal_[id] = StrandContact::on_diagonal(step, stiffness, mass);
-                stiffest = std::max(stiffest, StrandContact::stiffest(step, stiffness, mass));
+                diagonal_[id] = StrandContact::on_diagonal(step, sum[3], particles[id].mass);
             }
         }
     }
-    stiffest_ = stiffest;
 }
 
 double StrandLinks::potential(const std::vector<Vec3d>& at) const {
@@ -429,8 +367,8 @@ void StrandLinks::resume(const Carried& from) {
 
 size_t StrandLinks::bytes() const {
     auto of = [](const auto&... buffers) { return ((buffers.capacity() * sizeof(buffers[0])) + ...); };
-    return of(particles, place_, there_, x_, any_, links_, made_, count_of_, acting_, on_other_, begin_,
-              slot_, first_, next_, sum_, force_, diagonal_) +
+    return of(particles, place_, there_, x_, any_, links_, made_, count_of_, on_other_, begin_, slot_, first_,
+              next_, sum_, force_, diagonal_) +
            grid_.bytes() + wide_grid_.bytes() + near_.bytes();
 }
 

@@ -28,10 +28,6 @@ class StrandLinks {
     // (strand, particle) [N], and what of its slopes goes on the diagonal [N/m].
     const std::vector<Vec3f>& force() const { return force_; }
     const std::vector<float>& stiffness() const { return diagonal_; }
-    // Whether links are so stiff that the step's end is corrected: `v` of the particles is by how much speeds
-    // changed in it [m/s], and becomes by how much they change beside that.
-    bool corrects() const { return stiffest_ > StrandContact::least_stiff; }
-    void correct(double dt);
     double potential(const std::vector<Vec3d>& at) const;  // [J], particles there
 
     double neighbours_mean() const {
@@ -55,7 +51,6 @@ class StrandLinks {
     void list_by_other();
     void act_on_own(uint32_t strand, const StrandContact::Step& step);
     void act_on_other(uint32_t strand);
-    void hold_own_back(uint32_t strand);
     void add(const PlaceOnStrand& place, FourFloats acts);
     template <class Act>
     void for_each_lanes(uint32_t strand, Act act);
@@ -72,7 +67,6 @@ class StrandLinks {
     std::vector<float> any_;                // ones
     std::vector<StrandLink> links_, made_;  // (strand, place, link)
     std::vector<uint8_t> count_of_;         // (strand, place)
-    std::vector<ActingLink> acting_;        // (link that there is)
     // What links do, in the order of the strands that they lead to, and of the links.
     std::vector<OnOther> on_other_;
     std::vector<uint32_t> begin_;  // (strand + 1) in on_other_
@@ -82,7 +76,6 @@ class StrandLinks {
     std::vector<FourFloats> sum_;  // (strand, particle) force [N] and stiffness [N/m]
     std::vector<Vec3f> force_;
     std::vector<float> diagonal_;
-    float stiffest_ = 0;
 };
 
 }  // namespace wetcurl

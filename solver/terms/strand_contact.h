@@ -4,19 +4,21 @@
 //
 // A link of places that bear masses w (the harmonic mean of both) at a distance r along n, with the distance
 // d that it keeps and q = (r - d) / radius within [0, 1], v the speed of the one as the other sees it:
-//   push  p = strength max(0, d - r)                      [m/s^2]
+//   push  p = strength times how deep they are beyond d, d - r, which begins smoothly [m/s^2]
 //   pull  c = cohesion sigma_i sigma_j, by 16 q^2 (1 - q)^2; what holds it H = c (1 - q)^2 (1 + 2 q)
 //   F = w ((p (1 - b v.n) - c 16 q^2 (1 - q)^2 - e H v.n) n + T), |T| <= friction (p + H)
 //   T = -k_t s - c_t v_t, s the slip since they touched, cut where its spring would exceed the bound.
-// 1 - b v.n lies within [0, 2]; b = 2 / (radius sqrt(strength)), k_t = strength / 2, c_t and e by `damped`.
+// 1 - b v.n lies within [0, 2]; b = 1 / (radius sqrt(strength)), k_t = strength / 2, c_t and e by `damped`.
 // Forces are taken where the strands are expected at the end of the substep, and are opposite and equal.
 // d = min(radius, their distance in the groom as drawn); a link that begins nearer keeps what it found, and
 // no less than it found since: nothing is pushed apart that was not pressed together. The potential is
-//   w (strength max(0, d - r)^2 / 2 - 16 c radius (1/30 - q^3/3 + q^4/2 - q^5/5) + k_t s^2 / 2).
-// Stability: an oscillator that the scheme of solver/chain/chain_step.h sees only as a force where it expects
-// it gains nothing up to omega dt = 1.5. L, h^2 times what is stiffest of a particle's links by its mass:
-// above `least_stiff` a sweep of Jacobi's corrects the end of the substep, which bears L <= 5; above
-// `most_stiff` the rest goes on the diagonal, as an inertia: it follows later, and gains nothing.
+//   w (P - 16 c radius (1/30 - q^3/3 + q^4/2 - q^5/5) + k_t s^2 / 2), P what the push has done.
+// Stability: what the scheme of solver/chain/chain_step.h sees only as a force where it expects the strands
+// gains nothing as long as L = h^2 (k + 0.6 c / h) / m is at most 1.6, k a spring and c a damper on m; nor
+// do strands that strike each other, at most 4/3: a jump of speed goes on by half of itself in BDF2. What L
+// of all links of a particle is above `most_stiff` goes on the diagonal, as an inertia: it follows later. The
+// push begins smoothly, and friction is no steeper than what it can bear: else where strands just touch, as
+// many do in a groom as drawn, a rounding would decide.
 #pragma once
 
 #include <algorithm>
@@ -56,7 +58,11 @@ struct StrandContact {
          &StrandContact::cohesion},
     };
     // Of friction's spring against the push's; damping against what is critical for a particle.
-    static constexpr float held = 0.5f, damped = 0.3f;
+    static constexpr float held = 0.5f, damped = 0.1f;
+    // How deep strands are pressed, and how far they slip, before slopes are whole, of the radius.
+    static constexpr float soft = 0.01f;
+    // By how much a damper counts less than a spring of the same c / h.
+    static constexpr float of_damper = 0.6f;
     // Of one step of dt [s].
     struct Step {
         float dt, radius, strength, friction, cohesion, hold, drag, bounce;
@@ -68,37 +74,33 @@ struct StrandContact {
               cohesion(float(c.cohesion)),
               hold(held * float(c.strength)),
               drag(2 * damped * std::sqrt(held * float(c.strength))),
-              bounce(2 / (std::sqrt(maximum(float(c.strength), 1e-20f)) * float(c.radius))) {}
+              bounce(1 / (std::sqrt(maximum(float(c.strength), 1e-20f)) * float(c.radius))) {}
         WETCURL_HD float per_second() const { return 1.5f / dt; }  // 1 / h of BDF2
     };
-    // On the place, by the other [N]; and what its slopes are at most [N/m], along `normal` and across it.
-    // All are zero where the places do not touch.
+    // On the place, by the other [N]; and how stiff that is at most, k + 0.6 c / h [N/m]. Both are zero where
+    // the places do not touch.
     template <class S>
     struct Force {
-        Vec3<S> force, normal;
-        S along, across;
+        Vec3<S> force;
+        S stiffness;
     };
-    // What holds back a change of speed [N/m m/s].
-    template <class S>
-    WETCURL_HD static Vec3<S> against(const Vec3<S>& normal, const S& along, const S& across,
-                                      const Vec3<S>& speed) {
-        const Vec3<S> apart = dot(speed, normal) * normal;
-        return along * apart + across * (speed - apart);
-    }
     // d: from the other to the place, where both are expected [m]; v: its speed against it [m/s]; `wet`:
     // sigma_i sigma_j; `weight`: w [kg]. The distance that they keep and their slip follow.
     template <class S>
     WETCURL_HD static Force<S> act(const Step& step, const Vec3<S>& d, const Vec3<S>& v, const S& wet,
                                    const S& weight, Touch<S>& touch) {
         const S zero(0), one(1), two(2), strength(step.strength), hold(step.hold), drag(step.drag),
-            bounce(step.bounce), radius(step.radius), dt(step.dt), per_second(step.per_second());
+            bounce(step.bounce), radius(step.radius), dt(step.dt);
+        const S of_damper(StrandContact::of_damper * step.per_second()),
+            soft = S(StrandContact::soft) * radius;
         auto bounded = [&](const S& a, const S& most) { return select(a > most, most / a, one); };
         const S r = norm(d);
         touch.kept = maximum(minimum(touch.drawn, r), touch.kept);  // not NaN, should r be
         const S gap = r - touch.kept, pull = S(step.cohesion) * wet;
         const S q = minimum(maximum(gap / radius, zero), one), left = (one - q) * (one - q),
                 fades = left * (one + two * q);
-        const S push = strength * maximum(-gap, zero), bears = push + pull * fades,
+        const S deep = maximum(-gap, zero), steep = minimum(deep / soft, one),
+                push = strength * steep * (deep - S(0.5f) * soft * steep), bears = push + pull * fades,
                 most = S(step.friction) * bears;
         const Vec3<S> n = (one / maximum(r, S(tiny_length<S>))) * d;
         const S apart = dot(v, n);
@@ -107,25 +109,26 @@ struct StrandContact {
                       rub = -hold * (slip + dt * along) - drag * along;
         const S kept = bounded(norm(rub), most), more = minimum(maximum(one - bounce * apart, zero), two);
         const S damping = S(2 * damped) * sqrt(S(3) * pull / radius) * fades;
-        // What just touches, to rounding, has no slope yet.
-        const S pressed = select(gap < S(-1e-5f) * radius, strength * maximum(more, one), zero);
-        const S slope = pressed + (push * bounce + damping) * per_second +
-                        pull / radius * maximum(S(32) * q * (one - q) * (one - two * q), zero);
+        const S along_n = steep * strength * maximum(more, one) +
+                          pull / radius * maximum(S(32) * q * (one - q) * (one - two * q), zero) +
+                          of_damper * (push * bounce + damping);
+        const S across_n = bounded(maximum(norm(rub), soft * hold), most) * (hold + of_damper * drag);
         const auto touches = bears > zero;
         const Vec3<S> none{zero, zero, zero};
         const S away = push * more - pull * S(16) * q * q * left - damping * apart;
         touch.slip = select(touches, slip, none);
-        return {select(touches, weight * (away * n + kept * rub), none), n,
-                select(touches, weight * slope, zero),
-                select(touches, weight * kept * (hold + drag * per_second), zero)};
+        return {select(touches, weight * (away * n + kept * rub), none),
+                select(touches, weight * maximum(along_n, across_n), zero)};
     }
     // [J] of a link with both ends a distance r apart.
     WETCURL_HD double potential(double r, double wet, double weight, const Touch<float>& touch) const {
-        const double pressed = maximum(double(touch.kept) - r, 0.0);
+        const double deep = maximum(double(touch.kept) - r, 0.0), full = double(soft) * radius,
+                     pressed = deep < full ? deep * deep * deep / (3 * full)
+                                           : deep * (deep - full) + full * full / 3;
         const double q = minimum(maximum((r - double(touch.kept)) / radius, 0.0), 1.0);
         const double well = 1.0 / 30 - q * q * q * (1.0 / 3 - q * (0.5 - q / 5));
         const Vec3d slip = cast<double>(touch.slip);
-        return weight * (0.5 * strength * (pressed * pressed + double(held) * dot(slip, slip)) -
+        return weight * (0.5 * strength * (pressed + double(held) * dot(slip, slip)) -
                          16 * cohesion * wet * radius * well);
     }
     // w of two.
@@ -133,23 +136,12 @@ struct StrandContact {
     WETCURL_HD static T weight(T mass, T other) {
         return 2 * mass * other / (mass + other);
     }
-    // h^2 times what is stiffest of the links of a particle, by its mass: a link's relative motion is as
-    // stiff as both its ends together.
-    WETCURL_HD static float stiffest(const Step& step, float stiffness, float mass) {
-        return 2 * stiffness / (step.per_second() * step.per_second() * mass);
-    }
-    // What goes on the diagonal [N/m].
+    // What goes on the diagonal [N/m], of the stiffness of all links of a particle: a link's relative motion
+    // is as stiff as both its ends together.
     WETCURL_HD static float on_diagonal(const Step& step, float stiffness, float mass) {
         return maximum(2 * stiffness - most_stiff * mass * step.per_second() * step.per_second(), 0.f);
     }
-    // What a sweep changes a particle's speed by [m/s]: `held` what its links hold back of the speeds' change
-    // [N/m m/s].
-    WETCURL_HD static Vec3f correction(const Step& step, float mass, float stiffness, const Vec3f& held) {
-        return (1 / (mass * step.per_second() * step.per_second() + 2 * stiffness)) * held;
-    }
-    // Above `least_stiff` a sweep corrects the speeds at the end of a substep; above `most_stiff` the rest
-    // goes on the diagonal.
-    static constexpr float least_stiff = 0.5f, most_stiff = 4;
+    static constexpr float most_stiff = 4.f / 3;
     // Places of a strand that are linked, of so many particles with edges of that length at most [m]: contact
     // is smooth where they are no farther apart than the radius. No fewer than free edges: seen, where a
     // place bears the mass of several particles and hands its force to one, friction shakes coils without

@@ -104,20 +104,19 @@ void FlowPass::search(const Strands& p) {
     list_.build(grid_, any_source_, float(flow_.reach));
 }
 
-void FlowPass::exchange(double dt, const NeighborGrid& grid, const NeighborList& list) {
+void FlowPass::exchange(const Strands& p, double dt) {
+    search(p);
     const FlowKernelBody b = bodies();
-    const auto& id = grid.order();
-    const PointQuads& x = grid.points();
-    const float square = float(flow_.reach * flow_.reach);
+    const auto& id = grid_.order();
+    const PointQuads& x = grid_.points();
     auto for_each_contact = [&](size_t k, auto visit) {
         const Vec3f own = x.at(k);
-        list.visit_neighbours(k, [&](size_t j) {
-            // The lists may hold neighbours much further away.
+        list_.visit_neighbours(k, [&](size_t j) {
             const Vec3f d = x.at(j) - own;
-            if (const float r = dot(d, d); r < square) visit(size_t(id[j]), std::sqrt(double(r)));
+            visit(size_t(id[j]), std::sqrt(double(dot(d, d))));
         });
     };
-    const long count = long(grid.size());
+    const long count = long(grid_.size());
 #pragma omp parallel for schedule(static)
     for (long k = 0; k < count; ++k)
         b.find_limit(id[size_t(k)], dt, [&](auto visit) { for_each_contact(size_t(k), visit); });
@@ -135,12 +134,10 @@ void FlowPass::dry(double dt) {
     for (int s = 0; s < hair_.strands; ++s) b.dry(s, share);
 }
 
-void FlowPass::step(const Strands& p, double time, double dt, const Vec3d& gravity, const NeighborGrid* grid,
-                    const NeighborList* list) {
+void FlowPass::step(const Strands& p, double time, double dt, const Vec3d& gravity) {
     wet(p, time, dt);
     run_along(p, dt, gravity);
-    if (!grid) search(p), grid = &grid_, list = &list_;
-    exchange(dt, *grid, *list);
+    exchange(p, dt);
     dry(dt);
     show();
 }

@@ -15,15 +15,13 @@ class FlowPass {
     // `absorbed`: m_absorbed; `saturation` (strand, particle) at the start, in [0, 1].
     FlowPass(const Flow& flow, FlowHair hair, double absorbed, const std::vector<float>& saturation);
 
-    // dt [s] from `time` on, strands at p, under `gravity` [m/s²]. `grid` and `list` hold p and every
-    // neighbour within `reach`; null: they are searched here.
-    void step(const Strands& p, double time, double dt, const Vec3d& gravity, const NeighborGrid* grid,
-              const NeighborList* list);
+    // dt [s] from `time` on, strands at p, under `gravity` [m/s²].
+    void step(const Strands& p, double time, double dt, const Vec3d& gravity);
 
     // Its stages.
     void wet(const Strands& p, double time, double dt);
     void run_along(const Strands& p, double dt, const Vec3d& gravity);
-    void exchange(double dt, const NeighborGrid& grid, const NeighborList& list);
+    void exchange(const Strands& p, double dt);
     void dry(double dt);
 
     const std::vector<double>& exact() const { return sigma_; }         // (strand, particle)
@@ -51,7 +49,6 @@ class FlowPass {
     std::vector<float> shown_;
     std::vector<FlowLedger> ledger_;          // (strand)
     std::vector<std::vector<FlowRow>> rows_;  // (thread, particle)
-    // Where nobody else searches.
     NeighborGrid grid_;
     NeighborList list_;
     std::vector<float> any_source_;

@@ -34,10 +34,8 @@ class WaterCoupling {
         const StageTimer timer(seconds);
         const Strands& p = hair.seen();
         if (!is_finite(p.points)) return;
-        const Display* display = hair.lent_neighbours();
         hair.count_change(work, [&] {
-            flow_.step(p, time, dt, scene_.integrator.gravity, display ? &display->grid() : nullptr,
-                       display ? &display->list() : nullptr);
+            flow_.step(p, time, dt, scene_.integrator.gravity);
             soak(hair);
         });
     }

@@ -98,7 +98,7 @@ TEST(FlowKernelBody, do_what_the_pass_does) {
         ByBodies bodies(wisp);
         const double start = water_held(bodies.hair.mass.data(), bodies.sigma.data(), bodies.sigma.size());
         for (int k = 0; k < 4; ++k) {
-            pass.step(wisp.p, k * dt, dt, gravity, nullptr, nullptr);
+            pass.step(wisp.p, k * dt, dt, gravity);
             bodies.step(flow, wisp.p, k * dt);
         }
         double most = 0, moved = 0;
