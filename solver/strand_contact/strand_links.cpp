@@ -188,35 +188,14 @@ struct StrandLinks::Lanes {
     static const float* second_half(const LinkedParticle* of) { return &of->v.x; }
 };
 
-// Calls act(lanes) for the links of a strand, in their order.
-template <class Act>
-void StrandLinks::for_each_lanes(uint32_t strand, Act act) {
-    Lanes lanes;
-    uint32_t at_slot = first_[strand];
-    auto hand_over = [&] {
-        if (lanes.count == 0) return;
-        lanes.fill_up(), act(lanes);
-        lanes.count = 0;
-    };
-    const uint32_t begin = strand * places_.count, end = begin + places_.count;
-    for (uint32_t which = begin; which < end; ++which) {
-        if (count_of_[which] > 0) there_[which] = place_[which].of(particles.data());
-        for (size_t k = 0; k < count_of_[which]; ++k) {
-            const LinkedParticle* other = &particles[links_[which * most_links + k].other];
-            __builtin_prefetch(other), __builtin_prefetch(other + 1);
-            __builtin_prefetch(&on_other_[slot_[at_slot++]], 1);
-            lanes.take(&there_[which], which, links_[which * most_links + k]);
-            if (lanes.count == Lanes::lanes) hand_over();
-        }
-    }
-    hand_over();
-}
-
 void StrandLinks::act_on_own(uint32_t strand, const StrandContact::Step& step) {
     using P = Pack<float>;
     uint32_t at = first_[strand];
     AtPlace at_place{*this};
-    for_each_lanes(strand, [&](Lanes& of) {
+    Lanes of;
+    auto act = [&] {
+        if (of.count == 0) return;
+        of.fill_up();
         constexpr int lanes = Lanes::lanes;
         uint32_t edge[lanes];
         for (int l = 0; l < lanes; ++l) edge[l] = of.link[l]->other, of.other[l] = &particles[edge[l]];
@@ -266,8 +245,22 @@ void StrandLinks::act_on_own(uint32_t strand, const StrandContact::Step& step) {
             on_other_[slot_[at + uint32_t(l)]] = {other, row * FourFloats{-1, -1, -1, 1}};
             at_place.add(of.place[l], row);
         });
-        at += uint32_t(of.count);
-    });
+        at += uint32_t(of.count), of.count = 0;
+    };
+    uint32_t at_slot = at;
+    const uint32_t begin = strand * places_.count, end = begin + places_.count;
+    for (uint32_t which = begin; which < end; ++which) {
+        if (count_of_[which] > 0) there_[which] = place_[which].of(particles.data());
+        for (size_t k = 0; k < count_of_[which]; ++k) {
+            StrandLink& link = links_[which * most_links + k];
+            const LinkedParticle* other = &particles[link.other];
+            __builtin_prefetch(other), __builtin_prefetch(other + 1);
+            __builtin_prefetch(&on_other_[slot_[at_slot++]], 1);
+            of.take(&there_[which], which, link);
+            if (of.count == Lanes::lanes) act();
+        }
+    }
+    act();
 }
 
 void StrandLinks::act_on_other(uint32_t strand) {

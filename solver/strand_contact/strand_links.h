@@ -52,8 +52,6 @@ class StrandLinks {
     void act_on_own(uint32_t strand, const StrandContact::Step& step);
     void act_on_other(uint32_t strand);
     void add(const PlaceOnStrand& place, FourFloats acts);
-    template <class Act>
-    void for_each_lanes(uint32_t strand, Act act);
 
     const StrandContact term_;
     const Strands& drawn_;
