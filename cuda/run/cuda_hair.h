@@ -224,7 +224,7 @@ class CudaHair {
     NearestSurface<T> nearest_;
     DeviceBuffer<Vec3<T>> given_force_, given_normal_, given_surface_velocity_;
     DeviceBuffer<T> given_stiffness_, given_adhesion_, given_phi_;
-    // What acts on all strands in each substep, before it and after it; null where nothing does, or the host.
+    // What acts on all strands before each substep; null where nothing does, or the host.
     PairForcesOnDevice<T>* forces_ = nullptr;
     StrandContactOnDevice<T>* strand_contact_ = nullptr;
     // (slot, each) and one: before forces, contact, the step.

@@ -48,7 +48,7 @@ struct StrandContactKernelBody {
     float reach;
     CellSearch search;   // of x, in cells that need not be as wide as `reach`
     const Vec3f* drawn;  // (strand, particle) in the groom as drawn
-    // (strand, particle): from where the first is expected, with speed or its change.
+    // (strand, particle): from where the first is expected.
     LinkedParticle* particles;
     Vec3f* x;                   // (strand, particle) where neighbours are found
     StrandLink *links, *found;  // (strand, place, link) those there are, and those found anew

@@ -37,6 +37,7 @@ template <class T>
 __global__ void __launch_bounds__(threads) act(const StrandContactKernelBody<T> b) {
     if (const uint32_t l = item(); l < b.link_count()) b.act(l);
 }
+
 // Whole numbers of 64 bits in a block's memory, by two of 32, which it adds at once.
 struct SharedWhole {
     uint32_t low, high;

@@ -1,6 +1,7 @@
 // The hair in the host's memory, and simulations on it.
 #include "solver/run/simulation.h"
 
+#include "solver/cohesion/display.h"
 #include "solver/run/frame_loop.h"
 
 namespace wetcurl {

@@ -147,13 +147,13 @@ void read_wet(Scene& scene, const Table& root) {
     if (scene.cohesion && scene.cohesion->spacing > 0 && scene.flow)
         root.table("cohesion")
             .fail("spacing",
-                  "found beside [wetness.flow], which goes by the neighbours of each particle; allowed is 0");
+                  "found beside [wetness.flow], which changes what each particle weighs; allowed is 0");
     if (scene.cohesion) {
         const Table t = root.table("cohesion");
         if (t.has("neighbours") && scene.cohesion->neighbours > 0 &&
             (scene.flow || scene.cohesion->strength > 0))
             t.fail("neighbours", std::string("found beside ") + (scene.flow ? "[wetness.flow]" : "strength") +
-                                     ", which goes by all neighbours of a particle; allowed is 0");
+                                     ", which needs all strands; allowed is 0");
         scene.cohesion->complete(t, scene.flow.has_value());
     }
     for (const char* wet : {"curl", "cohesion", "adhesion"})

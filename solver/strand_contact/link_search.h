@@ -52,9 +52,6 @@ struct PlaceOnStrand {
         const Vec3f &a = position_of(points[edge]), &b = position_of(points[edge + 1]);
         return a + along * (b - a);
     }
-    WETCURL_HD Vec3f velocity(const LinkedParticle* particles) const {
-        return particles[edge].v + along * (particles[edge + 1].v - particles[edge].v);
-    }
     // Calls add(particle, share) for both ends of the edge; not for one that has no share.
     template <class Add>
     WETCURL_HD void share(Add add) const {

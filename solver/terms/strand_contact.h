@@ -4,7 +4,7 @@
 //
 // A link of places that bear masses w (the harmonic mean of both) at a distance r along n, with the distance
 // d that it keeps and q = (r - d) / radius within [0, 1], v the speed of the one as the other sees it:
-//   push  p = strength times how deep they are beyond d, d - r, which begins smoothly [m/s^2]
+//   push  p = strength x, with o = max(0, d - r) and a = soft radius: x = o^2 / (2 a) up to a, then o - a / 2
 //   pull  c = cohesion sigma_i sigma_j, by 16 q^2 (1 - q)^2; what holds it H = c (1 - q)^2 (1 + 2 q)
 //   F = w ((p (1 - b v.n) - c 16 q^2 (1 - q)^2 - e H v.n) n + T), |T| <= friction (p + H)
 //   T = -k_t s - c_t v_t, s the slip since they touched, cut where its spring would exceed the bound.
@@ -12,13 +12,14 @@
 // Forces are taken where the strands are expected at the end of the substep, and are opposite and equal.
 // d = min(radius, their distance in the groom as drawn); a link that begins nearer keeps what it found, and
 // no less than it found since: nothing is pushed apart that was not pressed together. The potential is
-//   w (P - 16 c radius (1/30 - q^3/3 + q^4/2 - q^5/5) + k_t s^2 / 2), P what the push has done.
-// Stability: what the scheme of solver/chain/chain_step.h sees only as a force where it expects the strands
-// gains nothing as long as L = h^2 (k + 0.6 c / h) / m is at most 1.6, k a spring and c a damper on m; nor
-// do strands that strike each other, at most 4/3: a jump of speed goes on by half of itself in BDF2. What L
-// of all links of a particle is above `most_stiff` goes on the diagonal, as an inertia: it follows later. The
-// push begins smoothly, and friction is no steeper than what it can bear: else where strands just touch, as
-// many do in a groom as drawn, a rounding would decide.
+//   w (P - 16 c radius (1/30 - q^3/3 + q^4/2 - q^5/5) + k_t s^2 / 2), P the integral of p.
+// What friction can bear over a slip of a is the most that k_t and c_t are scaled for: friction begins
+// smoothly too. Without either, a rounding decides what becomes of strands that just touch, as many do in a
+// groom as drawn. Stability: forces at the expected positions gain nothing in the scheme of
+// solver/chain/chain_step.h as long as L = h^2 (k + 0.6 c / h) / m is at most 1.6, k a spring and c a damper
+// on m. For friction, whose slip is a sum of dt v, the spring counts 1.25 times. Strands that strike each
+// other keep less: a jump of speed goes on by half of itself in BDF2. The part of a particle's L, of all its
+// links together, above `most_stiff` goes on the diagonal, as an inertia: the particle follows later.
 #pragma once
 
 #include <algorithm>
@@ -58,11 +59,11 @@ struct StrandContact {
          &StrandContact::cohesion},
     };
     // Of friction's spring against the push's; damping against what is critical for a particle.
-    static constexpr float held = 0.5f, damped = 0.1f;
-    // How deep strands are pressed, and how far they slip, before slopes are whole, of the radius.
+    static constexpr float held = 0.5f, damped = 0.2f;
+    // Overlap and slip, as a share of the radius, at which push and friction reach their full stiffness.
     static constexpr float soft = 0.01f;
-    // By how much a damper counts less than a spring of the same c / h.
-    static constexpr float of_damper = 0.6f;
+    // What a damper's c / h and friction's spring count, against a spring on positions.
+    static constexpr float of_damper = 0.6f, of_slip = 1.25f;
     // Of one step of dt [s].
     struct Step {
         float dt, radius, strength, friction, cohesion, hold, drag, bounce;
@@ -89,8 +90,8 @@ struct StrandContact {
     template <class S>
     WETCURL_HD static Force<S> act(const Step& step, const Vec3<S>& d, const Vec3<S>& v, const S& wet,
                                    const S& weight, Touch<S>& touch) {
-        const S zero(0), one(1), two(2), strength(step.strength), hold(step.hold), drag(step.drag),
-            bounce(step.bounce), radius(step.radius), dt(step.dt);
+        const S zero(0), one(1), two(2), strength(step.strength), bounce(step.bounce), radius(step.radius),
+            dt(step.dt);
         const S of_damper(StrandContact::of_damper * step.per_second()),
             soft = S(StrandContact::soft) * radius;
         auto bounded = [&](const S& a, const S& most) { return select(a > most, most / a, one); };
@@ -102,6 +103,8 @@ struct StrandContact {
         const S deep = maximum(-gap, zero), steep = minimum(deep / soft, one),
                 push = strength * steep * (deep - S(0.5f) * soft * steep), bears = push + pull * fades,
                 most = S(step.friction) * bears;
+        const S ramp = friction_ramp(S(step.hold), most, soft), hold = ramp * S(step.hold),
+                drag = ramp * S(step.drag);
         const Vec3<S> n = (one / maximum(r, S(tiny_length<S>))) * d;
         const S apart = dot(v, n);
         const Vec3<S> along = v - apart * n, moved = touch.slip - dot(touch.slip, n) * n + dt * along;
@@ -112,7 +115,7 @@ struct StrandContact {
         const S along_n = steep * strength * maximum(more, one) +
                           pull / radius * maximum(S(32) * q * (one - q) * (one - two * q), zero) +
                           of_damper * (push * bounce + damping);
-        const S across_n = bounded(maximum(norm(rub), soft * hold), most) * (hold + of_damper * drag);
+        const S across_n = kept * (S(of_slip) * hold + of_damper * drag);
         const auto touches = bears > zero;
         const Vec3<S> none{zero, zero, zero};
         const S away = push * more - pull * S(16) * q * q * left - damping * apart;
@@ -120,15 +123,24 @@ struct StrandContact {
         return {select(touches, weight * (away * n + kept * rub), none),
                 select(touches, weight * maximum(along_n, across_n), zero)};
     }
+    // Of friction's stiffness `hold`, where it bears no more than `most`.
+    template <class S>
+    WETCURL_HD static S friction_ramp(const S& hold, const S& most, const S& slip) {
+        return minimum(most / maximum(slip * hold, S(tiny_length<S>)), S(1));
+    }
     // [J] of a link with both ends a distance r apart.
     WETCURL_HD double potential(double r, double wet, double weight, const Touch<float>& touch) const {
         const double deep = maximum(double(touch.kept) - r, 0.0), full = double(soft) * radius,
+                     pushed = deep < full ? deep * deep / (2 * full) : deep - full / 2,
                      pressed = deep < full ? deep * deep * deep / (3 * full)
                                            : deep * (deep - full) + full * full / 3;
         const double q = minimum(maximum((r - double(touch.kept)) / radius, 0.0), 1.0);
         const double well = 1.0 / 30 - q * q * q * (1.0 / 3 - q * (0.5 - q / 5));
+        const double bears = strength * pushed + cohesion * wet * (1 - q) * (1 - q) * (1 + 2 * q),
+                     hold = double(held) * strength,
+                     stuck = friction_ramp(hold, friction * bears, full) * hold;
         const Vec3d slip = cast<double>(touch.slip);
-        return weight * (0.5 * strength * (pressed + double(held) * dot(slip, slip)) -
+        return weight * (0.5 * strength * pressed + 0.5 * stuck * dot(slip, slip) -
                          16 * cohesion * wet * radius * well);
     }
     // w of two.

@@ -7,7 +7,7 @@
 
 #include "base/carried.h"
 #include "solver/chain/chain_state.h"
-#include "solver/cohesion/display.h"
+#include "solver/scene/rest_state.h"
 #include "solver/water/flow_pass.h"
 
 namespace wetcurl {

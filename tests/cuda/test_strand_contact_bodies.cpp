@@ -1,6 +1,7 @@
 // The device's contact between strands run on the host, particle by particle, against the reference.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
 
@@ -169,6 +170,7 @@ void expect_the_references(Tangle<T> t, double share) {
     t.press(), reference.see(t);
     EXPECT_GT(compare(false), 0);
     EXPECT_GT(compare(true), 0);
+    EXPECT_GT(*std::max_element(device.stiffness.begin(), device.stiffness.end()), T(0));
 
     std::vector<Vec3d> at;
     double energy = 0, wanted = 0;

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "solver/chain/scene_checks.h"
-#include "solver/cohesion/cohesion_pass.h"
 #include "solver/water/flow_pass.h"
 #include "tests/base/threads.h"
 #include "tests/solver/one_strand.h"
