@@ -363,16 +363,8 @@ TEST(StrandContact, wet_strands_stay_together_up_to_their_cohesion) {
 
 // --- in whole simulations
 
-const std::string shaken = R"(fps = 24
-[groom]
-grid = [14, 14]
-particles = 30
-length = 0.15
-scalp_radius = 0.05
-lift = 0.01
-[integrator]
-settle = 0.5
-[[motion.keyframe]]
+// The head turns to and fro within a second, and rests.
+const std::string turns = R"([[motion.keyframe]]
 time = 0
 [[motion.keyframe]]
 time = 0.2
@@ -382,11 +374,21 @@ time = 0.6
 rotation = [0, 0, -60]
 [[motion.keyframe]]
 time = 0.95
+)";
+const std::string shaken = R"(fps = 24
+[groom]
+grid = [14, 14]
+particles = 30
+length = 0.15
+scalp_radius = 0.05
+lift = 0.01
+[integrator]
+settle = 0.5
 [stretch]
 [bend]
 [core]
 [stiffness]
-)";
+)" + turns;
 
 // Of the outer two thirds of strands: the share of particles that another strand's has come to within half
 // the radius of, from beyond it in the groom as drawn. Hair that kept its volume has none.
@@ -521,21 +523,11 @@ strength = 5000
 [stiffness]
 global = 6
 [strand_contact]
-[[motion.keyframe]]
-time = 0.1
-[[motion.keyframe]]
-time = 0.3
-rotation = [0, 40, 0]
-[[motion.keyframe]]
-time = 0.6
-rotation = [0, -40, 10]
-[[motion.keyframe]]
-time = 0.8
 [[solid]]
 radius = 0.095
 attached = "head"
 [fibre]
-)";
+)" + turns;
     for (const char* hair : {"type3c", "type4a"}) {
         const Scene scene = scene_of(coils, {std::string("fibre.hair='") + hair + "'"});
         const auto simulation = make_simulation(scene, "float");
