@@ -115,7 +115,7 @@ struct StrandContactKernelBody {
         }
         const auto seen = places.see(particles, place_of(l).of(particles), link.other);
         const auto acts = StrandContact::act(step, seen.d, seen.v, seen.wet, seen.weight, link.touch);
-        link.other = seen.other.edge;
+        link.other = places.next(seen.other.edge, seen.other.along);
         links[l] = link;
         other[l] = seen.other;
         force[l] = {acts.force, acts.stiffness};

@@ -1,7 +1,8 @@
 # How far results move with the step, with contact between strands and without, of scripts/strand_contact.
 include "shared";
 
-[(.strand_contact // {})[] | .provenance as $provenance | .rows[] | .pairs as $pairs |
-  {machine: $provenance, "between strands": (if .contact == "with" then "contact" else "none" end)} +
+[(.strand_contact // {})[] | .provenance as $provenance | .rows[] | . as $row |
+  {"as drawn": .pairs, "at one rest": .pairs_from_one_rest} | to_entries[] | .value as $pairs |
+  {machine: $provenance, "between strands": (if $row.contact == "with" then "contact" else "none" end), "all begin": .key} +
   ($pairs | map({"\(.substeps) against \(.against)": (.mean_mm | with("mm"))}) | add) +
-  {"order, last": (($pairs[1].mean_mm / $pairs[2].mean_mm | log2) | short)}] | table
+  {"orders": ([0, 1] | map($pairs[.].mean_mm / $pairs[. + 1].mean_mm | log2 | short) | join(", "))}] | table

@@ -12,7 +12,7 @@
 namespace wetcurl {
 
 // The links of a place: to so many strands, the nearest ones, at most.
-inline constexpr int most_links = 4;
+inline constexpr int most_links = 3;
 
 // Of two strands, whose places are linked to the other's edges. Each has about half of its neighbours.
 WETCURL_HD inline bool owns_link(uint32_t strand, uint32_t other) {
@@ -80,20 +80,12 @@ struct StrandPlaces {
     }
     // Of a particle's mass, so much is a place's.
     WETCURL_HD float part() const { return float(n - 2) / float(count); }
-    // The edge beyond the end of one where t, within [0, 1], lies, if there is one; else that edge.
+    // Of a link whose nearest place on an edge lies at t, within [0, 1]: where it is looked for in the next
+    // substep. At an end of the edge that is the edge beyond, if there is one.
     WETCURL_HD uint32_t next(uint32_t edge, float t) const {
         if (t >= 1 && (edge + 2) % n != 0) return edge + 1;
         if (t <= 0 && edge % n != 0) return edge - 1;
         return edge;
-    }
-    // The same edge or one of those next to it, on which the nearest place to p lies, if that is a place of
-    // the edge or one beside it.
-    template <class Points>
-    WETCURL_HD PlaceOnStrand nearest(const Points* points, const Vec3f& p, uint32_t edge) const {
-        const float t = nearest_on(p, position_of(points[edge]), position_of(points[edge + 1]));
-        const uint32_t next = this->next(edge, t);
-        if (next == edge) return {edge, t};
-        return {next, nearest_on(p, position_of(points[next]), position_of(points[next + 1]))};
     }
     // What the law is told of a link of a place, `own` what is seen there.
     struct Seen {
@@ -102,12 +94,8 @@ struct StrandPlaces {
         float wet, weight;
     };
     WETCURL_HD Seen see(const LinkedParticle* particles, const LinkedParticle& own, uint32_t edge) const {
-        LinkedParticle a = particles[edge], b = particles[edge + 1];
-        float t = nearest_on(own.x, a.x, b.x);
-        if (const uint32_t next = this->next(edge, t); next != edge) {
-            a = particles[next], b = particles[next + 1], edge = next;
-            t = nearest_on(own.x, a.x, b.x);
-        }
+        const LinkedParticle a = particles[edge], b = particles[edge + 1];
+        const float t = nearest_on(own.x, a.x, b.x);
         const PlaceOnStrand other{edge, t};
         const LinkedParticle there = PlaceOnStrand::between(a, b, t);
         return {other, own.x - there.x, own.v - there.v, own.saturation * there.saturation,

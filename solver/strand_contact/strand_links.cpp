@@ -197,28 +197,14 @@ void StrandLinks::act_on_own(uint32_t strand, const StrandContact::Step& step) {
         if (of.count == 0) return;
         of.fill_up();
         constexpr int lanes = Lanes::lanes;
-        uint32_t edge[lanes];
-        for (int l = 0; l < lanes; ++l) edge[l] = of.link[l]->other, of.other[l] = &particles[edge[l]];
+        for (int l = 0; l < lanes; ++l) of.other[l] = &particles[of.link[l]->other];
         const auto own = FourColumns::of([&](int l) { return of.first_half(of.own[l]); }),
                    own_v = FourColumns::of([&](int l) { return of.second_half(of.own[l]); });
         const Vec3<P> p = of.first_three(own);
-        FourColumns a, b;
-        P t;
-        auto look = [&] {
-            a = FourColumns::of([&](int l) { return of.first_half(of.other[l]); });
-            b = FourColumns::of([&](int l) { return of.first_half(of.other[l] + 1); });
-            t = nearest_on(p, of.first_three(a), of.first_three(b));
-        };
-        look();
-        // At an end of its edge the place may move on to the next one.
-        bool moved = false;
-        for (uint32_t bits = bits_of(t <= P(0)) | bits_of(P(1) <= t); bits; bits &= bits - 1) {
-            const int l = std::countr_zero(bits);
-            const uint32_t next = places_.next(edge[l], t[l]);
-            moved |= next != edge[l];
-            edge[l] = next, of.other[l] = &particles[next];
-        }
-        if (moved) look();
+        const auto a = FourColumns::of([&](int l) { return of.first_half(of.other[l]); }),
+                   b = FourColumns::of([&](int l) { return of.first_half(of.other[l] + 1); });
+        const P t = nearest_on(p, of.first_three(a), of.first_three(b));
+        const uint32_t at_an_end = bits_of(t <= P(0)) | bits_of(P(1) <= t);
         const auto a_v = FourColumns::of([&](int l) { return of.second_half(of.other[l]); }),
                    b_v = FourColumns::of([&](int l) { return of.second_half(of.other[l] + 1); });
         auto between = [&](const FourColumns& from, const FourColumns& to, int c) {
@@ -240,8 +226,9 @@ void StrandLinks::act_on_own(uint32_t strand, const StrandContact::Step& step) {
         });
         FourColumns{f.force.x, f.force.y, f.force.z, f.stiffness}.rows([&](int l, FourFloats row) {
             if (l >= of.count) return;
-            const PlaceOnStrand other{edge[l], t[l]};
-            of.link[l]->other = edge[l], of.link[l]->touch.slip.z = touch.slip.z[l];
+            const PlaceOnStrand other{of.link[l]->other, t[l]};
+            if (at_an_end >> l & 1) of.link[l]->other = places_.next(other.edge, other.along);
+            of.link[l]->touch.slip.z = touch.slip.z[l];
             on_other_[slot_[at + uint32_t(l)]] = {other, row * FourFloats{-1, -1, -1, 1}};
             at_place.add(of.place[l], row);
         });
