@@ -2,7 +2,7 @@
 include "shared";
 
 [(.strand_contact // {})[] | .provenance as $provenance | .rows[] | . as $row |
-  {"as drawn": .pairs, "at one rest": .pairs_from_one_rest} | to_entries[] | .value as $pairs |
-  {machine: $provenance, "between strands": (if $row.contact == "with" then "contact" else "none" end), "all begin": .key} +
+  {"as drawn": .pairs, "from one rest": .pairs_from_one_rest} | to_entries[] | .value as $pairs |
+  {machine: $provenance, "between strands": (if $row.contact == "with" then "contact" else "none" end), "runs begin": .key} +
   ($pairs | map({"\(.substeps) against \(.against)": (.mean_mm | with("mm"))}) | add) +
-  {"orders": ([0, 1] | map($pairs[.].mean_mm / $pairs[. + 1].mean_mm | log2 | short) | join(", "))}] | table
+  {"order, coarse and fine": ([0, 1] | map($pairs[.].mean_mm / $pairs[. + 1].mean_mm | log2 | short) | join(", "))}] | table

@@ -22,7 +22,7 @@ WETCURL_HD inline bool owns_link(uint32_t strand, uint32_t other) {
 // Of a place on a strand with the nearest of another.
 struct StrandLink {
     static constexpr uint32_t none = ~0u;
-    uint32_t other = none;  // (strand, particle) where the nearest edge of the other strand begins
+    uint32_t other = none;  // (strand, particle) where the edge of the other strand begins that it acts on
     Touch<float> touch{0, 0, {0, 0, 0}};
 };
 
@@ -80,8 +80,8 @@ struct StrandPlaces {
     }
     // Of a particle's mass, so much is a place's.
     WETCURL_HD float part() const { return float(n - 2) / float(count); }
-    // Of a link whose nearest place on an edge lies at t, within [0, 1]: where it is looked for in the next
-    // substep. At an end of the edge that is the edge beyond, if there is one.
+    // The edge of a link in the next substep, if the nearest place of its edge now lies at t, within [0, 1]:
+    // at an end the edge beyond, where there is one.
     WETCURL_HD uint32_t next(uint32_t edge, float t) const {
         if (t >= 1 && (edge + 2) % n != 0) return edge + 1;
         if (t <= 0 && edge % n != 0) return edge - 1;

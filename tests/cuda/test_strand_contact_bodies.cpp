@@ -157,6 +157,8 @@ void expect_the_references(Tangle<T> t, double share) {
                                                 double(Device<T>::places_of(t)))));
             EXPECT_GT(found, Device<T>::places_of(t));
         }
+        for (uint32_t l = 0; l < device.b.link_count(); ++l)
+            EXPECT_EQ(device.b.links[l].other, reference.links.links()[l].other) << l;
         const double most = largest(reference.links.force());
         for (size_t k = 0; k < t.x.size(); ++k) {
             EXPECT_LT(double(norm(cast<float>(device.force[k]) - reference.links.force()[k])), 1e-5 * most)

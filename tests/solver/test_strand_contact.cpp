@@ -161,6 +161,31 @@ TEST(StrandContact, links_lead_to_the_nearest_place_of_each_strand) {
     EXPECT_EQ(missed, 0u);
 }
 
+// Without a search: to where the nearest place is, by one edge a substep.
+TEST(StrandContact, a_link_follows_the_nearest_place_from_edge_to_edge) {
+    Tangle t(2, 20, 4);
+    StrandLinks links = t.links(usual);
+    auto lie = [&](float shift) {
+        for (int i = 0; i < 20; ++i) {
+            links.particles[size_t(i)].x = {0, 0.002f * float(i) + shift, 0};
+            links.particles[size_t(20 + i)].x = {0.001f, 0.002f * float(i), 0};
+        }
+    };
+    lie(0.0001f);
+    links.find();
+    ASSERT_TRUE(owns_link(0, 1));
+    const size_t middle = links.places().count / 2 * size_t(most_links);
+    auto edge = [&] { return links.links()[middle].other; };
+    const uint32_t begin = edge();
+    lie(0.0061f);  // three edges on
+    for (uint32_t walked = 1; walked <= 3; ++walked) {
+        links.evaluate(dt);
+        EXPECT_EQ(edge(), begin + walked);
+    }
+    links.evaluate(dt);
+    EXPECT_EQ(edge(), begin + 3);
+}
+
 TEST(StrandContact, keeps_its_links_until_others_are_much_nearer) {
     // Straight strands at these distances from the first; so many that it may be linked to, and one more.
     Tangle t(8, 20, 4);
@@ -455,26 +480,33 @@ TEST(StrandContact, keeps_a_shaken_groom_apart_and_lets_it_rest) {
     EXPECT_LT(with.creep, 0.2 * without.creep);
 }
 
+// Above the scalp, the mean over the particles that lay over its upper fifth before the shake.
 TEST(StrandContact, keeps_the_height_of_hair_on_the_crown) {
-    const Scene scene = scene_of(shaken +
-                                 "[strand_contact]\n[[solid]]\nname = \"head\"\nshape = \"sphere\"\nradius = "
-                                 "0.048\nattached = \"head\"\n");
-    const auto simulation = make_simulation(scene, "float");
-    // Above the scalp, the mean over all that lies over the upper fifth of it [m].
-    auto height = [&] {
-        RunFrame frame;
-        simulation->snapshot(frame);
-        double sum = 0;
+    auto heights = [](const std::string& more) {
+        const Scene scene = scene_of(shaken + more +
+                                     "[[solid]]\nname = \"head\"\nshape = \"sphere\"\nradius = 0.048\n"
+                                     "attached = \"head\"\n");
+        const auto simulation = make_simulation(scene, "float");
+        auto positions = [&] {
+            RunFrame frame;
+            simulation->snapshot(frame);
+            return frame.positions.points;
+        };
+        const auto before = positions();
+        for (int f = 0; f < 72; ++f) simulation->advance();
+        const auto after = positions();
+        double sum = 0, sum_after = 0;
         long count = 0;
-        for (const Vec3f& p : frame.positions.points)
-            if (p.y > 0.6f * norm(p)) sum += double(norm(p)) - 0.05, ++count;
-        return sum / double(count);
+        for (size_t k = 0; k < before.size(); ++k)
+            if (before[k].y > 0.6f * norm(before[k]))
+                sum += double(norm(before[k])) - 0.05, sum_after += double(norm(after[k])) - 0.05, ++count;
+        return std::pair(sum / double(count), sum_after / double(count));
     };
-    const double before = height();
-    for (int f = 0; f < 72; ++f) simulation->advance();
-    const double after = height();
-    std::printf("hair on the crown: %.2f mm high, %.2f after the head was shaken\n", 1e3 * before,
-                1e3 * after);
+    const auto [before, after] = heights("[strand_contact]\n");
+    const auto [before_without, after_without] = heights("");
+    std::printf(
+        "hair on the crown: %.2f mm high, %.2f after the head was shaken; without contact %.2f and %.2f\n",
+        1e3 * before, 1e3 * after, 1e3 * before_without, 1e3 * after_without);
     EXPECT_NEAR(after / before, 1, 0.1);
 }
 
