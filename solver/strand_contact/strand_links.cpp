@@ -203,7 +203,6 @@ void StrandLinks::act_on_own(uint32_t strand, const StrandContact::Step& step) {
         const auto a = FourColumns::of([&](int l) { return of.first_half(of.other[l]); }),
                    b = FourColumns::of([&](int l) { return of.first_half(of.other[l] + 1); });
         const P t = nearest_on(p, of.first_three(a), of.first_three(b));
-        const uint32_t at_an_end = bits_of(t <= P(0)) | bits_of(P(1) <= t);
         const auto a_v = FourColumns::of([&](int l) { return of.second_half(of.other[l]); }),
                    b_v = FourColumns::of([&](int l) { return of.second_half(of.other[l] + 1); });
         auto between = [&](const FourColumns& from, const FourColumns& to, int c) {
@@ -226,7 +225,7 @@ void StrandLinks::act_on_own(uint32_t strand, const StrandContact::Step& step) {
         FourColumns{f.force.x, f.force.y, f.force.z, f.stiffness}.rows([&](int l, FourFloats row) {
             if (l >= of.count) return;
             const PlaceOnStrand other{of.link[l]->other, t[l]};
-            if (at_an_end >> l & 1) of.link[l]->other = places_.next(other.edge, other.along);
+            of.link[l]->other = places_.next(other.edge, other.along);
             of.link[l]->touch.slip.z = touch.slip.z[l];
             on_other_[slot_[at + uint32_t(l)]] = {other, row * FourFloats{-1, -1, -1, 1}};
             at_place.add(of.place[l], row);
