@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <utility>
 #ifdef __SSE2__
 #include <immintrin.h>
 #endif
@@ -46,7 +47,7 @@ struct Pack {
     Pack() = default;
     Pack(Register r) : v(r) {}
     template <class U>
-    requires std::is_arithmetic_v<U> Pack(U u) : v(Register{} + T(u)) {}
+    requires std::is_arithmetic_v<U> Pack(U u) : v(filled(T(u), std::make_integer_sequence<int, lanes>())) {}
 
     // From memory of any alignment.
     static Pack load(const T* from) {
@@ -54,6 +55,8 @@ struct Pack {
         std::memcpy(&p.v, from, sizeof p.v);
         return p;
     }
+    // The same way back.
+    void store(T* to) const { std::memcpy(to, &v, sizeof v); }
     T operator[](int lane) const { return v[lane]; }
     void set(int lane, T t) { v[lane] = t; }
 
@@ -77,6 +80,13 @@ struct Pack {
     friend Mask operator<(Pack a, Pack b) { return a.v < b.v; }
     friend Mask operator>(Pack a, Pack b) { return a.v > b.v; }
     friend Mask operator<=(Pack a, Pack b) { return a.v <= b.v; }
+
+  private:
+    // By an instruction, from memory too; a sum with zeros is another before it.
+    template <int... lane>
+    static Register filled(T t, std::integer_sequence<int, lane...>) {
+        return Register{(static_cast<void>(lane), t)...};
+    }
 };
 
 // The plain number under a scalar: float for float and for Pack<float>.

@@ -13,6 +13,7 @@
 
 #include "base/dense_layers.h"
 #include "base/network_channels.h"
+#include "models/strand_layers.h"
 
 namespace wetcurl {
 
@@ -24,6 +25,8 @@ struct TorchNetwork : torch::nn::Module {
     virtual Tensor forward(const Tensor& input) = 0;
     // The same function of a pixel, where nothing but dense layers makes it.
     virtual std::optional<DenseLayers> dense_layers() const { return std::nullopt; }
+    // The same function, where it is that of a residual network for strands.
+    virtual std::optional<StrandLayers> strand_layers() const { return std::nullopt; }
     // How many pixels around one its output depends on; below 0: all there are.
     virtual int reach() const { return -1; }
     // For inference alone: the weights of the body take its type and the order of the device's convolutions,

@@ -40,6 +40,26 @@ StrandMlp::StrandMlp(double width, const Tensor& mean, const Tensor& deviation, 
     set_zero(*last_);
 }
 
+std::optional<StrandLayers> StrandMlp::strand_layers() const {
+    static_assert(StrandLayers::kernel == kernel);
+    auto numbers = [](const Tensor& x) {
+        const Tensor on_host = x.detach().to(torch::kCPU, torch::kFloat).contiguous();
+        return std::vector<float>(on_host.data_ptr<float>(), on_host.data_ptr<float>() + on_host.numel());
+    };
+    auto dense = [&](const torch::nn::Linear& layer) {
+        return StrandLayers::Dense{numbers(layer->weight), numbers(layer->bias)};
+    };
+    StrandLayers out;
+    out.inputs = int(mean_.size(0)), out.channels = int(first_->bias.size(0)),
+    out.outputs = int(scale_.size(0));
+    out.mean = numbers(mean_), out.deviation = numbers(deviation_), out.scale = numbers(scale_);
+    out.first = dense(first_), out.last = dense(last_);
+    for (size_t i = 0; i < blocks_.size(); i += 2)
+        out.blocks.push_back({mixers_.empty() ? std::vector<float>() : numbers(mixers_[i / 2]->weight),
+                              dense(blocks_[i]), dense(blocks_[i + 1])});
+    return out;
+}
+
 int StrandMlp::reach() const { return int(mixers_.size()) * (kernel / 2); }
 
 Tensor StrandMlp::mixed(const Tensor& x, torch::nn::Conv2d& layer, const Tensor& mask, const Tensor& like) {

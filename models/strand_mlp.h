@@ -17,6 +17,7 @@ class StrandMlp : public TorchNetwork {
     // (B, C, H, W) in the units of the pairs file to residual amplitudes (B, outputs, H, W) [m].
     Tensor forward(const Tensor& input) override;
     int reach() const override;
+    std::optional<StrandLayers> strand_layers() const override;
     // On a CUDA device in half precision the kernels of models/strand_mlp_kernels.h run it from then on.
     void freeze() override;
 

@@ -1,7 +1,6 @@
 // The options of `infer` to one value.
 #include "app/inference/method.h"
 
-#include "app/files/results.h"
 #include "app/inference/ways.h"
 #include "learn/codec/network_module.h"
 
@@ -53,8 +52,6 @@ std::vector<std::string> Method::inputs() const {
 void check_options(const InferOptions& o) {
     const Ways ways = ways_named(o);
     require_options_that_go_with(o, ways, ways == model_ways ? "a model" : text_of(ways));
-    if (ways & interpolation_ways && !o.cohesion && !o.settled)
-        refuse_device(o, "interpolation without --cohesion and --settled");
 }
 
 Method method_of(const InferOptions& o) {

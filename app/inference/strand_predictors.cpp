@@ -1,33 +1,62 @@
 // Whole strands: by interpolation, or by a strand network.
 #include <filesystem>
 
+#include "app/engine/device.h"
 #include "app/engine/learned_hair.h"
 #include "app/inference/predictor.h"
 #include "base/network_channels.h"
 #include "learn/codec/encode_runs.h"
 #include "solver/scene/rest_state.h"
+#ifdef WETCURL_HAVE_CUDA
+#include "learn/codec/device_interpolator.h"
+#endif
 
 namespace wetcurl {
 
 namespace {
 
+std::string name_of(const InterpolationMethod& method, bool clumps) {
+    return method.name + " interpolation" + suffix_of(method.roots) + (method.settled ? ", settled" : "") +
+           (method.wet_shape ? ", Eq 9" : "") + (clumps ? ", Eq 10" : "");
+}
+
+// Where frames are interpolated: Interpolator on the host, or the same on a CUDA device.
+struct OnHost {
+    Interpolator interpolator;
+    void apply(const Strands& low, const Pose& head, Strands& p) { interpolator.apply(low, head, p); }
+};
+#ifdef WETCURL_HAVE_CUDA
+struct OnDevice {
+    DeviceInterpolator interpolator;
+    DeviceBuffer<Vec3f> low_there{size_t(interpolator.low_strands()) * interpolator.particles()},
+        out_there{size_t(interpolator.high_strands()) * interpolator.particles()};
+    void apply(const Strands& low, const Pose& head, Strands& p) {
+        require_low_strands(low.count, low.particles, interpolator.low_strands(), interpolator.particles());
+        low_there.upload(low.points.data(), low.points.size());
+        interpolator.apply(low_there.data(), head, out_there.data(), nullptr);
+        if (p.count != interpolator.high_strands() || p.particles != interpolator.particles())
+            p = Strands(interpolator.high_strands(), interpolator.particles());
+        out_there.download(p.points.data());
+    }
+};
+#endif
+
+template <class Where>
 class Interpolated final : public Predictor {
   public:
     Interpolated(const InterpolationMethod& method, const PredictionInput& input, const Strands* shape)
-        : name_(method.name + " interpolation" + suffix_of(method.roots) +
-                (method.settled ? ", settled" : "") + (shape ? ", Eq 9" : "") +
-                (input.clumps ? ", Eq 10" : "")),
-          interpolator_(method.kind, stencil_of(method.roots, input.scene.groom, input.low.groom),
-                        input.scene.groom, input.low.groom, shape, simulated_wet(input.low), input.settled),
+        : name_(name_of(method, input.clumps)),
+          where_{{method.kind, stencil_of(method.roots, input.scene.groom, input.low.groom),
+                  input.scene.groom, input.low.groom, shape, simulated_wet(input.low), input.settled}},
           clumps_(input.clumps) {}
     std::string name() const override { return name_; }
     void apply(int, const RunFrame& low, const HeadWindow&, Strands& p) override {
-        interpolator_.apply(clumps_ ? low.positions : low.seen(), low.head, p);
+        where_.apply(clumps_ ? low.positions : low.seen(), low.head, p);
     }
 
   private:
     std::string name_;
-    Interpolator interpolator_;
+    Where where_;
     bool clumps_;
 };
 
@@ -40,16 +69,16 @@ class NetworkStrands final : public Predictor {
                 (method.settled ? ", settled" : "") + (method.crop ? ", cropped" : "") +
                 (input.clumps ? ", Eq 10" : "")),
           low_(input.low.groom.rest),
-          out_(input.scene.groom.rest) {
+          high_(input.scene.groom.rest) {
         if (method.crop) learned_->crop(wet_strands_of(input.scene));
         if (input.clumps) learned_->lead_edges(most_length_rounds);
-        learned_->bind(low_.points.data(), out_.points.data());
     }
     std::string name() const override { return name_; }
     void apply(int, const RunFrame& low, const HeadWindow& heads, Strands& p) override {
         std::copy(low.positions.points.begin(), low.positions.points.end(), low_.points.begin());
+        if (p.count != high_.count || p.particles != high_.particles) p = high_;
+        if (p.points.data() != bound_) learned_->bind(low_.points.data(), bound_ = p.points.data());
         learned_->run(heads);
-        p = out_;
     }
     int memory() const override { return history_lags.back(); }
     Strands without_network(const RunFrame& low) override { return learned_->base(low.head); }
@@ -57,7 +86,9 @@ class NetworkStrands final : public Predictor {
   private:
     std::unique_ptr<LearnedStrands> learned_;
     std::string name_;
-    Strands low_, out_;  // where the network reads and writes
+    Strands low_;  // where the network reads
+    const Strands& high_;
+    Vec3f* bound_ = nullptr;  // where it writes
 };
 
 }  // namespace
@@ -68,8 +99,16 @@ Stencil stencil_of(int roots, const Groom& high, const Groom& low) {
 }
 
 std::unique_ptr<Predictor> predictor_of(const InterpolationMethod& method, const PredictionInput& input) {
-    const Strands shape = method.wet_shape ? shape_at_rest(input.scene) : Strands();
-    return std::make_unique<Interpolated>(method, input, method.wet_shape ? &shape : nullptr);
+    const Strands wet = method.wet_shape ? shape_at_rest(input.scene) : Strands();
+    const Strands* const shape = method.wet_shape ? &wet : nullptr;
+    if (input.device == "cpu") return std::make_unique<Interpolated<OnHost>>(method, input, shape);
+    require_device(input.device);
+#ifdef WETCURL_HAVE_CUDA
+    enter_device(input.device);
+    return std::make_unique<Interpolated<OnDevice>>(method, input, shape);
+#else
+    return nullptr;  // no such device is there
+#endif
 }
 
 std::unique_ptr<Predictor> predictor_of(const StrandNetworkMethod& method, const PredictionInput& input) {

@@ -6,14 +6,9 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/pack_tile.h"
 
 namespace wetcurl {
-
-static Strands cores_of(const Strands& strands) {
-    Strands cores(strands.count, strands.particles);
-    take_cores(strands, cores);
-    return cores;
-}
 
 // Edge i of a strand [m].
 static Vec3f edge_of(const Strands& strands, int strand, int i) {
@@ -107,12 +102,16 @@ void RestCarrier::start_from(const Settled& settled) {
     for (size_t k = 0; k < cores.points.size(); ++k) low_rest_cores_.points[k] -= cores.points[k];
 }
 
-RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, const Strands* shape,
-                         bool low_is_wet, const Settled* settled)
-    : particles_(high.rest.particles),
+RestCarrier::RestCarrier(RootLanes lanes, Stencil around, const Groom& high, const Groom& low,
+                         const Strands* shape, bool low_is_wet, const Settled* settled)
+    : lanes_(std::move(lanes)),
+      particles_(high.rest.particles),
       low_is_wet_(low_is_wet || settled),
-      around_(std::move(stencil)),
+      around_(std::move(around)),
       low_rest_cores_(cores_of(low.rest)),
+      low_lanes_(StrandLanes::in_order(low.rest.count)),
+      offsets_(size_t(low_lanes_.blocks()) * particles_),
+      cores_(offsets_.size()),
       moved_(low.rest.count, low.rest.particles),
       lost_(size_t(low.rest.count)) {
     auto size = [](const Strands& s) {
@@ -131,26 +130,31 @@ RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, c
     const Strands drawn_cores = cores_of(high.rest), curled_cores = cores_of(curled);
     weigh(drawn_cores);
     find_own(low, drawn_cores);
-    const RootFrames roots = root_frames(high);
-    const int n = particles_, width = around_.width, blocks = (high.rest.count + S::lanes - 1) / S::lanes;
+    const int n = particles_, width = around_.width, blocks = lanes_.blocks();
     constexpr float longest = 4;  // edges, of the drawn ones
     const Vec3<S> none{S(0), S(0), S(0)};
     rest_.assign(size_t(blocks) * n, {none, S(1), none, none, none});
-    to_root_.assign(size_t(blocks), Quat<S>::identity());
+    from_.assign(size_t(blocks) * S::lanes * width, 0);
+    weight_.assign(from_.size(), 0), lost_share_.assign(from_.size(), 0);
     auto set = [](Vec3<S>& to, int lane, const Vec3f& x) {
         to.x.set(lane, x.x), to.y.set(lane, x.y), to.z.set(lane, x.z);
     };
 #pragma omp parallel for schedule(static)
     for (int block = 0; block < blocks; ++block)
-        for (int s = block * S::lanes; s < std::min(high.rest.count, (block + 1) * S::lanes); ++s) {
-            const int lane = s % S::lanes;
-            const Quatf to_root = conjugate(roots.rotation[size_t(s)]);
-            Quat<S>& q = to_root_[size_t(block)];
-            q.w.set(lane, to_root.w), q.x.set(lane, to_root.x);
-            q.y.set(lane, to_root.y), q.z.set(lane, to_root.z);
+        for (int lane = 0; lane < S::lanes; ++lane) {
+            const int s = lanes_.strand(block, lane);
+            if (s < 0) continue;
+            const Quat<S>& turn = lanes_.rotation(block);
+            const Quatf to_root = conjugate(Quatf{turn.w[lane], turn.x[lane], turn.y[lane], turn.z[lane]});
             const Vec3f *core = curled_cores.strand(s), *p = curled.strand(s);
-            const int* from = around_.from.data() + size_t(s) * width;
-            const float* weight = around_.weight.data() + size_t(s) * width;
+            const size_t first = size_t(s) * width, here = (size_t(block) * S::lanes + lane) * width;
+            const int* from = around_.from.data() + first;
+            const float* weight = around_.weight.data() + first;
+            const int main = int(std::max_element(weight, weight + width) - weight);
+            for (int k = 0; k < width; ++k)  // a strand that counts nothing is not read
+                from_[here + size_t(k)] = from[weight[k] != 0 ? k : main];
+            std::copy_n(weight, width, &weight_[here]);
+            std::copy_n(&lost_weight_[first], width, &lost_share_[here]);
             for (int i = 0; i < n; ++i) {
                 RestParticle<S>& out = rest_[size_t(block) * n + i];
                 set(out.detail, lane, rotate(to_root, p[i] - core[i]));
@@ -170,94 +174,98 @@ RestCarrier::RestCarrier(Stencil stencil, const Groom& high, const Groom& low, c
             }
         }
     if (settled) start_from(*settled);
+    if (!low_is_wet_) return;
+    low_offsets_ = Strands(low.rest.count, n);
+    kept_.assign(size_t(blocks) * S::lanes, -1);
+    for (int s = 0; s < low.rest.count; ++s) kept_[size_t(lanes_.place_of(around_.twin[size_t(s)]))] = s;
 }
 
 RestParticle<float> RestCarrier::rest(int strand, int particle) const {
-    const RestParticle<S>& p = rest_[size_t(strand / S::lanes) * particles_ + particle];
-    const int lane = strand % S::lanes;
+    const int place = lanes_.place_of(strand), lane = place % S::lanes;
+    const RestParticle<S>& p = rest_[size_t(place / S::lanes) * particles_ + particle];
     auto of = [&](const Vec3<S>& v) { return Vec3f{v.x[lane], v.y[lane], v.z[lane]}; };
     return {of(p.edge), p.length[lane], of(p.curled), of(p.detail), of(p.own)};
 }
 
-void RestCarrier::apply(const Strands& low, const Pose& head, Strands& out) {
-    const int n = low.particles, width = around_.width;
-    if (low.count != moved_.count || n != moved_.particles)
-        throw Error("interpolation: found " + std::to_string(low.count) + " low-resolution strands of " +
-                    std::to_string(n) + " particles, allowed " + std::to_string(moved_.count) + " of " +
-                    std::to_string(moved_.particles));
-    if (out.count != around_.count() || out.particles != n) out = Strands(around_.count(), n);
-    const Quatf to_head = cast<float>(conjugate(head.rotation));
-    take_cores(low, moved_);
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < low.count; ++s) {
-        Vec3f* moved = moved_.strand(s);
-        const Vec3f* rest = low_rest_cores_.strand(s);
-        const float share = settled_.share.empty() ? 1 : settled_.share[size_t(s)];
-        for (int i = n - 1; i >= 0; --i)
-            moved[i] = share * rotate(to_head, moved[i] - moved[0]) - (rest[i] - rest[0]);
-    }
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < low.count; ++s) {
-        const Beside& beside = beside_[size_t(s)];
-        float sum = 0;
-        for (int i = 0; i + 1 < n; ++i)
-            sum += lost_of_edge(own_.at(s, i), s, beside, [&](int k) { return edge_of(moved_, k, i); });
-        lost_[size_t(s)] = sum;
-    }
-#pragma omp parallel for schedule(static)
-    for (int block = 0; block < int(to_root_.size()); ++block) {
-        const int first = block * S::lanes, lanes = std::min(S::lanes, out.count - first);
-        const int* from = around_.from.data() + size_t(first) * width;
-        const float *weight = around_.weight.data() + size_t(first) * width,
-                    *lost_weight = lost_weight_.data() + size_t(first) * width;
-        S lost(0);
-        for (int lane = 0; lane < lanes; ++lane) {
-            float sum = 0;
-            for (int k = lane * width; k < (lane + 1) * width; ++k)
-                sum += lost_weight[k] * lost_[size_t(from[k])];
-            lost.set(lane, std::clamp(sum, 0.f, 1.f));
-        }
-        carry_rest<S>(
-            n, lost, [&](int i) { return rest_[size_t(block) * n + i]; },
-            [&](int i) {
-                Vec3<S> sum{S(0), S(0), S(0)};
-                for (int lane = 0; lane < lanes; ++lane) {
-                    Vec3f x{0, 0, 0};
-                    for (int k = lane * width; k < (lane + 1) * width; ++k)
-                        if (weight[k] != 0) x += weight[k] * moved_.at(from[k], i);
-                    sum.x.set(lane, x.x), sum.y.set(lane, x.y), sum.z.set(lane, x.z);
-                }
-                return rotate(to_root_[size_t(block)], sum);
-            },
-            [&](int i, const Vec3<S>& x) {
-                for (int lane = 0; lane < lanes; ++lane)
-                    out.at(first + lane, i) = {x.x[lane], x.y[lane], x.z[lane]};
-            });
-    }
-    if (!low_is_wet_) return;
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < low.count; ++s) {
-        const int twin = around_.twin[size_t(s)], lane = twin % S::lanes;
-        const Quat<S>& q = to_root_[size_t(twin / S::lanes)];
-        const Quatf to_root{q.w[lane], q.x[lane], q.y[lane], q.z[lane]};
-        for (int i = 0; i < n; ++i) {
-            Vec3f x = rotate(to_head, low.at(s, i) - low.at(s, 0));
-            if (!settled_.share.empty()) x = settled_.share[size_t(s)] * x + settled_.more.at(s, i);
-            out.at(twin, i) = rotate(to_root, x);
+void RestCarrier::follow(const Vec3f* low, const Pose& head) {
+    const int n = particles_, low_strands = moved_.count;
+    const Quat<S> to_head = cast<S>(conjugate(head.rotation));
+    const float beta = core_beta(n);
+#pragma omp for schedule(static)
+    for (int block = 0; block < low_lanes_.blocks(); ++block) {
+        Vec3<S>*p = &offsets_[size_t(block) * n], *core = &cores_[size_t(block) * n];
+        S* const numbers = &p->x;
+        low_lanes_.load(block, 3 * n, &low->x, numbers);
+        S share(1);
+        for (int lane = 0; lane < S::lanes && !settled_.share.empty(); ++lane)
+            if (const int s = low_lanes_.strand(block, lane); s >= 0)
+                share.set(lane, settled_.share[size_t(s)]);
+        const Vec3<S> root = p[0];
+        for (int i = 0; i < n; ++i) p[i] = share * rotate(to_head, p[i] - root);
+        core_of(p, n, beta, core);
+        low_lanes_.store(block, 3 * n, &core->x, &moved_.points.data()->x);
+        if (low_is_wet_) low_lanes_.store(block, 3 * n, numbers, &low_offsets_.points.data()->x);
+        for (int lane = 0; lane < S::lanes; ++lane) {
+            const int s = low_lanes_.strand(block, lane);
+            if (s < 0) continue;
+            Vec3f* moved = moved_.strand(s);
+            const Vec3f* rest = low_rest_cores_.strand(s);
+            for (int i = 0; i < n; ++i) moved[i] -= rest[i] - rest[0];
+            for (int i = 0; i < n && !settled_.share.empty(); ++i)
+                low_offsets_.at(s, i) += settled_.more.at(s, i);
         }
     }
+#pragma omp for schedule(static)
+    for (int s = 0; s < low_strands; ++s) lost_[size_t(s)] = lost_of(s);
 }
 
-void place_in_world(const RootFrames& roots, const Strands& offsets, const Pose& head, Strands& world) {
-    if (world.count != offsets.count || world.particles != offsets.particles)
-        world = Strands(offsets.count, offsets.particles);
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < offsets.count; ++s) {
-        const Vec3f root = roots.root_at(s, head);
-        const Quatf to_world = roots.rotation_at(s, head);
-        const Vec3f* p = offsets.strand(s);
-        Vec3f* out = world.strand(s);
-        for (int i = 0; i < offsets.particles; ++i) out[i] = root + rotate(to_world, p[i]);
+float RestCarrier::lost_of(int low_strand) const {
+    const int numbers = 3 * (particles_ - 1);
+    const Beside& beside = beside_[size_t(low_strand)];
+    const float* own = &own_.strand(low_strand)->x;
+    const auto moved = [&](int k) { return &moved_.strand(k)->x; };
+    S sums(0);
+    int j = 0;
+    for (; j + S::lanes <= numbers; j += S::lanes)
+        sums += lost_of_edge(S::load(own + j), low_strand, beside,
+                             [&](int k) { return S::load(moved(k) + j + 3) - S::load(moved(k) + j); });
+    float sum = 0;
+    for (int lane = 0; lane < S::lanes; ++lane) sum += sums[lane];
+    for (; j < numbers; ++j)
+        sum += lost_of_edge(own[j], low_strand, beside, [&](int k) { return moved(k)[j + 3] - moved(k)[j]; });
+    return sum;
+}
+
+void RestCarrier::carry(int block, Vec3<S>* out) const {
+    constexpr int most = Stencil::widest;
+    const int n = particles_, width = around_.width;
+    const size_t first = size_t(block) * S::lanes * width;
+    const float* row[S::lanes * most];
+    S lost(0);
+    for (int lane = 0; lane < S::lanes; ++lane) {
+        float sum = 0;
+        for (int k = lane * width; k < (lane + 1) * width; ++k) {
+            const int from = from_[first + size_t(k)];
+            row[k] = &moved_.strand(from)->x;
+            sum += lost_share_[first + size_t(k)] * lost_[size_t(from)];
+        }
+        lost.set(lane, std::clamp(sum, 0.f, 1.f));
+    }
+    // `out` holds how far cores have moved until a particle is there.
+    weighted_columns(3 * n, width, row, &weight_[first], &out->x);
+    const Quat<S> to_root = conjugate(lanes_.rotation(block));
+    const RestParticle<S>* rest = &rest_[size_t(block) * n];
+    carry_rest<S>(
+        n, lost, [&](int i) -> const RestParticle<S>& { return rest[i]; },
+        [&](int i) { return rotate(to_root, out[i]); }, [&](int i, const Vec3<S>& x) { out[i] = x; });
+    for (int lane = 0; lane < S::lanes && low_is_wet_; ++lane) {
+        const int s = kept_[size_t(block) * S::lanes + lane];
+        if (s < 0) continue;
+        const Quatf turn{to_root.w[lane], to_root.x[lane], to_root.y[lane], to_root.z[lane]};
+        for (int i = 0; i < n; ++i) {
+            const Vec3f x = rotate(turn, low_offsets_.at(s, i));
+            out[i].x.set(lane, x.x), out[i].y.set(lane, x.y), out[i].z.set(lane, x.z);
+        }
     }
 }
 

@@ -12,8 +12,8 @@
 
 #include "base/pack.h"
 #include "learn/codec/core_detail.h"
-#include "learn/codec/root_frame.h"
 #include "learn/codec/stencil.h"
+#include "learn/codec/strand_lanes.h"
 
 namespace wetcurl {
 
@@ -55,14 +55,18 @@ struct Beside {
 };
 
 // How much an edge of a low-resolution strand has lost of `own`, by which it differs at rest from the mean of
-// those beside it [m^2]. `step(strand)` gives how far that edge of a strand has moved [m].
-template <class Step>
-WETCURL_HD float lost_of_edge(const Vec3f& own, int strand, const Beside& beside, Step step) {
-    Vec3f sum{0, 0, 0};
+// those beside it [m^2]. `step(strand)` gives how far that edge of a strand has moved [m]. V: a vector, or
+// numbers of one, of which the results add up.
+WETCURL_HD inline float product(const Vec3f& a, const Vec3f& b) { return dot(a, b); }
+WETCURL_HD inline float product(float a, float b) { return a * b; }
+inline Pack<float> product(Pack<float> a, Pack<float> b) { return a * b; }
+template <class V, class Step>
+WETCURL_HD auto lost_of_edge(const V& own, int strand, const Beside& beside, Step step) {
+    V sum{};
     int count = 0;
     for (int other : beside.strand)
         if (other >= 0) sum += step(other), ++count;
-    return count > 0 ? dot(own, (1.f / float(count)) * sum - step(strand)) : 0.f;
+    return product(own, count > 0 ? 1.f / float(count) * sum - step(strand) : V{});
 }
 
 // Where dry low-resolution strands would be, were they wet: `share` (low strands) of their offsets from the
@@ -77,15 +81,23 @@ Settled settled_between(const Strands& dry, const Strands& wet);
 
 class RestCarrier {
   public:
-    // `shape` (high strands): how they lie at rest in the head's frame, null: as drawn. Throws Error where it
-    // does not fit.
+    using S = Pack<float>;
+    // `lanes`: the high-resolution strands; `around`: the low-resolution ones around each.
+    // `shape` (high strands): how they lie at rest in the head's frame, null: as drawn.
     // `low_is_wet`: the low-resolution strands are curled and shortened by their water too, and are kept as
     // they are. `settled`: they are dry ones, and taken for wet where it puts them.
-    RestCarrier(Stencil stencil, const Groom& high, const Groom& low, const Strands* shape,
+    // Throws Error where these do not fit.
+    RestCarrier(RootLanes lanes, Stencil around, const Groom& high, const Groom& low, const Strands* shape,
                 bool low_is_wet = false, const Settled* settled = nullptr);
-    // low (low strands): world positions [m]; out (high strands): offsets in the root frames [m]. Throws
-    // Error for other strands.
-    void apply(const Strands& low, const Pose& head, Strands& out);
+
+    const RootLanes& lanes() const { return lanes_; }
+    int particles() const { return particles_; }
+    // A frame: low (low strands, particles) in the world [m]. One thread calls it, or all of a team, each
+    // with the same.
+    void follow(const Vec3f* low, const Pose& head);
+    // Of the frame followed last, out (particles): offsets of a block's strands in their root frames [m]. Any
+    // threads.
+    void carry(int block, Vec3<S>* out) const;
 
     // The strands around each, weighed.
     const Stencil& around() const { return around_; }
@@ -99,26 +111,32 @@ class RestCarrier {
     const std::vector<float>& lost_weight() const { return lost_weight_; }
 
   private:
-    using S = Pack<float>;
     void weigh(const Strands& drawn_cores);
     void find_own(const Groom& low, const Strands& drawn_cores);
     void start_from(const Settled& settled);
+    float lost_of(int low_strand) const;
 
+    RootLanes lanes_;
     int particles_;
     bool low_is_wet_;
     Stencil around_;
     std::vector<Beside> beside_;
     std::vector<float> lost_weight_;
-    std::vector<RestParticle<S>> rest_;  // (block of lanes, particle)
-    std::vector<Quat<S>> to_root_;       // (block): head's frame to the root frames
+    std::vector<RestParticle<S>> rest_;  // (block, particle)
     Strands low_rest_cores_;             // less those of Settled::more
     Strands own_;
     Settled settled_;
+    // As blocks read them, (block, lane, width): the strands around, their weights, those of what is lost;
+    // and the low-resolution strand that is kept as it is, (block, lane) or -1, where any is.
+    std::vector<int> from_, kept_;
+    std::vector<float> weight_, lost_share_;
+
+    // Of a frame.
+    StrandLanes low_lanes_;
+    std::vector<Vec3<S>> offsets_, cores_;  // (low block, particle) in the head's frame [m]
+    Strands low_offsets_;                   // (low strands), where any is kept
     Strands moved_;            // (low strands) how far their cores are from rest, in the head's frame [m]
     std::vector<float> lost_;  // (low strands) of their own [m^2]
 };
-
-// Offsets in the root frames to world positions at a head pose; `world` may be `offsets`.
-void place_in_world(const RootFrames& roots, const Strands& offsets, const Pose& head, Strands& world);
 
 }  // namespace wetcurl

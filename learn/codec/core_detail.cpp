@@ -3,11 +3,13 @@
 
 namespace wetcurl {
 
-void take_cores(const Strands& strands, Strands& cores) {
+Strands cores_of(const Strands& strands) {
+    Strands cores(strands.count, strands.particles);
     const float beta = core_beta(strands.particles);
 #pragma omp parallel for schedule(static)
     for (int s = 0; s < strands.count; ++s)
         core_of(strands.strand(s), strands.particles, beta, cores.strand(s));
+    return cores;
 }
 
 float curl_radius(const Vec3f* p, int n, float beta, Vec3f* core) {

@@ -3,7 +3,7 @@
 // strand, and the lag would count as curl.
 #pragma once
 
-#include <cstdlib>
+#include <limits>
 #include <vector>
 
 #include "base/geometry/filter.h"
@@ -17,44 +17,53 @@ inline float core_beta(int particles) { return float(filter_beta(10.0 / (particl
 
 // d = G e over n edges as Eq 2, but started half a strand early on the mirrored edges: the first edge alone
 // is mostly curl and would tilt the core. `edge(i)` gives e_i, `store(i, d_i)` takes the result.
-template <class Edge, class Store>
-void smooth_mirrored(int n, float beta, Edge edge, Store store) {
+template <class S, class Edge, class Store>
+WETCURL_HD void smooth_mirrored(int n, Plain<S> beta, Edge edge, Store store) {
     const int early = n / 2;
-    smooth_edges<float>(
-        early + n, beta, [&](int i) { return edge(std::abs(i - early)); },
-        [&](int i, const Vec3f& d) {
+    smooth_edges<S>(
+        early + n, beta, [&](int i) { return edge(i < early ? early - i : i - early); },
+        [&](int i, const Vec3<S>& d) {
             if (i >= early) store(i - early, d);
         });
 }
 
-// core (n) [m] of the n particles p [m]; both start at the root. `core` must not overlap p.
-inline void core_of(const Vec3f* p, int n, float beta, Vec3f* core) {
-    Vec3f* d = core + 1;  // edges of the core, then summed in place
+// core (n) [m] of the n particles p [m], of one strand or of a strand a lane; both start at the root. `core`
+// must not overlap p.
+template <class S>
+WETCURL_HD void core_of(const Vec3<S>* p, int n, Plain<S> beta, Vec3<S>* core) {
+    Vec3<S>* d = core + 1;  // edges of the core, then summed in place
     const int edges = n - 1;
-    smooth_mirrored(
-        edges, beta, [&](int i) { return p[i + 1] - p[i]; }, [&](int i, const Vec3f& e) { d[i] = e; });
-    smooth_mirrored(
+    smooth_mirrored<S>(
+        edges, beta, [&](int i) { return p[i + 1] - p[i]; }, [&](int i, const Vec3<S>& e) { d[i] = e; });
+    smooth_mirrored<S>(
         edges, beta, [&](int i) { return d[edges - 1 - i]; },
-        [&](int i, const Vec3f& e) { d[edges - 1 - i] = e; });
+        [&](int i, const Vec3<S>& e) { d[edges - 1 - i] = e; });
     core[0] = p[0];
     for (int i = 1; i < n; ++i) core[i] += core[i - 1];
 }
 
-// Of all strands, into as many of as many particles.
-void take_cores(const Strands& strands, Strands& cores);
+// Of all strands.
+Strands cores_of(const Strands& strands);
 
 // The turn that takes the edges of one core to those of another. It is carried on from edge to edge, so that
 // it does not flip where the two point opposite ways.
 template <class S>
 struct CarriedTurn {
     Quat<S> turn = Quat<S>::identity();
-    // An edge of each core, in order from the root [m]; one without a direction leaves the turn as it is.
+    // An edge of each core, in order from the root [m]. One of 10 nm or less, which positions are not rounded
+    // to, has no direction and leaves the turn as it is.
     WETCURL_HD void follow(const Vec3<S>& from, const Vec3<S>& to) {
-        const Vec3<S> turned = rotate(turn, from);
-        const auto both = minimum(norm(turned), norm(to)) > S(tiny_length<S>);
-        const Quat<S> next =
-            normalized(minimal_rotation(normalized(turned, to), normalized(to, turned)) * turn);
-        turn = select(both, next, turn);
+        const Vec3<S> a = rotate(turn, from);
+        const S square_a = dot(a, a), square_b = dot(to, to);
+        const auto both = minimum(square_a, square_b) > S(1e-16f);
+        // As minimal_rotation, by a factor |a| |b|: of roots and quotients there is but one each.
+        const S lengths = sqrt(square_a * square_b), along = dot(a, to);
+        const Vec3<S> axis =
+            select(a.x * a.x > S(0.5f) * square_a, Vec3<S>{-a.y, a.x, S(0)}, Vec3<S>{S(0), -a.z, a.y});
+        const auto opposed = along < S(4 * std::numeric_limits<Plain<S>>::epsilon() - 1) * lengths;
+        const Vec3<S> across = select(opposed, axis, cross(a, to));
+        const Quat<S> q{select(opposed, S(0), lengths + along), across.x, across.y, across.z};
+        turn = select(both, renormalized(normalized(q) * turn), turn);
     }
 };
 

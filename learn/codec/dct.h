@@ -22,15 +22,19 @@ class StrandDct {
     const std::vector<float>& basis() const { return basis_; }
     // (24): b_0 / |b_0|, along which what is encoded must vanish.
     const std::vector<float>& projection() const { return projection_; }
-    // Offsets from the root (particles) [m] to amplitudes (72) [m].
-    void encode(const Vec3f* offsets, float* coefficients) const;
+    // Offsets from the root (particles) [m] to amplitudes (72) [m], of a strand or of a strand a lane. S:
+    // float or a Pack of it.
+    template <class S>
+    void encode(const Vec3<S>* offsets, S* coefficients) const;
     // Amplitudes (72) to offsets (particles), less the offset at particle 0.
-    void decode(const float* coefficients, Vec3f* offsets) const;
+    template <class S>
+    void decode(const S* coefficients, Vec3<S>* offsets) const;
 
   private:
     int particles_;
-    std::vector<float> basis_;   // (24, particles)
-    std::vector<float> across_;  // (particles, 24): the same, for loops over amplitudes
+    std::vector<float> basis_;     // (24, particles)
+    std::vector<float> weighted_;  // (particles, 24): by the weight of a particle in the mean
+    std::vector<float> rise_;      // (particles, 24): less that at particle 0
     std::vector<float> projection_;
 };
 

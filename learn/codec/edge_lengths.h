@@ -11,14 +11,26 @@ namespace wetcurl {
 inline constexpr int most_length_rounds = 4;
 
 // Half of what an edge lacks of its length, along it.
-WETCURL_HD inline Vec3f half_lacking(const Vec3f& edge, float length) {
-    const float square = dot(edge, edge), least = tiny_length<float> * tiny_length<float>;
-    const float inverse = 1 / std::sqrt(maximum(square, least));  // one instruction on a device
-    return (0.5f * length * inverse - 0.5f) * edge;
+template <class S>
+WETCURL_HD Vec3<S> half_lacking(const Vec3<S>& edge, const S& length) {
+    const S square = dot(edge, edge), least(tiny_length<S> * tiny_length<S>);
+    const S inverse = S(1) / sqrt(maximum(square, least));  // one instruction on a device
+    return (S(0.5f) * length * inverse - S(0.5f)) * edge;
 }
 
-// So many rounds of one strand x (n); length[i]: of the edge to particle i. The root stays. `room`: (6 n), an
-// axis after the other, where many edges go at once.
-void lead_to_lengths(int n, const float* length, int rounds, Vec3f* x, float* room);
+// So many rounds of one strand x (n), or of a strand a lane; length[i]: of the edge to particle i. The root
+// stays.
+template <class S>
+void lead_to_lengths(int n, const S* length, int rounds, Vec3<S>* x) {
+    for (int round = 0; round < rounds; ++round) {
+        Vec3<S> lacks{S(0), S(0), S(0)};  // the edge to particle i, before the round
+        for (int i = 0; i + 1 < n; ++i) {
+            const Vec3<S> next = half_lacking(x[i + 1] - x[i], length[i + 1]);
+            if (i > 0) x[i] += lacks - next;
+            lacks = next;
+        }
+        if (n > 1) x[n - 1] += lacks;
+    }
+}
 
 }  // namespace wetcurl

@@ -6,21 +6,15 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "base/thread_room.h"
 #include "learn/codec/carried_rest.h"
+#include "learn/codec/interpolation.h"
 #include "learn/codec/root_frame.h"
 #include "learn/codec/stencil.h"
 
 namespace wetcurl {
-
-// nearest: a copy of the nearest strand; quad: the weighted mean; core: the weighted mean of the cores (Form
-// V+), with the nearest strand's detail in the core's frames; rest: the strand's own rest shape, whose core
-// is moved as those around it have moved from theirs, with its own detail in the core's frames.
-enum class Interpolation { nearest, quad, core, rest };
-// Throws Misuse for another name.
-Interpolation interpolation_named(const std::string& name);
 
 class Interpolator {
   public:
@@ -34,11 +28,21 @@ class Interpolator {
     void apply(const Strands& low, const Pose& head, Strands& out);
 
   private:
+    using S = Pack<float>;
+    void place_means(const Strands& low, const Pose& head, Strands& out) const;
+    void place_cores(const Strands& low, const Pose& head, Strands& out);
+    void place_rest(const Strands& low, const Pose& head, Strands& out);
+
     Interpolation kind_;
+    int particles_;
     Stencil stencil_;
     RootFrames roots_;
-    Strands cores_;                       // of the low strands; used by `core` alone
     std::optional<RestCarrier> carrier_;  // used by `rest` alone
+    // Used by `core` alone: the strands, the low-resolution ones and the cores of these.
+    std::optional<RootLanes> lanes_;
+    std::optional<StrandLanes> low_lanes_;
+    Strands cores_;
+    ThreadRoom<Vec3<S>> room_;
 };
 
 }  // namespace wetcurl

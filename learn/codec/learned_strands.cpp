@@ -6,7 +6,10 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/thread_room.h"
 #include "learn/codec/crop.h"
+#include "learn/codec/lane_network.h"
+#include "learn/codec/outside_lanes.h"
 
 namespace wetcurl {
 
@@ -25,18 +28,14 @@ void require_fit(const ModelCard& card, const StrandCodec& codec) {
 }
 
 void require_finite(const Vec3f* low, size_t count, int particles) {
-    for (size_t k = 0; k < count; ++k)
+    bool finite = true;
+#pragma omp simd reduction(&& : finite)
+    for (size_t k = 0; k < count; ++k) finite = finite && std::isfinite(low[k].x + low[k].y + low[k].z);
+    for (size_t k = 0; k < count && !finite; ++k)
         if (!std::isfinite(low[k].x + low[k].y + low[k].z))
             throw Error("learned strands: found low-resolution strand " + std::to_string(k / particles) +
                         ", particle " + std::to_string(k % particles) +
                         " at no finite position, allowed are finite ones");
-}
-
-void require_each(const HeadShapes& head, size_t particles) {
-    if (head.depth.size() != particles)
-        throw Error(
-            "learned strands: found " + std::to_string(head.depth.size()) +
-            " depths in what is attached to the head, allowed one a particle: " + std::to_string(particles));
 }
 
 int length_rounds_of(const ModelCard& card) { return card.target == "displayed" ? 1 : most_length_rounds; }
@@ -51,26 +50,37 @@ namespace {
 
 class StrandsOnCpu final : public LearnedStrands {
   public:
-    StrandsOnCpu(std::unique_ptr<Network> network, StrandCodec codec)
+    StrandsOnCpu(std::unique_ptr<Network> network, StrandCodec codec, Body body)
         : network_(std::move(network)),
           codec_(std::move(codec)),
-          rounds_(length_rounds_of(network_->card())),
-          input_(size_t(strand_channels) * codec_.pixels()),
-          answer_(size_t(strand_coefficients) * codec_.pixels()) {
+          rounds_(length_rounds_of(network_->card())) {
         require_fit(network_->card(), codec_);
-        std::copy(codec_.fixed().begin(), codec_.fixed().end(), input_.begin());
-        low_ = Strands(codec_.low_strands(), codec_.particles());
+        if (const auto layers = network_->strand_layers()) {
+            if (layers->inputs != strand_channels || layers->outputs != strand_coefficients)
+                throw Error("network " + card().architecture + ": found layers of " +
+                            std::to_string(layers->inputs) + " inputs and " +
+                            std::to_string(layers->outputs) + " outputs, allowed " +
+                            std::to_string(strand_channels) + " and " + std::to_string(strand_coefficients));
+            std::vector<S> fixed(size_t(lanes().blocks()) * static_channels);
+            for (int block = 0; block < lanes().blocks(); ++block)
+                codec_.read_image(block, static_channels, codec_.fixed().data(),
+                                  &fixed[size_t(block) * static_channels]);
+            in_lanes_.emplace(*layers, codec_.grid(), lanes(), static_channels, fixed,
+                              body == Body::single_precision);
+        } else {
+            input_.resize(size_t(strand_channels) * codec_.pixels());
+            answer_.resize(size_t(strand_coefficients) * codec_.pixels());
+            std::copy(codec_.fixed().begin(), codec_.fixed().end(), input_.begin());
+        }
     }
     const ModelCard& card() const override { return network_->card(); }
     void keep_outside(const HeadShapes& head) override {
-        require_each(head, size_t(codec_.roots().count()) * codec_.particles());
-        head_ = head;
-        views_.clear();
-        for (const Shape& shape : head_.shapes) views_.push_back(view_of(shape));
+        outside_.emplace(head, lanes(), codec_.particles(), codec_.edges());
     }
     void lead_edges(int rounds) override { require_rounds(rounds), rounds_ = rounds; }
     void crop(const std::vector<uint8_t>& wanted) override {
         crop_ = crop_to(codec_.grid(), wanted, network_->reach(), card().architecture);
+        if (in_lanes_) return in_lanes_->crop(*crop_);
         const size_t seen = size_t(crop_->seen.height) * crop_->seen.width;
         seen_.resize(strand_channels * seen), answer_of_seen_.resize(strand_coefficients * seen);
         std::fill(answer_.begin(), answer_.end(), 0.f);
@@ -81,25 +91,73 @@ class StrandsOnCpu final : public LearnedStrands {
         from_ = low, to_ = out;
     }
     void run(const HeadWindow& heads) override {
-        require_finite(from_, low_.points.size(), low_.particles);
-        std::copy_n(from_, low_.points.size(), low_.points.begin());
-        codec_.dynamic(low_, heads, input_.data() + codec_.fixed().size());
-        ask();
-        codec_.decode(answer_.data(), heads.now, to_);
-        codec_.lead_edges(rounds_, to_);
-        if (!head_.shapes.empty()) push_out(heads.now);
+        require_finite(from_, size_t(codec_.low_strands()) * codec_.particles(), codec_.particles());
+        codec_.begin(heads);
+        room_.require(size_t(codec_.particles()));
+        if (in_lanes_)
+            run_in_lanes(heads.now);
+        else
+            run_whole_images(heads.now);
     }
     DeviceStream begin(const HeadWindow&) override {
         throw Error("learned strands: found a frame begun on the CPU, allowed is that on a CUDA device");
     }
     void restart() override { codec_.restart(); }
-    Strands base(const Pose& head) override {
-        Strands out = codec_.base(head);
-        codec_.lead_edges(rounds_, out.points.data());
-        return out;
-    }
+    Strands base(const Pose& head) override { return codec_.base(head, rounds_); }
 
   private:
+    using S = StrandCodec::S;
+    const RootLanes& lanes() const { return codec_.lanes(); }
+
+    void run_in_lanes(const Pose& head) {
+        constexpr int together = LaneNetwork::together;
+        const auto& groups = in_lanes_->groups();
+        in_lanes_->prepare();
+#pragma omp parallel
+        {
+            codec_.follow(from_);
+#pragma omp for schedule(static)
+            for (size_t g = 0; g < groups.size(); ++g) {
+                S features[together * dynamic_channels];
+                for (int b = 0; b < groups[g].count; ++b)
+                    codec_.describe(groups[g].first + b, features + b * dynamic_channels);
+                in_lanes_->begin(groups[g], features);
+            }
+            in_lanes_->run();
+#pragma omp for schedule(static)
+            for (size_t g = 0; g < groups.size(); ++g) {
+                S answer[together * strand_coefficients];
+                in_lanes_->end(groups[g], answer);
+                for (int b = 0; b < groups[g].count; ++b)
+                    place(groups[g].first + b, answer + b * strand_coefficients, head);
+            }
+        }
+    }
+    void run_whole_images(const Pose& head) {
+#pragma omp parallel
+        {
+            codec_.follow(from_);
+#pragma omp for schedule(static)
+            for (int block = 0; block < lanes().blocks(); ++block) {
+                S features[dynamic_channels];
+                codec_.describe(block, features);
+                codec_.write_image(block, dynamic_channels, features, input_.data() + codec_.fixed().size());
+            }
+        }
+        ask();
+#pragma omp parallel for schedule(static)
+        for (int block = 0; block < lanes().blocks(); ++block) {
+            S answer[strand_coefficients];
+            codec_.read_image(block, strand_coefficients, answer_.data(), answer);
+            place(block, answer, head);
+        }
+    }
+    void place(int block, const S* answer, const Pose& head) {
+        Vec3<S>* const x = room_.mine();
+        codec_.place(block, answer, rounds_, head, x);
+        if (outside_) outside_->push(block, head, x);
+        lanes().store(block, 3 * codec_.particles(), &x->x, &to_->x);
+    }
     void ask() {
         if (!crop_)
             return network_->run(input_.data(), {1, strand_channels, codec_.height(), codec_.width()},
@@ -120,44 +178,25 @@ class StrandsOnCpu final : public LearnedStrands {
             std::copy_n(&answer_of_seen_[in_seen], answered.width, &answer_[in_grid]);
         });
     }
-    void push_out(const Pose& head) {
-        const Quatf turn = cast<float>(head.rotation), back = conjugate(turn);
-        const Vec3f place = cast<float>(head.translation);
-        auto out_of_shapes = [&](size_t k) {
-            return [&, depth = head_.depth[k]](const Vec3f& world) {
-                const Vec3f from = rotate(back, world - place);
-                Vec3f x = from;
-                for (const ShapeView& shape : views_) x = pushed_out(shape, x, depth);
-                return norm(x - from) > 0 ? place + rotate(turn, x) : world;
-            };
-        };
-        const int n = codec_.particles();
-#pragma omp parallel for schedule(static)
-        for (int s = 0; s < codec_.roots().count(); ++s) {
-            const size_t root = size_t(s) * size_t(n);
-            for (size_t k = root + 1; k < root + size_t(n); ++k) to_[k] = out_of_shapes(k)(to_[k]);
-            for (size_t k = root + 1; k < root + size_t(n); ++k)
-                to_[k] = led_around(to_[k - 1], to_[k], torn_lengths * codec_.edges()[k], out_of_shapes(k));
-        }
-    }
 
     std::unique_ptr<Network> network_;
     StrandCodec codec_;
     int rounds_;  // that lead edges
-    HeadShapes head_;
-    std::vector<ShapeView> views_;  // of its shapes
-    std::vector<float> input_, answer_;
+    std::optional<OutsideLanes> outside_;
     std::optional<Crop> crop_;
-    std::vector<float> seen_, answer_of_seen_;
-    Strands low_;
+    // A residual network for strands runs here; any other by itself, on whole images.
+    std::optional<LaneNetwork> in_lanes_;
+    std::vector<float> input_, answer_, seen_, answer_of_seen_;
+    ThreadRoom<Vec3<S>> room_;
     const Vec3f* from_ = nullptr;
     Vec3f* to_ = nullptr;
 };
 
 }  // namespace
 
-std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec) {
-    return std::make_unique<StrandsOnCpu>(std::move(network), std::move(codec));
+std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec,
+                                                Body body) {
+    return std::make_unique<StrandsOnCpu>(std::move(network), std::move(codec), body);
 }
 
 }  // namespace wetcurl

@@ -6,19 +6,12 @@
 #include <vector>
 
 #include "base/device_stream.h"
-#include "base/geometry/shapes.h"
 #include "learn/codec/edge_lengths.h"
+#include "learn/codec/head_shapes.h"
 #include "learn/codec/network.h"
 #include "learn/codec/strand_codec.h"
 
 namespace wetcurl {
-
-// What is attached to the head, in its frame, and how deep each particle may lie in it, 0 or as deep as at
-// rest, below 0: (high strand, particle) [m].
-struct HeadShapes {
-    std::vector<Shape> shapes;
-    std::vector<float> depth;
-};
 
 class LearnedStrands {
   public:
@@ -42,7 +35,8 @@ class LearnedStrands {
     // One frame, from `low` to `out`; returns when it is there. For every frame of a run, in order, at the
     // rate that the network learned from. Throws Error where `low` is not finite in the host's memory; on a
     // device what writes it must be through. Nothing is allocated from the third frame on (CUDA; on the CPU
-    // LibTorch keeps what it needs for itself).
+    // from the second on, for networks with strand_layers(): for others LibTorch keeps what it needs for
+    // itself).
     virtual void run(const HeadWindow& heads) = 0;
     // The same begun, where they are bound on a device: what follows on this stream finds the strands there.
     // Throws Error where they are bound in the host's memory.
@@ -54,16 +48,16 @@ class LearnedStrands {
     virtual Strands base(const Pose& head) = 0;
 };
 
-// On the CPU; the network alone may run elsewhere. Throws Error where network and codec do not fit.
-std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec);
+// On the CPU; a network without strand_layers() may run elsewhere. `body`: of those with them; others have
+// been made with theirs. Throws Error where network and codec do not fit.
+std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network, StrandCodec codec,
+                                                Body body = Body::fastest);
 
 // All there are, but one for displayed strands: their edges are shorter than at rest, if Eq 10 does not
 // follow.
 int length_rounds_of(const ModelCard& card);
 // Throws Error unless there are so many rounds.
 void require_rounds(int rounds);
-// Throws Error unless there is a depth for each of so many particles.
-void require_each(const HeadShapes& head, size_t particles);
 // Throws Error unless the card's network takes what the codec gives.
 void require_fit(const ModelCard& card, const StrandCodec& codec);
 // Throws Error, naming strand and particle, where one of `count` positions is not finite.

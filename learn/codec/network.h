@@ -6,8 +6,14 @@
 
 #include "base/dense_layers.h"
 #include "models/model_card.h"
+#include "models/strand_layers.h"
 
 namespace wetcurl {
+
+// What a network's body computes in. `fastest`: half precision on a CUDA device; on processors that multiply
+// in them bytes, for strand networks (learn/codec/lane_network.h), or bfloat16; codec adhesion: single
+// precision.
+enum class Body { fastest, single_precision };
 
 class Network {
   public:
@@ -28,6 +34,8 @@ class Network {
     // The same function of a pixel's channels, normalisation included, where the network is nothing but dense
     // layers with LeakyReLU between them and one output.
     virtual std::optional<DenseLayers> layers() const = 0;
+    // The same function, where the network is a residual one for strands.
+    virtual std::optional<StrandLayers> strand_layers() const { return std::nullopt; }
 };
 
 }  // namespace wetcurl

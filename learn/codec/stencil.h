@@ -10,7 +10,8 @@ namespace wetcurl {
 
 // For each high-resolution strand the low-resolution strands around it. Made once from the rest grooms.
 struct Stencil {
-    int width = 4;              // neighbours a strand: 4 (quad) or 3 (triangle)
+    static constexpr int widest = 4;
+    int width = widest;         // neighbours a strand: 4 (quad) or 3 (triangle)
     std::vector<int> from;      // (high strand, width) low strands; those unused have weight 0
     std::vector<float> weight;  // (high strand, width), summing to one
     std::vector<int> nearest;   // (high strand) the low strand with the nearest root

@@ -2,6 +2,7 @@
 #include "learn/codec/strand_codec.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "learn/codec/edge_lengths.h"
 #include "learn/codec/root_grid.h"
@@ -42,8 +43,9 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
       pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
       dct_(high.rest.particles),
       roots_(root_frames(high)),
-      carrier_(quad_stencil(high, low), high, low, shape, low_is_wet, settled),
-      base_(high.rest.count, high.rest.particles) {
+      carrier_(RootLanes(StrandLanes::on_grid(high.grid, high.rest.count), roots_), quad_stencil(high, low),
+               high, low, shape, low_is_wet, settled),
+      base_(size_t(lanes().blocks()) * high.rest.particles) {
     const int n = particles(), strands = high.rest.count;
     if (!saturation.empty() && saturation.size() != high.rest.points.size())
         throw Error("strand codec: found " + std::to_string(saturation.size()) +
@@ -70,70 +72,125 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
         plane(static_layout.spacing)[pixel] = root_spacing(high, int(pixel));
         plane(static_layout.reach)[pixel] = float(reach);
     }
+    block_edges_.resize(base_.size());
+    for (int block = 0; block < lanes().blocks(); ++block)
+        lanes().load(block, n, edges_.data(), &block_edges_[size_t(block) * n]);
     for (int twin : carrier_.around().twin) plane(static_layout.shared)[size_t(pixel_of_[size_t(twin)])] = 1;
 }
 
-void StrandCodec::dynamic(const Strands& low, const HeadWindow& heads, float* out) {
-    constexpr int slots = history_lags.back() + 1;
-    constexpr Channels change = past_layout.change;
-    const size_t area = pixels(), strands = size_t(roots_.count()), numbers = size_t(past_layout.count);
-    carrier_.apply(low, heads.now, base_);
-    project(base_, out);
-    std::fill(out + size_t(dynamic_layout.base.end()) * area, out + size_t(dynamic_channels) * area, 0.0f);
-    const bool first = frames_ == 0;
-    if (first) past_.resize(size_t(slots) * strands * numbers);
-    auto past = [&](int lag, size_t s) {
-        const size_t slot = size_t((frames_ + slots - lag) % slots);
-        return past_.data() + (slot * strands + s) * numbers;
-    };
-    const Vec3f gravity = cast<float>(heads.gravity), turning = cast<float>(heads.angular_velocity());
-#pragma omp parallel for schedule(static)
-    for (size_t s = 0; s < strands; ++s) {
-        const size_t pixel = size_t(pixel_of_[s]);
-        auto at = [&](int channel) -> float& { return out[size_t(channel) * area + pixel]; };
-        auto put = [&](const Channels& to, const Vec3f& v) {
-            at(to.first) = v.x, at(to.first + 1) = v.y, at(to.first + 2) = v.z;
-        };
-        const Quatf to_root = conjugate(roots_.rotation_at(int(s), heads.now));
-        const Vec3f pull = cast<float>(heads.acceleration(cast<double>(roots_.root[s])));
-        put(dynamic_layout.gravity, rotate(to_root, gravity));
-        put(dynamic_layout.turning, rotate(to_root, turning));
-        put(dynamic_layout.acceleration, rotate(to_root, pull));
+static constexpr int slots = history_lags.back() + 1;  // frames that are kept
 
-        float* now = past(0, s);
-        for (int m = 0; m < change.count; ++m)
-            now[change.first + m] = at(dynamic_layout.base.first + history_amplitude(m));
-        for (int axis = 0; axis < 3; ++axis) {
-            now[past_layout.turning.first + axis] = at(dynamic_layout.turning.first + axis);
-            now[past_layout.acceleration.first + axis] = at(dynamic_layout.acceleration.first + axis);
-        }
-        if (first)
-            for (int lag = 1; lag < slots; ++lag) std::copy_n(now, numbers, past(lag, s));
-        for (size_t l = 0; l < history_lags.size(); ++l) {
-            const float* then = past(history_lags[l], s);
-            const int to = dynamic_layout.past(int(l)).first;
-            for (int k = 0; k < past_layout.count; ++k)
-                at(to + k) = change.holds(k) ? now[k] - then[k] : then[k];
-        }
-    }
+void StrandCodec::begin(const HeadWindow& heads) {
+    if (frames_ == 0) past_.resize(size_t(slots) * lanes().blocks() * past_layout.count);
+    const int slot = (head_.slot + 1) % slots;
+    head_ = HeadState(heads, frames_ == 0);
+    head_.slot = slot, pose_ = heads.now;
     ++frames_;
 }
 
-Strands StrandCodec::base(const Pose& head) const {
-    Strands out;
-    place_in_world(roots_, base_, head, out);
-    return out;
+void StrandCodec::describe(int block, S* out) {
+    Vec3<S>* const base = &base_[size_t(block) * particles()];
+    carrier_.carry(block, base);
+    dct_.encode(base, out + dynamic_layout.base.first);
+
+    const Quat<S> to_root = conjugate(lanes().rotation(block));
+    const Vec3<S>& root = lanes().root(block);
+    const S holds = lanes().holds(block);
+    auto put = [&](const Channels& to, const Vec3<S>& v) {
+        const Vec3<S> turned = holds * rotate(to_root, v);
+        out[to.first] = turned.x, out[to.first + 1] = turned.y, out[to.first + 2] = turned.z;
+    };
+    put(dynamic_layout.gravity, cast<S>(head_.gravity));
+    put(dynamic_layout.turning, cast<S>(head_.turning));
+    put(dynamic_layout.acceleration, cast<S>(head_.pull) + root.x * cast<S>(head_.pull_x[0]) +
+                                         root.y * cast<S>(head_.pull_x[1]) +
+                                         root.z * cast<S>(head_.pull_x[2]));
+
+    constexpr Channels change = past_layout.change;
+    auto past = [&](int lag) {
+        const size_t slot = size_t((head_.slot + slots - lag) % slots);
+        return past_.data() + (slot * size_t(lanes().blocks()) + size_t(block)) * past_layout.count;
+    };
+    S* const now = past(0);
+    for (int m = 0; m < change.count; ++m)
+        now[change.first + m] = out[dynamic_layout.base.first + history_amplitude(m)];
+    for (int axis = 0; axis < 3; ++axis) {
+        now[past_layout.turning.first + axis] = out[dynamic_layout.turning.first + axis];
+        now[past_layout.acceleration.first + axis] = out[dynamic_layout.acceleration.first + axis];
+    }
+    if (head_.first)
+        for (int lag = 1; lag < slots; ++lag) std::copy_n(now, past_layout.count, past(lag));
+    for (size_t l = 0; l < history_lags.size(); ++l) {
+        const S* then = past(history_lags[l]);
+        S* const to = out + dynamic_layout.past(int(l)).first;
+        for (int k = 0; k < past_layout.count; ++k) to[k] = change.holds(k) ? now[k] - then[k] : then[k];
+    }
 }
 
-void StrandCodec::project(const Strands& offsets, float* out) const {
-    std::fill_n(out, size_t(strand_coefficients) * pixels(), 0.0f);
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < offsets.count; ++s) {
-        float c[strand_coefficients];
-        dct_.encode(offsets.strand(s), c);
-        float* at = out + pixel_of_[size_t(s)];
-        for (int k = 0; k < strand_coefficients; ++k) at[size_t(k) * pixels()] = c[k];
+void StrandCodec::place(int block, const S* answer, int rounds, const Pose& head, Vec3<S>* out) const {
+    const int n = particles();
+    const Vec3<S>* const base = &base_[size_t(block) * n];
+    if (answer)
+        dct_.decode(answer, out);
+    else
+        std::fill_n(out, n, Vec3<S>{S(0), S(0), S(0)});
+    for (int i = 0; i < n; ++i) out[i] += base[i];
+    lead_to_lengths(n, &block_edges_[size_t(block) * n], rounds, out);
+    const Quat<S> to_world = lanes().rotation_at(block, head);
+    const Vec3<S> root = lanes().root_at(block, head);
+    for (int i = 0; i < n; ++i) out[i] = root + rotate(to_world, out[i]);
+}
+
+namespace {
+
+// f(channel, first pixel, count) of a block's part of an image of so many channels.
+template <class F>
+void for_each_row_part(const RootGrid& grid, int block, int channels, F f) {
+    constexpr int lanes = StrandLanes::lanes;
+    const int blocks = (grid.width + lanes - 1) / lanes, row = block / blocks,
+              column = block % blocks * lanes, count = std::min(lanes, grid.width - column);
+    const size_t area = size_t(grid.height) * grid.width;
+    for (int channel = 0; channel < channels; ++channel)
+        f(channel, size_t(channel) * area + size_t(row) * grid.width + size_t(column), size_t(count));
+}
+
+}  // namespace
+
+void StrandCodec::read_image(int block, int channels, const float* image, S* out) const {
+    for_each_row_part(grid_, block, channels, [&](int channel, size_t first, size_t count) {
+        out[channel] = S(0);
+        std::memcpy(&out[channel], image + first, count * sizeof(float));
+    });
+}
+
+void StrandCodec::write_image(int block, int channels, const S* numbers, float* image) const {
+    for_each_row_part(grid_, block, channels, [&](int channel, size_t first, size_t count) {
+        std::memcpy(image + first, &numbers[channel], count * sizeof(float));
+    });
+}
+
+void StrandCodec::dynamic(const Strands& low, const HeadWindow& heads, float* out) {
+    if (low.count != low_strands() || low.particles != particles())
+        throw Error("strand codec: found " + std::to_string(low.count) + " low-resolution strands of " +
+                    std::to_string(low.particles) + " particles, allowed " + std::to_string(low_strands()) +
+                    " of " + std::to_string(particles()));
+    begin(heads);
+#pragma omp parallel
+    {
+        follow(low.points.data());
+#pragma omp for schedule(static)
+        for (int block = 0; block < lanes().blocks(); ++block) {
+            S numbers[dynamic_channels];
+            describe(block, numbers);
+            write_image(block, dynamic_channels, numbers, out);
+        }
     }
+}
+
+Strands StrandCodec::base(const Pose& head, int rounds) const {
+    Strands out(roots_.count(), particles());
+    decode(nullptr, head, out, rounds);
+    return out;
 }
 
 void StrandCodec::encode(const Strands& strands, const Pose& head, float* out) const {
@@ -142,45 +199,40 @@ void StrandCodec::encode(const Strands& strands, const Pose& head, float* out) c
         throw Error("strand codec: found " + std::to_string(strands.count) + " strands of " +
                     std::to_string(strands.particles) + " particles, allowed " +
                     std::to_string(roots_.count()) + " of " + std::to_string(n));
-    Strands offsets(strands.count, n);
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < strands.count; ++s) {
-        const Quatf to_root = conjugate(roots_.rotation_at(s, head));
-        const Vec3f* p = strands.strand(s);
-        for (int i = 0; i < n; ++i) offsets.at(s, i) = rotate(to_root, p[i] - p[0]);
+#pragma omp parallel
+    {
+        std::vector<Vec3<S>> offsets(size_t(n), Vec3<S>{});
+#pragma omp for schedule(static)
+        for (int block = 0; block < lanes().blocks(); ++block) {
+            lanes().load(block, 3 * n, &strands.points.data()->x, &offsets[0].x);
+            const Quat<S> to_root = conjugate(lanes().rotation_at(block, head));
+            const Vec3<S> root = offsets[0];
+            for (Vec3<S>& x : offsets) x = rotate(to_root, x - root);
+            S numbers[strand_coefficients];
+            dct_.encode(offsets.data(), numbers);
+            write_image(block, strand_coefficients, numbers, out);
+        }
     }
-    project(offsets, out);
 }
 
-void StrandCodec::decode(const float* coefficients, const Pose& head, Strands& out) const {
+void StrandCodec::decode(const float* coefficients, const Pose& head, Strands& out, int rounds) const {
     if (out.count != roots_.count() || out.particles != particles())
         out = Strands(roots_.count(), particles());
-    decode(coefficients, head, out.points.data());
+    decode(coefficients, head, out.points.data(), rounds);
 }
 
-void StrandCodec::decode(const float* coefficients, const Pose& head, Vec3f* out) const {
-    const int n = particles();
-#pragma omp parallel for schedule(static)
-    for (int s = 0; s < roots_.count(); ++s) {
-        float c[strand_coefficients];
-        const float* at = coefficients + pixel_of_[size_t(s)];
-        for (int k = 0; k < strand_coefficients; ++k) c[k] = at[size_t(k) * pixels()];
-        Vec3f* p = out + size_t(s) * n;
-        dct_.decode(c, p);
-        const Quatf to_world = roots_.rotation_at(s, head);
-        const Vec3f root = roots_.root_at(s, head);
-        for (int i = 0; i < n; ++i) p[i] = root + rotate(to_world, base_.at(s, i) + p[i]);
-    }
-}
-
-void StrandCodec::lead_edges(int rounds, Vec3f* strands) const {
+void StrandCodec::decode(const float* coefficients, const Pose& head, Vec3f* out, int rounds) const {
     const int n = particles();
 #pragma omp parallel
     {
-        std::vector<float> room(6 * size_t(n));
+        std::vector<Vec3<S>> points(size_t(n), Vec3<S>{});
 #pragma omp for schedule(static)
-        for (int s = 0; s < roots_.count(); ++s)
-            lead_to_lengths(n, &edges_[size_t(s) * n], rounds, strands + size_t(s) * n, room.data());
+        for (int block = 0; block < lanes().blocks(); ++block) {
+            S answer[strand_coefficients];
+            if (coefficients) read_image(block, strand_coefficients, coefficients, answer);
+            place(block, coefficients ? answer : nullptr, rounds, head, points.data());
+            lanes().store(block, 3 * n, &points[0].x, &out->x);
+        }
     }
 }
 

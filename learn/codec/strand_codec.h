@@ -14,12 +14,13 @@
 #include "base/network_channels.h"
 #include "learn/codec/carried_rest.h"
 #include "learn/codec/dct.h"
-#include "learn/codec/frame_window.h"
+#include "learn/codec/head_state.h"
 
 namespace wetcurl {
 
 class StrandCodec {
   public:
+    using S = Pack<float>;
     // high: the rest groom at full resolution; low: that of the dry run, every second root each way of it;
     // saturation: (high strand, particle), empty for dry; shape: the high strands at rest with their water,
     // in the head's frame, null: as drawn; low_is_wet: the low-resolution run is a wet one; reach: of Eq 10
@@ -37,6 +38,7 @@ class StrandCodec {
     const StrandDct& dct() const { return dct_; }
     const RootFrames& roots() const { return roots_; }
     const RestCarrier& carrier() const { return carrier_; }
+    const RootLanes& lanes() const { return carrier_.lanes(); }     // rows of the grid
     const std::vector<int>& pixel_of() const { return pixel_of_; }  // (strand)
 
     const std::vector<float>& fixed() const { return fixed_; }    // "static": (static_channels, H, W)
@@ -45,39 +47,51 @@ class StrandCodec {
     // (strand, particle): how long the edge to it is at rest [m], 0 at the root.
     const std::vector<float>& edges() const { return edges_; }
 
-    // out (dynamic_channels, H, W): features of one frame, whose base it takes up; low: world positions of
-    // the dry low-resolution strands [m]. For every frame of a run, in order.
+    // ---- A frame, block by block ----
+    // For every frame of a run, in order: `begin`, then `follow`, by one thread or by all of a team, each
+    // with the same `low` (low strands, particles) world positions [m], then `describe` once for each block.
+    void begin(const HeadWindow& heads);
+    void follow(const Vec3f* low) { carrier_.follow(low, pose_); }
+    // out (dynamic_channels): features of a block's strands, whose base it takes up.
+    void describe(int block, S* out);
+    // Places a block's strands in the world at the frame's head pose: `answer` (72) amplitudes, added to the
+    // base; null: nothing is. Edges are led toward their lengths in so many rounds. out (particles) [m].
+    void place(int block, const S* answer, int rounds, const Pose& head, Vec3<S>* out) const;
+
+    // ---- Whole images ----
+    // out (dynamic_channels, H, W): features of a frame, whose base it takes up; low: as of `follow`.
+    // For every frame of a run, in order.
     void dynamic(const Strands& low, const HeadWindow& heads, float* out);
     // The next frame is the first of another run.
     void restart() { frames_ = 0; }
     // World positions (high strands) of the base of the frame taken up last.
-    Strands base(const Pose& head) const;
+    Strands base(const Pose& head, int rounds = 0) const;
     // out (72, H, W): amplitudes of world strands (high strands) at a head pose.
     void encode(const Strands& strands, const Pose& head, float* out) const;
     // World strands (high strands): the base and, added to it, amplitudes (72, H, W) at a head pose; roots
     // are exact.
-    void decode(const float* coefficients, const Pose& head, Strands& out) const;
-    void decode(const float* coefficients, const Pose& head, Vec3f* out) const;  // (high strand, particle)
+    void decode(const float* coefficients, const Pose& head, Strands& out, int rounds = 0) const;
+    void decode(const float* coefficients, const Pose& head, Vec3f* out, int rounds = 0) const;
 
-    // What was decoded (high strand, particle), its edges led toward their lengths in so many rounds
-    // (learn/codec/edge_lengths.h).
-    void lead_edges(int rounds, Vec3f* strands) const;
+    // A block's part of an image (channels, H, W), and the way back.
+    void read_image(int block, int channels, const float* image, S* out) const;
+    void write_image(int block, int channels, const S* numbers, float* image) const;
 
   private:
-    // Amplitudes of offsets in root frames.
-    void project(const Strands& offsets, float* out) const;
-
     RootGrid grid_;
     std::vector<int> pixel_of_;  // (strand)
     StrandDct dct_;
     RootFrames roots_;
     RestCarrier carrier_;
-    Strands base_;  // offsets in the root frames
-    // (frames up to the longest lag, round robin; strand, past_layout.count): the amplitudes themselves where
+    std::vector<Vec3<S>> base_;  // (block, particle) offsets in the root frames
+    // (frames up to the longest lag, round robin; block, past_layout.count): the amplitudes themselves where
     // past_layout has their change.
-    std::vector<float> past_;
-    long frames_ = 0;
+    std::vector<S> past_;
+    long frames_ = 0;  // begun
+    HeadState head_{};
+    Pose pose_;
     std::vector<float> fixed_, length_, edges_;
+    std::vector<S> block_edges_;  // (block, particle)
     std::vector<uint8_t> mask_;
 };
 

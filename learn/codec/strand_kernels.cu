@@ -42,6 +42,46 @@ __global__ void __launch_bounds__(tile* tile_rows)
 
 __device__ Vec3f vector_of(const float4& v) { return {v.x, v.y, v.z}; }
 
+// Cores are linear in the strands: an axis of a strand a thread, (n, 4 low) both. `ahead` numbers are read at
+// once, since each step waits for the one before.
+__global__ void core_kernel(int columns, int n, float beta, const float* __restrict__ x, float* moved) {
+    constexpr int ahead = 8;
+    const int column = int(blockIdx.x) * threads + int(threadIdx.x);
+    if (column >= columns) return;
+    x += column, moved += column;
+    const int edges = n - 1, early = edges / 2, steps = early + edges;
+    const float a = 2 * (1 - beta), b = (1 - beta) * (1 - beta), c = beta * beta;
+    // As smooth_mirrored; edge(i) for i < edges.
+    const auto smooth = [&](auto edge, auto store) {
+        float first = edge(early), d1 = first, d2 = first;
+        for (int begin = 0; begin < steps; begin += ahead) {
+            float e[ahead];
+#pragma unroll
+            for (int k = 0; k < ahead; ++k) e[k] = edge(abs(min(begin + k, steps - 1) - early));
+#pragma unroll
+            for (int k = 0; k < ahead; ++k) {
+                if (begin + k >= steps) continue;
+                const float d = a * d1 + (c * e[k] - b * d2);
+                d2 = d1, d1 = d;
+                if (begin + k >= early) store(begin + k - early, d);
+            }
+        }
+    };
+    smooth([&](int i) { return x[size_t(i + 1) * columns] - x[size_t(i) * columns]; },
+           [&](int i, float d) { moved[size_t(i + 1) * columns] = d; });
+    smooth([&](int i) { return moved[size_t(edges - i) * columns]; },
+           [&](int i, float d) { moved[size_t(edges - i) * columns] = d; });
+    float sum = moved[0] = x[0];
+    for (int begin = 1; begin < n; begin += ahead) {
+        float d[ahead];
+#pragma unroll
+        for (int k = 0; k < ahead; ++k) d[k] = moved[size_t(min(begin + k, n - 1)) * columns];
+#pragma unroll
+        for (int k = 0; k < ahead; ++k)
+            if (begin + k < n) moved[size_t(begin + k) * columns] = sum += d[k];
+    }
+}
+
 constexpr int lost_strands = 32, lost_parts = 8;
 
 // What low-resolution strands have lost of their own; a block takes some, in parts.
@@ -94,7 +134,7 @@ __global__ void __launch_bounds__(carriers)
                  const float* __restrict__ lost, const Quatf* __restrict__ turn,
                  const float4* __restrict__ moved, const Kept kept, const float4* __restrict__ basis,
                  float* __restrict__ base, float* __restrict__ amplitudes) {
-    constexpr int most = 4;  // of a stencil
+    constexpr int most = Stencil::widest;
     const int s = int(blockIdx.x) * carriers + int(threadIdx.x);
     if (s >= pixels || strand[s] < 0) return;
     int neighbour[most];
@@ -399,19 +439,6 @@ __global__ void lead_kernel(const HeadState* head, int pixels, int n, const int*
 
 }  // namespace
 
-HeadState::HeadState(const HeadWindow& heads, bool first)
-    : rotation(cast<float>(heads.now.rotation)),
-      translation(cast<float>(heads.now.translation)),
-      first(first) {
-    const Quatd to_head = conjugate(heads.now.rotation);
-    auto in_head = [&](const Vec3d& v) { return cast<float>(rotate(to_head, v)); };
-    gravity = in_head(heads.gravity), turning = in_head(heads.angular_velocity());
-    const Vec3d at_origin = heads.acceleration({0, 0, 0});
-    pull = in_head(at_origin);
-    const Vec3d axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (int a = 0; a < 3; ++a) pull_x[a] = in_head(heads.acceleration(axes[a]) - at_origin);
-}
-
 StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     : n_(codec.particles()),
       low_(low.rest.count),
@@ -469,14 +496,10 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     past_ = DeviceBuffer<float>(size_t(slots) * past_layout.count * S);
 
     // What unit strands give, by particle.
-    std::vector<float> cores(n * n, 0), amplitudes(n * dct_kept, 0), offsets(n * dct_kept, 0);
+    std::vector<float> amplitudes(n * dct_kept, 0), offsets(n * dct_kept, 0);
     for (size_t j = 0; j < n; ++j) {
-        std::vector<Vec3f> unit(n, Vec3f{0, 0, 0}), core(n);
+        std::vector<Vec3f> unit(n, Vec3f{0, 0, 0});
         unit[j].x = 1;
-        if (j > 0) {  // X is 0 at the root
-            core_of(unit.data(), n_, core_beta(n_), core.data());
-            for (size_t i = 0; i < n; ++i) cores[i * n + j] = core[i].x;
-        }
         float c[strand_coefficients];
         codec.dct().encode(unit.data(), c);
         std::copy_n(c, dct_kept, amplitudes.begin() + long(j * dct_kept));
@@ -488,8 +511,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
         codec.dct().decode(c, rise.data());
         for (size_t i = 0; i < n; ++i) offsets[i * dct_kept + k] = rise[i].x;
     }
-    cores_ = DeviceBuffer<float>(cores), amplitudes_ = DeviceBuffer<float>(amplitudes);
-    offsets_ = DeviceBuffer<float>(offsets);
+    amplitudes_ = DeviceBuffer<float>(amplitudes), offsets_ = DeviceBuffer<float>(offsets);
     departed_ = DeviceBuffer<float4>(n * size_t(low_)), moved_ = DeviceBuffer<float4>(n * size_t(low_));
     base_ = DeviceBuffer<float>(std::vector<float>(3 * n * S, 0));
     std::vector<float> image(size_t(strand_channels) * S, 0);
@@ -581,6 +603,14 @@ void StrandKernels::depart(const Vec3f* low, cudaStream_t stream) const {
     depart_kernel<<<dim3(blocks_of(low_, tile), blocks_of(n_, tile)), dim3(tile, tile_rows), 0, stream>>>(
         head_.data(), low, share_.data(), low_start_.data(), low_, n_, departed_.data());
     check_launch("departure from rest");
+}
+
+void StrandKernels::move_cores(cudaStream_t stream) const {
+    constexpr int axes_and_none = 4;
+    const int columns = axes_and_none * low_;
+    core_kernel<<<blocks_of(columns), threads, 0, stream>>>(columns, n_, core_beta(n_), &departed_.data()->x,
+                                                            &moved_.data()->x);
+    check_launch("cores");
 }
 
 void StrandKernels::carry(cudaStream_t stream) const {

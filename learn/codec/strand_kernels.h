@@ -1,6 +1,5 @@
 // The strand codec on a CUDA device, what of it is no matrix product. No torch here.
-// The same formulas as learn/codec/carried_rest.h and learn/codec/strand_codec.cpp; cores, which are linear
-// in the strands, are left to a matrix product between the kernels, F X.
+// The same formulas as learn/codec/carried_rest.h and learn/codec/strand_codec.cpp.
 //
 // A strand is a pixel of the root grid, S of them; one that holds none has only zeros. Interleaved:
 // neighbours in memory are neighbours on the grid.
@@ -9,21 +8,10 @@
 #include <cuda_runtime.h>
 
 #include "base/device_buffer.h"
+#include "learn/codec/head_state.h"
 #include "learn/codec/learned_strands.h"
 
 namespace wetcurl {
-
-// What a frame brings, but for the strands; in the head's frame, but for the pose.
-struct HeadState {
-    Quatf rotation;          // head to world
-    Vec3f translation;       // [m]
-    Vec3f gravity, turning;  // [m/s^2], [rad/s]
-    Vec3f pull, pull_x[3];   // acceleration of the point x: pull + sum_a pull_x[a] x_a [m/s^2]
-    int first;               // whether there is no frame before
-    int slot = 0;            // of the past, which is a ring, the frame's
-    HeadState() = default;
-    HeadState(const HeadWindow& heads, bool first);
-};
 
 // RestParticle in whole numbers of a strand's units: half the bytes, to 2^-16 of the largest along the
 // strand. `curled`, of which the direction alone counts, is as long as `length` says.
@@ -47,11 +35,6 @@ class StrandKernels {
     int high_strands() const { return high_; }
     int pixels() const { return pixels_; }
 
-    // Of the matrix product, on the device: F (n, n), row-major.
-    const float* cores() const { return cores_.data(); }
-    // X (n, low, 4): how far the low strands are from rest, and 0; M = F X: how far their cores are.
-    float* departed() const { return &departed_.data()->x; }
-    float* moved() const { return &moved_.data()->x; }
     // (strand_channels, S): the network's input, its static channels filled.
     float* image() const { return image_.data(); }
     // Before each frame.
@@ -61,11 +44,12 @@ class StrandKernels {
     // Strands are moved out of these and led around them from now on.
     void keep_outside(const HeadShapes& head);
 
-    // In this order, all on `stream`: the head to the device; X from world positions; (M = F X); the base B,
-    // offsets in root frames, and its amplitudes in the image; the other dynamic channels; (the network);
-    // world positions (high, n).
+    // In this order, all on `stream`: the head to the device; X from world positions; M, how far their cores
+    // are; the base B, offsets in root frames, and its amplitudes in the image; the other dynamic channels;
+    // (the network); world positions (high, n).
     void take_head(cudaStream_t stream) const;
     void depart(const Vec3f* low, cudaStream_t stream) const;
+    void move_cores(cudaStream_t stream) const;
     void carry(cudaStream_t stream) const;
     void describe(cudaStream_t stream) const;
     // Of B and what the network answered: amplitudes (S, 72), 16 bytes aligned, null: nothing. So many
@@ -106,10 +90,11 @@ class StrandKernels {
     DeviceBuffer<float> length_;              // (n, S): of the edge to a particle at rest
     DeviceBuffer<unsigned char> torn_;        // (S)
     DeviceBuffer<float> past_;                // (frames up to the longest lag, past_layout.count, S)
-    DeviceBuffer<float> cores_;               // F
     DeviceBuffer<float> amplitudes_;          // (n, 24): of unit offsets
     DeviceBuffer<float> offsets_;             // (n, 24): of unit amplitudes
-    DeviceBuffer<float4> departed_, moved_;   // (n, low)
+    // (n, low): X, how far the low strands are from rest, and M, how far their cores are; the fourth numbers
+    // are 0.
+    DeviceBuffer<float4> departed_, moved_;
     DeviceBuffer<float> image_;
     DeviceBuffer<float> base_;  // (3, n, S): B
 };

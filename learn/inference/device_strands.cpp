@@ -39,10 +39,6 @@ class StrandsOnCuda final : public LearnedStrands {
         model_->body = half ? torch::kHalf : torch::kFloat;
         model_->whole_grid = kernels_->high_strands() == kernels_->pixels();
         model_->freeze();
-        const long n = kernels_->particles(), l = kernels_->low_strands();
-        cores_ = view(kernels_->cores(), {n, n}, device_);
-        departed_ = view(kernels_->departed(), {n, 4 * l}, device_);
-        moved_ = view(kernels_->moved(), {n, 4 * l}, device_);
         image_ = view(kernels_->image(), {1, strand_channels, grid_.height, grid_.width}, device_);
     }
 
@@ -154,7 +150,7 @@ class StrandsOnCuda final : public LearnedStrands {
     void frame() {
         kernels_->take_head(stream_);
         kernels_->depart(low_, stream_);
-        torch::mm_out(moved_, cores_, departed_);
+        kernels_->move_cores(stream_);
         kernels_->carry(stream_);
         kernels_->describe(stream_);
         ask();
@@ -186,7 +182,7 @@ class StrandsOnCuda final : public LearnedStrands {
     std::optional<StrandKernels> kernels_;
     ModelCard card_;
     std::shared_ptr<TorchNetwork> model_;
-    Tensor cores_, departed_, moved_, image_, answer_;
+    Tensor image_, answer_;
     const Vec3f *low_ = nullptr, *host_low_ = nullptr;
     Vec3f *out_ = nullptr, *host_out_ = nullptr;
     DeviceBuffer<Vec3f> own_low_, own_out_;

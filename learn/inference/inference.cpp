@@ -26,7 +26,7 @@ bool multiplies_bfloat16() {
 class NetworkOnCpu final : public Network {
   public:
     NetworkOnCpu(const ModelCard& card, std::shared_ptr<TorchNetwork> model, bool in_bfloat16)
-        : card_(card), model_(std::move(model)) {
+        : card_(card), model_(std::move(model)), strand_layers_(model_->strand_layers()) {
         if (!in_bfloat16) return;
         model_->body = torch::kBFloat16;
         model_->freeze();
@@ -35,6 +35,7 @@ class NetworkOnCpu final : public Network {
     const ModelCard& card() const override { return card_; }
     int reach() const override { return model_->reach(); }
     std::optional<DenseLayers> layers() const override { return model_->dense_layers(); }
+    std::optional<StrandLayers> strand_layers() const override { return strand_layers_; }
 
     // The caller's arrays are seen as tensors where they lie; only the result is copied.
     void run(const float* input, std::array<long, 4> shape, float* output, bool on_device) override {
@@ -52,6 +53,7 @@ class NetworkOnCpu final : public Network {
   private:
     ModelCard card_;
     std::shared_ptr<TorchNetwork> model_;
+    std::optional<StrandLayers> strand_layers_;  // before their numbers are rounded
 };
 
 }  // namespace

@@ -9,10 +9,6 @@
 
 namespace wetcurl {
 
-// What a network's body computes in. `fastest`: half precision on a CUDA device, bfloat16 on processors that
-// multiply in it; codec adhesion: single precision.
-enum class Body { fastest, single_precision };
-
 // `threads` 0: all of the machine's. Throws Error for a bad file or an absent device, Misuse for another
 // device name.
 std::unique_ptr<Network> load_network(const std::string& path, const std::string& device, int threads,

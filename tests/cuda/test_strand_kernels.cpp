@@ -1,9 +1,10 @@
-// The strand codec on the device against the one on the host. Its matrix product, which LibTorch computes
-// there, is computed here on the host in between.
+// The strand codec and interpolation on the device against those on the host.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "learn/codec/device_interpolator.h"
+#include "learn/codec/interpolate.h"
 #include "learn/codec/strand_kernels.h"
 #include "tests/learn/hair.h"
 
@@ -20,19 +21,6 @@ bool has_device() {
 std::vector<float> downloaded(const float* data, size_t count) {
     std::vector<float> out(count);
     check_cuda(cudaMemcpy(out.data(), data, count * sizeof(float), cudaMemcpyDeviceToHost), "download");
-    return out;
-}
-void upload(float* to, const std::vector<float>& from) {
-    check_cuda(cudaMemcpy(to, from.data(), from.size() * sizeof(float), cudaMemcpyHostToDevice), "upload");
-}
-
-// (m, k) (k, s) to (m, s).
-std::vector<float> product(const std::vector<float>& a, const std::vector<float>& b, size_t m, size_t k,
-                           size_t s) {
-    std::vector<float> out(m * s, 0);
-    for (size_t i = 0; i < m; ++i)
-        for (size_t j = 0; j < k; ++j)
-            for (size_t p = 0; p < s; ++p) out[i * s + p] += a[i * k + j] * b[j * s + p];
     return out;
 }
 
@@ -60,9 +48,8 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     StrandCodec codec(high, low, saturation, nullptr, /*low_is_wet=*/kind == "wet", /*reach=*/0,
                       kind == "settled" ? &settled : nullptr);
     StrandKernels kernels(codec, low);
-    const size_t n = size_t(codec.particles()), S = codec.pixels(), l = size_t(low.rest.count);
+    const size_t n = size_t(codec.particles()), S = codec.pixels();
     ASSERT_EQ(size_t(kernels.pixels()), S);
-    const auto F = downloaded(kernels.cores(), n * n);
     DeviceBuffer<Vec3f> low_there(low.rest.points.size()), out_there(high.rest.points.size());
     const size_t channels = size_t(strand_channels);
     std::vector<float> dynamic(size_t(dynamic_channels) * S), answer(size_t(strand_coefficients) * S);
@@ -82,15 +69,14 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
         dry = testing::moved(dry, heads.now);
         codec.dynamic(dry, heads, dynamic.data());
         Strands decoded;
-        codec.decode(answer.data(), heads.now, decoded);
         const int rounds = f % (most_length_rounds + 1);
-        codec.lead_edges(rounds, decoded.points.data());
+        codec.decode(answer.data(), heads.now, decoded, rounds);
 
         low_there.upload(dry.points.data(), dry.points.size());
         kernels.begin_frame(heads, f == 0);
         kernels.take_head(nullptr);
         kernels.depart(low_there.data(), nullptr);
-        upload(kernels.moved(), product(F, downloaded(kernels.departed(), 4 * n * l), n, n, 4 * l));
+        kernels.move_cores(nullptr);
         kernels.carry(nullptr);
         kernels.describe(nullptr);
         const auto image = downloaded(kernels.image(), channels * S);
@@ -160,6 +146,38 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     head.depth.pop_back();
     testing::expect_error([&] { kernels.keep_outside(head); }, {"3199", "3200"});
 }
+TEST(InterpolationOnDevice, is_that_of_the_host) {
+    if (!has_device()) GTEST_SKIP() << "SKIP: no CUDA device";
+    const Groom high = curly_groom({}), low = coarsened(high, 2);
+    const Pose pose = testing::some_pose(3);
+    Strands swayed = low.rest;
+    for (int s = 0; s < swayed.count; ++s)
+        for (int i = 0; i < swayed.particles; ++i)
+            swayed.at(s, i) += Vec3f{2e-3f * float(i) * float(std::sin(s)), 1e-3f * float(i), 0};
+    swayed = testing::moved(swayed, pose);
+    const DeviceBuffer<Vec3f> there(swayed.points);
+    for (const Interpolation kind :
+         {Interpolation::nearest, Interpolation::quad, Interpolation::core, Interpolation::rest})
+        for (const int roots : {4, 3}) {
+            const Stencil stencil = roots == 4 ? quad_stencil(high, low) : triangle_stencil(high, low);
+            if (kind == Interpolation::rest && roots == 3) {
+                testing::expect_error([&] { DeviceInterpolator(kind, stencil, high, low); },
+                                      {"3 roots", "are 4"});
+                continue;
+            }
+            Strands expected, found(high.rest.count, high.rest.particles);
+            Interpolator(kind, stencil, high, low).apply(swayed, pose, expected);
+            DeviceInterpolator on_device(kind, stencil, high, low);
+            DeviceBuffer<Vec3f> out(found.points.size());
+            for (int frame = 0; frame < 2; ++frame) {
+                on_device.apply(there.data(), pose, out.data(), nullptr);
+                out.download(found.points.data());
+                EXPECT_LT(testing::largest_distance(found, expected), 5e-6) << int(kind) << ' ' << roots;
+            }
+            EXPECT_GT(testing::largest_distance(found, testing::moved(high.rest, pose)), 1e-2);
+        }
+}
+
 INSTANTIATE_TEST_SUITE_P(Low, CodecOnDevice, ::testing::Values("dry", "wet", "settled"));
 
 }  // namespace

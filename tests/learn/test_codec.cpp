@@ -64,18 +64,16 @@ TEST(EdgeLengths, are_led_back_and_leave_the_core) {
     };
     std::vector<Vec3f> x = helix(4e-3f);
     const std::vector<Vec3f> flat = x;
-    std::vector<float> room(6 * n);
     const double before = lacking(x);
     EXPECT_GT(before, 0.15);
-    lead_to_lengths(n, length.data(), 0, x.data(), room.data());
+    lead_to_lengths(n, length.data(), 0, x.data());
     EXPECT_EQ(lacking(x), before);
     std::vector<Vec3f> once = x;
-    lead_to_lengths(n, length.data(), 1, once.data(), room.data());
+    lead_to_lengths(n, length.data(), 1, once.data());
     EXPECT_LT(lacking(once), 0.99 * before);
-    lead_to_lengths(n, length.data(), most_length_rounds, x.data(), room.data());
+    lead_to_lengths(n, length.data(), most_length_rounds, x.data());
     EXPECT_LT(lacking(x), 0.8 * before);
-    for (int k = 1; k < most_length_rounds; ++k)
-        lead_to_lengths(n, length.data(), 1, once.data(), room.data());
+    for (int k = 1; k < most_length_rounds; ++k) lead_to_lengths(n, length.data(), 1, once.data());
     for (size_t i = 0; i < n; ++i) EXPECT_EQ(norm(x[i] - once[i]), 0);
     EXPECT_EQ(norm(x[0] - flat[0]), 0);
     Vec3f drift{0, 0, 0};
@@ -86,13 +84,13 @@ TEST(EdgeLengths, are_led_back_and_leave_the_core) {
 
     // What has its lengths stays, and no length is no direction.
     x = rest;
-    lead_to_lengths(n, length.data(), most_length_rounds, x.data(), room.data());
+    lead_to_lengths(n, length.data(), most_length_rounds, x.data());
     for (size_t i = 0; i < n; ++i) EXPECT_LT(norm(x[i] - rest[i]), 1e-8);
     std::vector<Vec3f> knot(n, Vec3f{1, 2, 3});
-    lead_to_lengths(n, length.data(), most_length_rounds, knot.data(), room.data());
+    lead_to_lengths(n, length.data(), most_length_rounds, knot.data());
     for (const Vec3f& p : knot) EXPECT_EQ(norm(p - Vec3f{1, 2, 3}), 0);
     Vec3f alone{1, 2, 3};
-    lead_to_lengths(1, length.data(), most_length_rounds, &alone, room.data());
+    lead_to_lengths(1, length.data(), most_length_rounds, &alone);
     EXPECT_EQ(norm(alone - Vec3f{1, 2, 3}), 0);
 }
 

@@ -16,13 +16,6 @@ Strands interpolated(Interpolation kind, const Stencil& stencil, const Groom& hi
     return out;
 }
 
-Strands cores_of(const Strands& strands) {
-    Strands out(strands.count, strands.particles);
-    for (int s = 0; s < strands.count; ++s)
-        core_of(strands.strand(s), strands.particles, core_beta(strands.particles), out.strand(s));
-    return out;
-}
-
 double mean_curl(const Strands& strands) {
     double sum = 0;
     for (float r : curl_radii(strands)) sum += r;
@@ -110,7 +103,8 @@ TEST(Interpolation, shared_strands_come_back_as_they_are) {
             const Strands out = interpolated(kind, stencil, groom, low.rest);
             for (int s = 0; s < low.rest.count; ++s)
                 for (int i = 0; i < low.rest.particles; ++i)
-                    EXPECT_LT(norm(out.at(kept[size_t(s)], i) - low.rest.at(s, i)), 2e-7);
+                    // A few roundings of lengths up to 0.3 m, 3e-8 each.
+                    EXPECT_LT(norm(out.at(kept[size_t(s)], i) - low.rest.at(s, i)), 3e-7);
         }
 }
 

@@ -68,28 +68,42 @@ struct Swaying {
 
 constexpr int inputs = strand_channels;
 
-TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
+TEST(LearnedStrands, AreWhatCodecAndLibTorchsNetworkGive) {
+    Scratch scratch;
+    for (const char* architecture : {"strand_depthwise", "strand_mlp", "strand_linear"}) {
+        const std::string model = made_model(scratch.path("m.h5"), architecture, inputs);
+        Swaying hair;
+        auto learned = learned_strands(load_network(model, "cpu", 1, Body::single_precision), hair.codec(),
+                                       Body::single_precision);
+        auto network = load_network(model, "cpu", 1, Body::single_precision);
+        StrandCodec codec = hair.codec();
+        learned->bind(hair.in.points.data(), hair.out.points.data());
+        std::vector<float> input(size_t(inputs) * codec.pixels()),
+            answer(size_t(strand_coefficients) * codec.pixels());
+        std::copy(codec.fixed().begin(), codec.fixed().end(), input.begin());
+        for (int f = 0; f < 10; ++f) {
+            const HeadWindow heads = hair.take(f);
+            learned->run(heads);
+            codec.dynamic(hair.in, heads, input.data() + codec.fixed().size());
+            network->run(input.data(), {1, inputs, codec.height(), codec.width()}, answer.data());
+            Strands expected;
+            codec.decode(answer.data(), heads.now, expected, most_length_rounds);
+            EXPECT_LT(testing::largest_distance(hair.out, expected), 2e-6) << architecture << ' ' << f;
+            EXPECT_GT(testing::largest_distance(learned->base(heads.now), expected), 1e-3);
+        }
+    }
+}
+
+TEST(LearnedStrands, BeginAnewAndStayOutsideTheHead) {
     Scratch scratch;
     const std::string model = made_model(scratch.path("m.h5"), "strand_depthwise", inputs);
     Swaying hair;
     auto learned = learned_strands(load_network(model, "cpu", 1), hair.codec());
-    auto network = load_network(model, "cpu", 1);
-    StrandCodec codec = hair.codec();
+    const std::vector<float> edges = hair.codec().edges();
     learned->bind(hair.in.points.data(), hair.out.points.data());
-    std::vector<float> input(size_t(inputs) * codec.pixels()),
-        answer(size_t(strand_coefficients) * codec.pixels());
-    std::copy(codec.fixed().begin(), codec.fixed().end(), input.begin());
     std::vector<Strands> shown;
     for (int f = 0; f < 4; ++f) {
-        const HeadWindow heads = hair.take(f);
-        learned->run(heads);
-        codec.dynamic(hair.in, heads, input.data() + codec.fixed().size());
-        network->run(input.data(), {1, inputs, codec.height(), codec.width()}, answer.data());
-        Strands expected;
-        codec.decode(answer.data(), heads.now, expected);
-        codec.lead_edges(most_length_rounds, expected.points.data());
-        EXPECT_EQ(testing::largest_distance(hair.out, expected), 0) << f;
-        EXPECT_GT(testing::largest_distance(learned->base(heads.now), expected), 1e-3);
+        learned->run(hair.take(f));
         shown.push_back(hair.out);
     }
     // A new run begins without a past.
@@ -107,7 +121,7 @@ TEST(LearnedStrands, AreWhatCodecAndNetworkGive) {
             EXPECT_GT(away, 0.12 - 1e-5);
             held += away < 0.12 + 1e-5;
             if (i == 1) continue;  // from a root within the ball
-            const float most = torn_lengths * codec.edges()[size_t(s * hair.out.particles + i)],
+            const float most = torn_lengths * edges[size_t(s * hair.out.particles + i)],
                         edge = norm(hair.out.at(s, i) - hair.out.at(s, i - 1));
             EXPECT_LT(edge, 1.05 * most);
             led += edge > 0.99 * most;
@@ -149,15 +163,15 @@ TEST(LearnedStrands, LeadEdgesAsOftenAsTheyAreTold) {
     EXPECT_GT(testing::largest_distance(shown[3], shown[4]), 1e-5);
 }
 
-// Of what the network adds, and as it rounds, a walk over the layers.
-TEST(LearnedStrands, InBfloat16DifferByWhatItRounds) {
+// Of what the network adds, and as it rounds, a walk over the layers: in bytes, or in bfloat16.
+TEST(LearnedStrands, InTheFastestBodyDifferByWhatItRounds) {
     Scratch scratch;
     for (const auto& [architecture, most] :
-         {std::pair{"strand_mlp", 0.01}, {"strand_depthwise", 0.01}, {"strand_unet_vgg19", 0.03}}) {
+         {std::pair{"strand_mlp", 0.015}, {"strand_depthwise", 0.015}, {"strand_unet_vgg19", 0.03}}) {
         const std::string model = made_model(scratch.path("m.h5"), architecture, inputs);
         Swaying single, fastest;
-        auto in_single =
-            learned_strands(load_network(model, "cpu", 1, Body::single_precision), single.codec());
+        auto in_single = learned_strands(load_network(model, "cpu", 1, Body::single_precision),
+                                         single.codec(), Body::single_precision);
         auto as_fast = learned_strands(load_network(model, "cpu", 1), fastest.codec());
         in_single->bind(single.in.points.data(), single.out.points.data());
         as_fast->bind(fastest.in.points.data(), fastest.out.points.data());
@@ -250,9 +264,12 @@ TEST(CroppedStrands, AreThoseOfTheWholeGridAndTheOthersAreWhereItStartsFrom) {
         const std::string model = made_model(scratch.path("m.h5"), architecture, inputs);
         Swaying whole, part, none;
         ASSERT_GT(whole.high.grid.width, 5);
-        auto learned = learned_strands(load_network(model, "cpu", 1, Body::single_precision), whole.codec()),
-             cropped = learned_strands(load_network(model, "cpu", 1, Body::single_precision), part.codec()),
-             unasked = learned_strands(load_network(model, "cpu", 1, Body::single_precision), none.codec());
+        auto learned = learned_strands(load_network(model, "cpu", 1, Body::single_precision), whole.codec(),
+                                       Body::single_precision),
+             cropped = learned_strands(load_network(model, "cpu", 1, Body::single_precision), part.codec(),
+                                       Body::single_precision),
+             unasked = learned_strands(load_network(model, "cpu", 1, Body::single_precision), none.codec(),
+                                       Body::single_precision);
         const std::vector<uint8_t> wanted = corner_of(part.high);
         cropped->crop(wanted);
         unasked->crop(std::vector<uint8_t>(wanted.size(), 0));
@@ -288,7 +305,8 @@ TEST(LearnedStrands, OnTheDeviceAreThoseOfTheHost) {
     for (const char* architecture : {"strand_mlp", "strand_depthwise", "strand_linear"}) {
         const std::string model = made_model(scratch.path("m.h5"), architecture, inputs);
         Swaying host, device, half;
-        auto on_host = learned_strands(load_network(model, "cpu", 1, Body::single_precision), host.codec());
+        auto on_host = learned_strands(load_network(model, "cpu", 1, Body::single_precision), host.codec(),
+                                       Body::single_precision);
         auto on_device = device_strands(model, "cuda", device.codec(), device.low, false);
         auto in_half = device_strands(model, "cuda", half.codec(), half.low, true);
         on_host->bind(host.in.points.data(), host.out.points.data());
