@@ -13,6 +13,7 @@
 #include "app/commands/inspect.h"
 #include "app/commands/render.h"
 #include "app/commands/simulate.h"
+#include "app/engine/device.h"
 #include "app/engine/run_of_scene.h"
 #include "app/files/results.h"
 #include "base/interrupt.h"
@@ -136,14 +137,32 @@ TEST_F(Commands, json_says_what_made_it) {
     for (const auto& [name, text] : provenance()) EXPECT_EQ(json.at("provenance").at(name), text);
 }
 
+// On a device where there is one, else an error that says what is missing.
+TEST_F(Commands, interpolation_runs_where_it_is_told) {
+    simulate_command(simulation("low.h5", 16));
+    InferOptions infer = inference("quad", 4);
+    infer_command(infer);
+    const std::string on_cpu = infer.output;
+    infer.output = scratch.path("there.h5"), infer.device = "cuda";
+    if (names_of_cuda_devices().empty()) {
+        expect_error<Error>([&] { infer_command(infer); }, {"--device cuda"});
+        EXPECT_FALSE(fs::exists(infer.output));
+        return;
+    }
+    infer_command(infer);
+    const Strands there = RunReader(infer.output).frame(1).positions,
+                  here = RunReader(on_cpu).frame(1).positions;
+    for (size_t k = 0; k < here.points.size(); ++k) EXPECT_LT(norm(there.points[k] - here.points[k]), 1e-6);
+}
+
 TEST_F(Commands, options_that_nothing_reads_are_refused) {
     simulate_command(simulation("low.h5", 16));
     InferOptions infer = inference("quad", 4);
     infer.set = {"frames=2"};
     expect_error<Misuse>([&] { infer_command(infer); }, {"--set frames=2", "--wetness"});
     infer.set.clear();
-    infer.device = "cuda";
-    expect_error<Misuse>([&] { infer_command(infer); }, {"--device cuda", "interpolation"});
+    infer.oracle_colours = "low.h5", infer.interpolate.clear(), infer.device = "cuda";
+    expect_error<Misuse>([&] { infer_command(infer); }, {"an oracle runs on the CPU alone"});
     InspectOptions inspect;
     inspect.what = "schema";
     inspect.file = "a.h5";
