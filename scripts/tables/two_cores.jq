@@ -7,5 +7,6 @@ include "shared"; include "learned";
  "wet_2_substeps_12_mm_relaxed": "wet simulation, 2 substeps, Eq 10 every 12.5 mm over-relaxed"} as $titles |
 [$learned.rows | sort_by(.seconds_per_frame)[] | select(.kind == "learned" or $titles[.name]) |
   {"": ($titles[.name] // "`\(.name)`"), "time of a frame [ms]": (1e3 * .seconds_per_frame), "error [mm]": error_mm,
-   "of quad": (error_mm / $quad), "worst scene [mm]": .worst.position_mm}] | table,
+   "of quad": (error_mm / $quad), "worst scene [mm]": .worst.position_mm,
+   "clump density": (.crowd / .crowd_reference)}] | table,
 "", ([$learned] | made_of)
