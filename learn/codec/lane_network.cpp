@@ -16,13 +16,13 @@ using S = LaneNetwork::S;
 constexpr int tile = register_bytes == 64 ? 8 : 4;
 constexpr int beyond = StrandLayers::kernel / 2;
 
-// weight (outputs, inputs), of the inputs from `begin` on, times a factor of each, to panels.
+// weight (outputs, inputs), of the inputs from `begin` to `end`, times a factor of each, to panels.
 template <class Factor>
-std::vector<float> panels_of(const std::vector<float>& weight, int outputs, int inputs, int begin,
+std::vector<float> panels_of(const std::vector<float>& weight, int outputs, int inputs, int begin, int end,
                              Factor factor) {
     std::vector<float> out;
     for (int first = 0; first < outputs; first += tile)
-        for (int j = begin; j < inputs; ++j)
+        for (int j = begin; j < end; ++j)
             for (int o = first; o < first + tile; ++o)
                 out.push_back(float(double(weight[size_t(o) * inputs + j]) * factor(o, j)));
     return out;
@@ -164,7 +164,9 @@ void LaneNetwork::multiply_dense(const Dense& layer, bool, const S* in, S*, End 
 
 LaneNetwork::Dense LaneNetwork::dense_of(const StrandLayers::Dense& layer) const {
     if (in_bytes_) return {{}, bytes_of(layer.weight, channels_, channels_), layer.bias};
-    return {panels_of(layer.weight, channels_, channels_, 0, [](int, int) { return 1.0; }), {}, layer.bias};
+    return {panels_of(layer.weight, channels_, channels_, 0, channels_, [](int, int) { return 1.0; }),
+            {},
+            layer.bias};
 }
 
 LaneNetwork::LaneNetwork(const StrandLayers& layers, const RootGrid& grid, const StrandLanes& lanes,
@@ -182,8 +184,8 @@ LaneNetwork::LaneNetwork(const StrandLayers& layers, const RootGrid& grid, const
                     " inputs, allowed are channels and outputs in multiples of " + std::to_string(tile) +
                     " and " + std::to_string(fixed_inputs) + " inputs or more");
     const auto share = [&](int, int j) { return 1 / double(layers.deviation[size_t(j)]); };
-    first_ = panels_of(layers.first.weight, channels_, layers.inputs, fixed_inputs, share);
-    last_ = panels_of(layers.last.weight, outputs_, channels_, 0,
+    first_ = panels_of(layers.first.weight, channels_, layers.inputs, fixed_inputs, layers.inputs, share);
+    last_ = panels_of(layers.last.weight, outputs_, channels_, 0, channels_,
                       [&](int o, int) { return double(layers.scale[size_t(o)]); });
     for (int o = 0; o < outputs_; ++o)
         last_bias_.push_back(layers.last.bias[size_t(o)] * layers.scale[size_t(o)]);
@@ -199,12 +201,7 @@ LaneNetwork::LaneNetwork(const StrandLayers& layers, const RootGrid& grid, const
         bias[size_t(c)] = float(sum);
     }
     start_.resize(size_t(lanes.blocks()) * channels_);
-    std::vector<float> still;  // of the inputs that stay
-    for (int first = 0; first < channels_; first += tile)
-        for (int j = 0; j < fixed_inputs; ++j)
-            for (int c = first; c < first + tile; ++c)
-                still.push_back(
-                    float(double(layers.first.weight[size_t(c) * layers.inputs + j]) * share(c, j)));
+    const Panels still = panels_of(layers.first.weight, channels_, layers.inputs, 0, fixed_inputs, share);
 #pragma omp parallel for schedule(static)
     for (int block = 0; block < lanes.blocks(); ++block)
         multiply<1>(
