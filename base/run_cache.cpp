@@ -99,6 +99,8 @@ struct RunWriter::Body {
         if (stages) put("stage_seconds", frame.stage_seconds.data(), {stages});
         if (!frame.contact.empty()) put("contact", frame.contact.data(), {s, n});
         if (!frame.saturation.empty()) put("living_saturation", frame.saturation.data(), {s, n});
+        if (!frame.expected_error.empty())
+            put("expected_error", frame.expected_error.data(), {s, frame.expected_error.size() / s});
         if (!frame.water.empty()) put("water", frame.water.data(), {water_columns});
         const double head[7] = {frame.head.translation.x, frame.head.translation.y, frame.head.translation.z,
                                 frame.head.rotation.w,    frame.head.rotation.x,    frame.head.rotation.y,
@@ -169,6 +171,7 @@ RunWriter::RunWriter(OutputFile place, const RunHeader& h)
     if (h.start != 0) f.attribute("start", h.start);
     f.attribute("seed", std::to_string(h.seed));
     f.attribute("stride", double(h.stride));
+    if (h.guides > 0) f.attribute("guides", double(h.guides));
     f.attribute("energy_kinds", lines(h.energy_kinds));
     f.attribute("stages", lines(h.stages));
     f.attribute("inputs", lines(h.inputs));
@@ -233,6 +236,7 @@ RunReader::RunReader(const std::string& named, bool mine)
     if (error != std::errc() || end != seed.data() + seed.size())
         throw Error(path + ": attribute 'seed': found '" + seed + "', a whole number of 64 bits is needed");
     h.stride = f.integer("stride", 1, 1 << 20);
+    if (f.has_attribute("guides")) h.guides = f.integer("guides", 1, 1 << 30);
     h.energy_kinds = split_lines(f.text("energy_kinds"));
     h.stages = split_lines(f.text("stages"));
     h.inputs = split_lines(f.text("inputs"));
@@ -296,6 +300,11 @@ RunReader::RunReader(const std::string& named, bool mine)
         same_cells("displayed", {points[0], points[1], 3}, "have the shape of 'positions'");
         same_cells("contact", {points[0], points[1]}, "be (frames, strands, particles)");
         same_cells("living_saturation", {points[0], points[1]}, "be (frames, strands, particles)");
+        if (f.has("expected_error")) {
+            const auto expected = f.shape("expected_error");
+            same_cells("expected_error", {points[0], expected.size() == 3 ? expected[2] : 0},
+                       "be (frames, strands, pieces)");
+        }
         if (f.has("water")) rows("water", {water_columns}, double());
         if (!h.energy_kinds.empty()) rows("energy", {h.energy_kinds.size()}, float());
         if (!h.stages.empty())
@@ -350,6 +359,16 @@ RunFrame RunReader::frame(int index) const {
             if (!(sigma >= 0 && sigma <= 1))
                 throw Error(f.path() + ": dataset 'living_saturation', frame " + std::to_string(index) +
                             ": found " + std::to_string(sigma) + ", allowed 0 to 1");
+    }
+    if (f.has("expected_error")) {
+        const auto expected = f.shape("expected_error");
+        out.expected_error.resize(expected[1] * expected[2]);
+        f.read_row("expected_error", row, out.expected_error.data());
+        for (float mean : out.expected_error)
+            if (!(mean >= 0 && std::isfinite(mean)))
+                throw Error(f.path() + ": dataset 'expected_error', frame " + std::to_string(index) +
+                            ": found " + std::to_string(mean) +
+                            ", allowed are finite distances of 0 or more");
     }
     if (f.has("water")) {
         out.water.resize(water_columns);

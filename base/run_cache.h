@@ -27,6 +27,7 @@ struct RunHeader {
     unsigned long long seed = 0;
     Groom groom;     // rest strands, head frame
     int stride = 1;  // of this run's grid in the scene's full grid (2: every second root each way)
+    int guides = 0;  // above 0: so many strands of the scene's, chosen, in place of a grid
     std::vector<float> saturation;            // (strand, particle) at the start; empty without wetness
     std::vector<std::string> energy_kinds;    // names of the columns of `energy`; empty: not recorded
     std::vector<std::string> stages;          // names of the columns of `stage_seconds`
@@ -52,8 +53,11 @@ struct RunFrame {
     std::vector<float> stage_seconds;
     std::vector<uint8_t> contact;   // (strand, particle), 1 in contact; may be empty
     std::vector<float> saturation;  // (strand, particle); empty where it stays as the header has it
-    std::vector<double> water;      // held, taken, dripped, dried so far [kg]; empty without flow
-    double seconds = 0;             // run time of this frame, file output left out
+    // (strand, piece of equal length, root first): how far from the simulation a network expects it to be on
+    // average [m]; empty where no network said so.
+    std::vector<float> expected_error;
+    std::vector<double> water;  // held, taken, dripped, dried so far [kg]; empty without flow
+    double seconds = 0;         // run time of this frame, file output left out
     // What is seen: p^w where there is one, p elsewhere.
     const Strands& seen() const { return displayed.count ? displayed : positions; }
     // (strand, particle) now; empty without wetness.

@@ -48,20 +48,10 @@ std::vector<StrandOrigin> origins_of(const Groom& groom) {
     return origin;
 }
 
-Groom coarsened(const Groom& full, int stride, std::vector<int>* kept) {
-    if (stride < 1)
-        throw Error("stride of a coarser grid: found " + std::to_string(stride) + ", allowed 1 or more");
+// Strands `from` of `full` on that grid.
+static Groom taken(const Groom& full, const std::vector<int>& from, RootGrid grid) {
     Groom out;
-    out.grid.width = (full.grid.width + stride - 1) / stride;
-    out.grid.height = (full.grid.height + stride - 1) / stride;
-    out.grid.strand.assign(size_t(out.grid.width) * out.grid.height, -1);
-    std::vector<int> from;
-    for (int row = 0; row < out.grid.height; ++row)
-        for (int column = 0; column < out.grid.width; ++column)
-            if (int s = full.grid.at(column * stride, row * stride); s >= 0) {
-                out.grid.strand[size_t(row) * out.grid.width + column] = int(from.size());
-                from.push_back(s);
-            }
+    out.grid = std::move(grid);
     out.rest = Strands(int(from.size()), full.rest.particles);
     out.normal.resize(from.size());
     out.origin.resize(from.size());
@@ -74,8 +64,31 @@ Groom coarsened(const Groom& full, int stride, std::vector<int>* kept) {
         const auto width = full.width.begin() + long(from[s]) * full.rest.particles;
         out.width.insert(out.width.end(), width, width + full.rest.particles);
     }
-    if (kept) *kept = from;
     return out;
+}
+
+Groom coarsened(const Groom& full, int stride, std::vector<int>* kept) {
+    if (stride < 1)
+        throw Error("stride of a coarser grid: found " + std::to_string(stride) + ", allowed 1 or more");
+    RootGrid grid;
+    grid.width = (full.grid.width + stride - 1) / stride;
+    grid.height = (full.grid.height + stride - 1) / stride;
+    grid.strand.assign(size_t(grid.width) * grid.height, -1);
+    std::vector<int> from;
+    for (int row = 0; row < grid.height; ++row)
+        for (int column = 0; column < grid.width; ++column)
+            if (int s = full.grid.at(column * stride, row * stride); s >= 0) {
+                grid.strand[size_t(row) * grid.width + column] = int(from.size());
+                from.push_back(s);
+            }
+    if (kept) *kept = from;
+    return taken(full, from, std::move(grid));
+}
+
+Groom part_of(const Groom& full, const std::vector<int>& kept) {
+    RootGrid row{int(kept.size()), 1, {}};
+    for (int s = 0; s < row.width; ++s) row.strand.push_back(s);
+    return taken(full, kept, std::move(row));
 }
 
 template <class T>

@@ -59,6 +59,10 @@ std::vector<StrandOrigin> origins_of(const Groom& groom);
 // `kept`, where given, receives for each strand of the result its index in `full`.
 Groom coarsened(const Groom& full, int stride, std::vector<int>* kept = nullptr);
 
+// The groom of some of the strands, in this order, on a grid of one row: no strand of it has neighbours
+// there.
+Groom part_of(const Groom& full, const std::vector<int>& kept);
+
 // Length of a polyline of n points [m].
 double arc_length(const Vec3f* points, int n);
 double arc_length(const Vec3d* points, int n);

@@ -21,8 +21,7 @@ struct ModelCard {
     int upscale = 1;          // output pixels per input pixel, each way
     std::string target;       // codec strand: "strands", which Eq 10 follows, or "displayed", after it
     std::string low = "dry";  // what the low-resolution run is, codecs strand and root: "dry" or "wet"
-    int low_substeps = 0;     // of that run a frame; 0: not known, or not all the same
-    int particles = 0;        // of a strand (codec strand), else 0
+    int low_substeps = 0;     // the fewest a frame of the runs that it learned from; 0: not known
     long parameters = 0;
     std::map<std::string, double> numbers;  // validation error, steps…
     // Codec strand: input_mean, input_std (input_channels), output_scale (output_channels), applied inside

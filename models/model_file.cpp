@@ -57,7 +57,6 @@ ModelCard card_of(const H5Reader& file) {
     card.input_channels = count_in(file, "input_channels", 1, 1 << 16);
     card.output_channels = count_in(file, "output_channels", 1, 1 << 16);
     card.upscale = count_in(file, "upscale", 1, 16);
-    card.particles = count_in(file, "particles", 0, 1 << 20);
     card.parameters = count_in(file, "parameters", 1, 2000000000);
     if (file.has_attribute("target")) card.target = file.text("target");
     if (card.target != "" && card.target != "strands" && card.target != "displayed")
@@ -122,7 +121,6 @@ void save_model(OutputFile place, const ModelCard& card, const TorchNetwork& mod
     file.attribute("input_channels", double(card.input_channels));
     file.attribute("output_channels", double(card.output_channels));
     file.attribute("upscale", double(card.upscale));
-    file.attribute("particles", double(card.particles));
     file.attribute("parameters", double(parameter_count(model)));
     if (!card.target.empty()) file.attribute("target", card.target);
     if (card.codec != "adhesion") file.attribute("low", card.low);

@@ -64,7 +64,7 @@ std::vector<std::string> names_for(const std::string& codec) {
 }  // namespace
 
 const std::vector<Architecture>& architectures() {
-    constexpr int colours = colour_channels, amplitudes = strand_coefficients;
+    constexpr int colours = colour_channels, outputs = strand_outputs;
     // Channels and upscale are those of the codec.
     static const std::vector<Architecture> list = {
         {.name = "unet_vgg19",
@@ -85,31 +85,31 @@ const std::vector<Architecture>& architectures() {
          .make = make_recursive},
         {.name = "strand_mlp",
          .codec = "strand",
-         .output_channels = amplitudes,
+         .output_channels = outputs,
          .scalable = true,
          .neighbours = false,
          .make = make_strand<false>},
         {.name = "strand_depthwise",
          .codec = "strand",
-         .output_channels = amplitudes,
+         .output_channels = outputs,
          .scalable = true,
          .neighbours = true,
          .make = make_strand<true>},
         {.name = "strand_linear",
          .codec = "strand",
-         .output_channels = amplitudes,
+         .output_channels = outputs,
          .scalable = false,
          .neighbours = false,
          .make = make_linear},
         {.name = "strand_unet_vgg19",
          .codec = "strand",
-         .output_channels = amplitudes,
+         .output_channels = outputs,
          .scalable = true,
          .neighbours = true,
          .make = make_strand_image<UnetVgg19>},
         {.name = "strand_recursive_residual",
          .codec = "strand",
-         .output_channels = amplitudes,
+         .output_channels = outputs,
          .scalable = true,
          .neighbours = true,
          .make = make_strand_image<RecursiveResidual>},

@@ -95,7 +95,6 @@ class StrandData : public TrainingData {
                 trained_.push_back(
                     trained_of(*pairs[k], r, frames_.back(), k, trained, pairs.size(), recipe));
             }
-        particles_ = pairs.front()->particles();
         train_ = places_of(frames_, trained_, false);
         held_ = places_of(frames_, trained_, true);
         starts_ = recipe.steady > 0 ? followed() : train_;
@@ -104,7 +103,6 @@ class StrandData : public TrainingData {
 
     void describe(ModelCard& card) const override {
         card.input_channels = int(mean_.size(0));
-        card.particles = particles_;
         card.arrays["input_mean"] = values(mean_);
         card.arrays["input_std"] = values(deviation_);
         card.arrays["output_scale"] = values(scale_);
@@ -133,7 +131,7 @@ class StrandData : public TrainingData {
   private:
     struct Run {
         Tensor fixed, dynamic, target;  // (P, Cs), (F, P, Cd), (F, P, 72)
-        Tensor pixels;                  // (P)
+        Tensor pixels, length;          // (P), (P, 1) [m]
         long height, width;
         vector<int> times;  // (F)
     };
@@ -179,10 +177,12 @@ class StrandData : public TrainingData {
         const std::string where = run_name(file, r);
         const long area = long(run.pixels());
         vector<long> inside;
+        vector<float> lengths;
         for (long p = 0; p < area; ++p)
             if (run.mask[size_t(p)]) {
                 inside.push_back(p);
                 length_sum_ += run.length[size_t(p)];
+                lengths.push_back(run.length[size_t(p)]);
             }
         if (inside.empty()) throw Error(where + "/mask: found no strand");
         if (displayed_ && !run.displayed)
@@ -194,6 +194,7 @@ class StrandData : public TrainingData {
         Run out;
         out.pixels = pixels.to(device_), out.height = run.height, out.width = run.width;
         out.times = run.frame;
+        out.length = torch::tensor(lengths).unsqueeze(1).to(device_);
         out.fixed = masked_rows(run.fixed.data(), run.static_channels, pixels, area);
         out.dynamic = torch::empty({run.frames, count, run.dynamic_channels});
         out.target = torch::empty({run.frames, count, strand_coefficients});
@@ -248,7 +249,8 @@ class StrandData : public TrainingData {
                     deviation_.narrow(0, group.channels.first, group.channels.count).fill_(mute);
         const Tensor size = (targets / rows).sqrt();
         // Amplitudes that hardly move keep a thousandth of the largest, so that none is out of reach.
-        scale_ = torch::maximum(size, 1e-3 * size.max()).clamp_min(1e-9).to(torch::kFloat);
+        scale_ = torch::cat({torch::maximum(size, 1e-3 * size.max()).clamp_min(1e-9).to(torch::kFloat),
+                             torch::ones({answered_errors.count})});
         unit_ = length_sum_ / double(strands_);
         if (!(unit_ > 0))
             throw Error("pairs: found a mean strand length of " + std::to_string(unit_) +
@@ -265,16 +267,17 @@ class StrandData : public TrainingData {
 
     Batch of(const vector<Place>& places) const {
         if (places.empty()) return {};
-        vector<Tensor> inputs, targets, bases;
+        vector<Tensor> inputs, targets, bases, lengths;
         for (const Place& place : places) {
             const Run& r = runs_[place.run];
             inputs.push_back(inputs_of(place));
             targets.push_back(r.target[place.frame]);
+            lengths.push_back(r.length);
             bases.push_back(
                 r.dynamic[place.frame].narrow(1, dynamic_layout.base.first, dynamic_layout.base.count));
         }
         const Tensor rows = torch::cat(inputs);
-        Batch out{image(rows), image(torch::cat(targets)), torch::cat(bases), {}, {}};
+        Batch out{image(rows), image(torch::cat(targets)), torch::cat(bases), {}, {}, torch::cat(lengths)};
         if (neighbours_) lay_out(places, rows, out);
         return out;
     }
@@ -309,7 +312,6 @@ class StrandData : public TrainingData {
     vector<long> frames_, trained_, order_;
     vector<Place> train_, held_, starts_;  // of frames or pairs that an epoch draws
     Tensor mean_, deviation_, scale_;
-    int particles_ = 0;
     long strands_ = 0;
     double length_sum_ = 0, unit_ = 0;
 };
@@ -554,17 +556,16 @@ vector<long> TrainingData::share(long step, double batch, size_t count) const {
 
 Batch Batch::to(torch::Device device) const {
     auto moved = [&](const Tensor& t) { return t.defined() ? t.to(device) : t; };
-    return {moved(input), moved(target), moved(base), moved(mask), moved(pixels), in_pairs};
+    return {moved(input), moved(target), moved(base), moved(mask), moved(pixels), moved(length), in_pairs};
 }
 
 std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_t trained,
                                         const Recipe& recipe, torch::Device device, const Ranks& ranks) {
     const PairsReader& first = *pairs.front();
     for (auto* file : pairs)
-        if (file->codec() != first.codec() || file->particles() != first.particles())
-            throw Error(file->path() + ": found codec " + name_of(file->codec()) + " with " +
-                        std::to_string(file->particles()) + " particles, needed what " + first.path() +
-                        " has: " + name_of(first.codec()) + " with " + std::to_string(first.particles()));
+        if (file->codec() != first.codec())
+            throw Error(file->path() + ": found codec " + name_of(file->codec()) + ", needed what " +
+                        first.path() + " has: " + name_of(first.codec()));
     for (auto* file : pairs)
         if (file->low() != first.low())
             throw Error(file->path() + ": its low-resolution runs are " + file->low() + ", needed what " +

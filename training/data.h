@@ -24,7 +24,8 @@ struct Batch {
     Tensor base;
     // Root (B, 1, 2h, 2w): 1 where a strand is; adhesion, held out (n, 1, 1, 1): 1 in contact.
     Tensor mask;
-    Tensor pixels;  // strand, whole frames with holes: (P) which of the B H W pixels hold a strand
+    Tensor pixels;    // strand, whole frames with holes: (P) which of the B H W pixels hold a strand
+    Tensor length{};  // strand (P, 1) [m], by which its target, base and answer are told
     // Strand: whether the second half of the rows are those of the first a frame later.
     bool in_pairs = false;
     Batch to(torch::Device device) const;

@@ -194,13 +194,11 @@ class Trainer {
             recipe_.device + (ranks_.alone() ? "" : ", " + std::to_string(ranks_.of) + " processes"));
     }
 
-    // 0 where they are not all the same.
+    // The fewest of all.
     int low_substeps() const {
-        const int first = readers_.front()->low_substeps();
-        return std::all_of(readers_.begin(), readers_.end(),
-                           [&](const auto& r) { return r->low_substeps() == first; })
-                   ? first
-                   : 0;
+        int fewest = readers_.front()->low_substeps();
+        for (const auto& reader : readers_) fewest = std::min(fewest, reader->low_substeps());
+        return fewest;
     }
 
     // The network of a model file, whose inputs and outputs stay scaled as they are there.

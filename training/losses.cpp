@@ -12,7 +12,10 @@ namespace {
 class StrandLoss : public Loss {
   public:
     StrandLoss(const Recipe& recipe, int particles, double length, torch::Device device)
-        : particles_(particles), length_weight_(recipe.length), steady_weight_(recipe.steady) {
+        : particles_(particles),
+          length_weight_(recipe.length),
+          steady_weight_(recipe.steady),
+          doubt_weight_(recipe.doubt) {
         const StrandDct dct(particles);
         const Tensor basis =
             torch::from_blob(const_cast<float*>(dct.basis().data()), {dct_kept, particles}).t();
@@ -23,6 +26,9 @@ class StrandLoss : public Loss {
         positions_ =
             (basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, 1)).contiguous().to(device);  // (n-1, 24)
         edges_ = edges.contiguous().to(device);
+        Tensor pieces = torch::zeros({n - 1, error_pieces});
+        for (long i = 0; i + 1 < n; ++i) pieces[i][i * error_pieces / (n - 1)] = 1;
+        pieces_ = (pieces / pieces.sum(0).clamp_min(1)).to(device);
 
         std::vector<Tensor> rows, weights;
         auto add = [&](double weight, const Tensor& d, double scale) {
@@ -41,12 +47,13 @@ class StrandLoss : public Loss {
     }
 
     Tensor of(const Tensor& output, const Batch& batch) const override {
-        const Tensor given = rows_of(output, batch), target = batch.target.flatten(1), error = given - target;
+        const Tensor rows = rows_of(output, batch), given = amplitudes_of(rows) * batch.length,
+                     target = batch.target.flatten(1) * batch.length, error = given - target;
         Tensor loss = torch::zeros({}, error.options());
         if (rows_.defined()) loss = (norms(error, rows_) * weights_).sum() / error.size(0);
         if (length_weight_ > 0) {
-            const Tensor found = norms(batch.base + given, edges_);
-            const Tensor wanted = norms(batch.base + target, edges_);
+            const Tensor found = norms(batch.base * batch.length + given, edges_);
+            const Tensor wanted = norms(batch.base * batch.length + target, edges_);
             loss = loss + (found - wanted).abs().mean() * (length_weight_ / segment_);
         }
         if (batch.in_pairs) {
@@ -55,20 +62,32 @@ class StrandLoss : public Loss {
             loss = loss +
                    norms(change, positions_).sum() * (steady_weight_ / (length_ * double(half * particles_)));
         }
-        return loss;
+        return doubt_weight_ > 0 ? loss + doubt_weight_ * doubt(rows, error, batch.length) : loss;
     }
     Tensor base_output(const Batch& batch) const override {
         const Tensor& x = batch.input;
-        return torch::zeros({x.size(0), strand_coefficients, x.size(2), x.size(3)}, x.options());
+        return torch::zeros({x.size(0), strand_outputs, x.size(2), x.size(3)}, x.options());
     }
     Tensor distance(const Tensor& output, const Batch& batch) const override {
-        const Tensor error = rows_of(output, batch) - batch.target.flatten(1);
+        const Tensor error = (amplitudes_of(rows_of(output, batch)) - batch.target.flatten(1)) * batch.length;
         return norms(error, positions_).sum() / double(error.size(0) * particles_);
     }
     double count(const Batch& batch) const override { return double(batch.target.size(0)); }
 
   private:
-    // What was given for the masked pixels (P, 72).
+    static Tensor amplitudes_of(const Tensor& rows) {
+        return rows.narrow(1, answered_amplitudes.first, answered_amplitudes.count);
+    }
+
+    // How badly errors are told: the negative logarithm of their likelihood, were they exponentially
+    // distributed with the means that are answered. What is wrong with the strands themselves is not asked.
+    Tensor doubt(const Tensor& rows, const Tensor& error, const Tensor& length) const {
+        const Tensor told = rows.narrow(1, answered_errors.first, answered_errors.count),
+                     found = norms(error.detach(), positions_).matmul(pieces_) / (usual_error * length);
+        return (found * torch::exp(-told) + told).mean();
+    }
+
+    // What was given for the masked pixels (P, strand_outputs).
     static Tensor rows_of(const Tensor& output, const Batch& batch) {
         const Tensor rows = to_rows(output);
         return batch.pixels.defined() ? rows.index_select(0, batch.pixels) : rows;
@@ -82,8 +101,9 @@ class StrandLoss : public Loss {
     }
 
     int particles_;
-    double length_weight_, steady_weight_, length_, segment_;
+    double length_weight_, steady_weight_, doubt_weight_, length_, segment_;
     Tensor positions_, edges_, rows_, weights_;
+    Tensor pieces_;  // (n-1, error_pieces): means over them
 };
 
 class RootLoss : public Loss {

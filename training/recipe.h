@@ -19,8 +19,8 @@ namespace wetcurl {
 struct Recipe {
     double epochs, batch, learning_rate, weight_decay, gradient_clip, patch, epoch_samples, width, seed;
     double validation, validate_every, checkpoint_seconds;
-    double position, edge, curvature, length, steady;  // weights of the losses
-    double gain;                                       // kappa of Eq 18, codec root
+    double position, edge, curvature, length, steady, doubt;  // weights of the losses
+    double gain;                                              // kappa of Eq 18, codec root
     std::string architecture, schedule, device, precision;
     bool deterministic;     // on CUDA devices
     std::string target;     // codec strand: "strands", which Eq 10 follows, or "displayed", after it
@@ -161,8 +161,8 @@ inline constexpr RecipeRow recipe_rows[] = {
      not_there,
      not_there},
     {{KeyRow::text("leave_out", "",
-                   "Names of inputs to leave out, with blanks between: rest, saturation, length, radius, "
-                   "shared, density, base, gravity, motion, history."),
+                   "Names of inputs to leave out, with blanks between: rest, saturation, radius, scalp, "
+                   "density, guides, fibre, base, gravity, motion, doubt, history."),
       &Recipe::leave_out},
      "",
      0,
@@ -203,6 +203,12 @@ inline constexpr RecipeRow recipe_rows[] = {
       &Recipe::steady},
      "loss",
      0,
+     not_there,
+     not_there},
+    {{KeyRow::number("doubt", "1", 0, 0, 1e6, "Weight of how badly the network tells its own errors."),
+      &Recipe::doubt},
+     "loss",
+     0.003,
      not_there,
      not_there},
     {{gain_row, &Recipe::gain}, "reconstruct", not_there, 1, not_there},

@@ -51,8 +51,9 @@ class TimedHair {
         : high_(high_scene_of(w, network_module().card(model))),
           low_(low_scene_of(w, network_module().card(model))),
           device_(device),
-          learned_(learned_strands_of(model, high_, high_.title, low_.groom, device, threads), high_, device,
-                   part == Part::with_cohesion) {
+          learned_(learned_strands_of(model, high_, high_.title, low_.groom,
+                                      1 / (low_.fps * low_.integrator.substeps), device, threads),
+                   high_, device, part == Part::with_cohesion) {
         if (part == Part::with_cohesion) learned_.strands().lead_edges(most_length_rounds);
     }
 

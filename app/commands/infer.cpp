@@ -1,6 +1,8 @@
 // `wetcurl infer`: wet high-resolution hair from a dry low-resolution run, by a network or by interpolation.
 #include "app/commands/infer.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "app/engine/device.h"
@@ -55,8 +57,8 @@ void take_learned(InferOptions& o, const Scene& scene, int low_strands) {
     require_model_of_strands(o.model, where, runs, o);
 }
 
-// Throws unless the scene can be predicted for from a low-resolution run of that groom.
-void require_predictable(const InferOptions& o, const Scene& scene, const Groom& low) {
+// Throws unless the scene can be predicted for from a low-resolution run of that groom, or of guides of it.
+void require_predictable(const InferOptions& o, const Scene& scene, const Groom& low, bool guides) {
     check_files(o, o.output, scene.files);
     require_rigid_scalp(scene, scene_name(o));
     if (scene.flow)
@@ -64,18 +66,35 @@ void require_predictable(const InferOptions& o, const Scene& scene, const Groom&
                     ": its scene moves the water ([wetness.flow]), allowed is wetness that stays; "
                     "--wetness names a scene of it");
     require_named(o, scene);
+    if (low.rest.count >= scene.groom.rest.count)
+        throw Error(
+            fmt::format("{}: found {} low-resolution strands to predict {} from, allowed are fewer "
+                        "(simulate --strands or --guides)",
+                        o.input, low.rest.count, scene.groom.rest.count));
+    if (o.any_roots) return;
     try {
-        require_nested(scene.groom, low);
+        // Guides are of the whole groom, of which less may be predicted.
+        if (guides && scene.stride > 1)
+            require_part(parse_scene(scene.text, scene_name(o), scene.folder).groom, low);
+        else
+            require_part(scene.groom, low);
     } catch (const Error& e) {
-        throw Error(o.input + ", " + (o.wetness.empty() ? "its scene" : o.wetness) + ": " + e.what());
+        throw Error(fmt::format("{}, {}: {} (--any-roots takes guides that are none of them)", o.input,
+                                o.wetness.empty() ? "its scene" : o.wetness, e.what()));
     }
 }
 
-Scene wetness_scene(const InferOptions& o, int stride) {
+// What is to be predicted for: all strands, or as many as are asked for.
+SceneOptions to_predict(const InferOptions& o) {
     SceneOptions options;
     options.set = o.set;
+    options.strands = o.strands;
+    return options;
+}
+
+Scene wetness_scene(const InferOptions& o) {
+    SceneOptions options = to_predict(o);
     options.seed = o.seed;
-    options.stride = stride;
     return load_scene(o.wetness, options);
 }
 
@@ -95,7 +114,10 @@ bool sets(const InferOptions& o, const std::string& table, const std::string& ke
 
 // The low-resolution twin of the scene: dry, or wet before Eq 10 if the model learned from wet runs.
 Scene low_scene_of(const InferOptions& o, const Method& method, const Scene& scene) {
-    Scene low = low_resolution_of(scene);
+    if (o.stride && o.guides)
+        throw Misuse(
+            "--guides: found with --stride, allowed is one of them: strands chosen, or a grid of them");
+    Scene low = low_resolution_of(scene, {.each = o.stride.value_or(2), .guides = o.guides.value_or(0)});
     if (method.card() && method.card()->low == "wet" && !method.is_settled())
         leave_out_display(low);
     else
@@ -105,7 +127,9 @@ Scene low_scene_of(const InferOptions& o, const Method& method, const Scene& sce
     return low;
 }
 
-int predict(const InferOptions& o, const Method& method, Scene scene, LowRun& low, int frames) {
+// `again`: the low-resolution run a second time, where --within asks for it.
+int predict(const InferOptions& o, const Method& method, Scene scene, LowRun& low, int frames,
+            LowRun* again) {
     ResultFile results(o);
     predict_run(method, std::move(scene), scene_name(o), low,
                 {.output = o.output,
@@ -113,7 +137,9 @@ int predict(const InferOptions& o, const Method& method, Scene scene, LowRun& lo
                  .device = o.device,
                  .threads = o.threads,
                  .overwrite = o.overwrite,
-                 .resume = o.resume},
+                 .resume = o.resume,
+                 .within = o.within.value_or(0) * 1e-3,
+                 .again = again},
                 results);
     return 0;
 }
@@ -138,6 +164,9 @@ int simulate_with(const AdhesionNetworkMethod& network, const InferOptions& o, S
 
 // From a scene, whose low-resolution run is simulated.
 int infer_scene(InferOptions o) {
+    if (o.any_roots)
+        throw Misuse("--any-roots: found with the scene " + o.input +
+                     ", whose own strands are simulated; allowed with a run");
     SceneOptions options;
     options.set = o.set;
     options.frames = o.frames;
@@ -146,6 +175,11 @@ int infer_scene(InferOptions o) {
     if (o.wetness.empty()) require_named(o, scene);
     take_learned(o, scene, coarsened(scene.groom, 2).rest.count);
     const Method method = method_of(o);
+    if (method.as<AdhesionNetworkMethod>() && (o.stride || o.guides || o.strands))
+        throw Misuse(fmt::format("--{}: found with an adhesion model, which is simulated with all strands",
+                                 o.stride   ? "stride"
+                                 : o.guides ? "guides"
+                                            : "strands"));
     if (const auto* network = method.as<AdhesionNetworkMethod>())
         return simulate_with(*network, o, std::move(scene));
     if (const auto* oracle = method.as<OracleMethod>())
@@ -154,14 +188,20 @@ int infer_scene(InferOptions o) {
                      ", allowed with a low-resolution run; simulate --dry --strands N makes one");
     if (const ModelCard* card = method.card()) {
         require_solids_for(*card, scene, o.input);
-        if (card->low_substeps && !sets(o, "integrator", "substeps")) set_substeps(scene, card->low_substeps);
     }
     Scene low = low_scene_of(o, method, scene);
-    if (!o.wetness.empty()) scene = wetness_scene(o, 1);
-    require_predictable(o, scene, low.groom);
+    if (const ModelCard* card = method.card())
+        if (card->low_substeps && !sets(o, "integrator", "substeps")) set_substeps(low, card->low_substeps);
+    if (!o.wetness.empty())
+        scene = wetness_scene(o);
+    else if (o.strands)
+        options.strands = o.strands, scene = load_scene(o.input, options);
+    require_predictable(o, scene, low.groom, low.guides > 0);
     const int frames = low.frames;
+    std::optional<LowRun> again;
+    if (o.within) again.emplace(o.input, low, o.device, o.threads);
     LowRun run(o.input, std::move(low), o.device, o.threads);
-    return predict(o, method, std::move(scene), run, frames);
+    return predict(o, method, std::move(scene), run, frames, again ? &*again : nullptr);
 }
 
 // From a run.
@@ -170,23 +210,30 @@ int infer_run(InferOptions o) {
     CommonOptions others = o;
     std::erase_if(others.set, [](const std::string& s) { return key_of(s) == "integrator.allow_stretch"; });
     if (o.wetness.empty()) refuse_scene_options(others, "infer from a run without --wetness");
+    if (o.any_roots && o.wetness.empty())
+        throw Misuse(
+            "--any-roots: found without --wetness, allowed with the scene whose strands are predicted");
+    if (o.stride || o.guides)
+        throw Misuse(fmt::format(
+            "--{}: found with the run {}, allowed with a scene, of which it says what to simulate",
+            o.stride ? "stride" : "guides", o.input));
     LowRun low(o.input);
     const RunHeader& header = low.header();
     if (o.frames && *o.frames > low.frames())
         throw Misuse("--frames: found " + std::to_string(*o.frames) + ", allowed 1 to " +
                      std::to_string(low.frames()) + ", which " + o.input + " has");
-    if (header.stride < 2)
+    if (header.stride < 2 && header.guides == 0 && !o.any_roots)
         throw Error(o.input +
                     ": the run already holds every strand of its groom; a low-resolution one is needed "
-                    "(simulate --strands)");
-    SceneOptions options;
-    options.stride = header.stride / 2;
-    options.set = o.set;
-    Scene scene = o.wetness.empty() ? parse_scene(header.scene, o.input, header.scene_folder, options)
-                                    : wetness_scene(o, options.stride);
+                    "(simulate --strands or --guides)");
+    Scene scene = o.wetness.empty() ? parse_scene(header.scene, o.input, header.scene_folder, to_predict(o))
+                                    : wetness_scene(o);
     take_learned(o, scene, 0);
-    require_predictable(o, scene, header.groom);
-    return predict(o, method_of(o), std::move(scene), low, o.frames.value_or(low.frames()));
+    require_predictable(o, scene, header.groom, header.guides > 0);
+    std::optional<LowRun> again;
+    if (o.within) again.emplace(o.input);
+    return predict(o, method_of(o), std::move(scene), low, o.frames.value_or(low.frames()),
+                   again ? &*again : nullptr);
 }
 
 // Within what a scene may name for that key of its [cohesion].
@@ -251,6 +298,12 @@ void add_options(OptionList& options, InferOptions& o) {
         "--crop", o.crop,
         "for models of whole strands: ask the network only for the rectangle of roots that holds all "
         "wet strands; the others stay where it starts from");
+    options
+        .option(
+            "--within", o.within,
+            "for models of whole strands: simulate those strands themselves that the model expects to be off "
+            "by more than so many millimetres, mean over the frames")
+        .within(0.0, 1e6);
     options.flag("--wet-shape", o.wet_shape,
                  "for --interpolate rest: the strand at rest as its water curls it (Eq 9), not as drawn");
     options.flag("--cohesion", o.cohesion,
@@ -270,6 +323,21 @@ void add_options(OptionList& options, InferOptions& o) {
             "about how many passes of Eq 10 an over-relaxed sweep stands for, in place of the scene's"),
         "relaxation");
     options
+        .option("--stride", o.stride,
+                "for a scene: simulate every so many roots each way of its grid; default 2")
+        .within(2, 1000);
+    options.option("--guides", o.guides, "for a scene: simulate so many strands, chosen where hair differs")
+        .within(1, 100000000);
+    options.flag(
+        "--any-roots", o.any_roots,
+        "take a run whose strands are none of those to predict: guides of a file of their own, of the "
+        "scene that --wetness names");
+    options
+        .option("--strands", o.strands,
+                "at most this many strands are predicted, the largest grid that nests in the scene's, in "
+                "place of all")
+        .within(1, 100000000);
+    options
         .option("--frames", o.frames,
                 "the first frames of the run alone, so many; of a scene, in place of its own")
         .within(1, 1000000);
@@ -281,6 +349,14 @@ void add_options(OptionList& options, InferOptions& o) {
 
 int infer_command(const InferOptions& o) {
     check_options(o);
+    if (o.within && (o.resume || o.crop || o.cohesion || o.settled))
+        throw Misuse(fmt::format("--within: found with --{}, allowed without: {}",
+                                 o.resume     ? "resume"
+                                 : o.crop     ? "crop"
+                                 : o.cohesion ? "cohesion"
+                                              : "settled",
+                                 o.resume ? "it looks at all frames first"
+                                          : "expected errors are of what the network alone predicts"));
     require_device(o.device);
     check_files(o, o.output, {o.input, o.model, o.wetness, o.oracle_colours, o.oracle_weights});
     return is_scene(o.input) ? infer_scene(o) : infer_run(o);

@@ -25,6 +25,10 @@ void add_options(OptionList& options, SimulateOptions& o) {
         .option("--strands", o.strands,
                 "at most this many strands: the largest grid that nests in the scene's")
         .within(1, 100000000);
+    options
+        .option("--guides", o.guides,
+                "so many strands, chosen where hair differs: guides that the others can be inferred from")
+        .within(1, 100000000);
     options.option("--groom", o.groom, "hair file in place of the scene's groom");
     options.option("--precision", o.precision, "float | double").one_of({"float", "double"}).shows_default();
     options.flag("--dry", o.dry, "leave out all that acts on wet hair; the wetness is recorded");
@@ -47,7 +51,11 @@ int simulate_command(const SimulateOptions& o) {
     SceneOptions options;
     options.set = o.set;
     options.frames = o.frames;
+    if (o.strands && o.guides)
+        throw Misuse(
+            "--guides: found with --strands, allowed is one of them: strands chosen, or a grid of them");
     options.strands = o.strands;
+    options.guides = o.guides.value_or(0);
     options.seed = o.seed;
     options.groom = o.groom;
     std::optional<RunStart> start;

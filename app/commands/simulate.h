@@ -9,7 +9,7 @@ struct SimulateOptions : CommonOptions {
     static constexpr const char *command = "simulate",
                                 *summary = "run the physics of a scene into a run cache";
     std::string scene, output;
-    std::optional<int> frames, strands;
+    std::optional<int> frames, strands, guides;
     std::string groom;
     std::string precision = "float";
     bool dry = false;

@@ -51,12 +51,19 @@ Scene scene_of(const DatasetRecipe& recipe, const DatasetMember& m) {
 // The scene of its low-resolution run.
 Scene low_of(const DatasetRecipe& recipe, const DatasetMember& m, const Scene& high) {
     try {
-        Scene low = low_resolution_of(high);
-        if (recipe.low_substeps) set_substeps(low, recipe.low_substeps);
+        Scene low = low_resolution_of(high, m.low);
+        if (m.low_substeps) set_substeps(low, m.low_substeps);
         if (!recipe.low_is_wet) make_dry(low);
         // Eq 10 changes only what is displayed, and no network sees that of the low-resolution run.
         leave_out_display(low);
+        if (low.groom.rest.count >= high.groom.rest.count)
+            throw Misuse(
+                fmt::format("found {} low-resolution strands of {}, allowed are fewer (low_strides, "
+                            "low_guides)",
+                            low.groom.rest.count, high.groom.rest.count));
         return low;
+    } catch (const Misuse& e) {
+        throw Misuse(m.name + ": " + e.what());
     } catch (const Error& e) {
         throw Error(m.name + ": " + e.what());
     }
@@ -78,7 +85,7 @@ class MemberRun {
           places_(std::move(places)),
           high_(scene_of(recipe, m)),
           low_(low_of(recipe, m, high_)),
-          reach_(reach_of(high_)) {
+          traits_(traits_of(high_, 1 / (low_.fps * low_.integrator.substeps))) {
         if (!recipe.root && !recipe.displayed && !keeps_runs()) leave_out_display(high_);
         wet_ = make_simulation_on(device, high_, trusted_precision(high_, "float"));
         dry_ = make_simulation_on(device, low_, trusted_precision(low_, "float"));
@@ -88,7 +95,7 @@ class MemberRun {
         std::optional<StrandEncoder> strands;
         if (recipe_.strand) {
             const Strands shape = shape_at_rest(high_);
-            strands.emplace(high_.groom, low_.groom, high_.saturation, &shape, recipe_.low_is_wet, reach_);
+            strands.emplace(high_.groom, low_.groom, high_.saturation, &shape, recipe_.low_is_wet, traits_);
         }
         std::unique_ptr<RunWriter> low_writer, wet_writer;
         if (keeps_runs()) {
@@ -176,7 +183,7 @@ class MemberRun {
     const DatasetFolder& to_;
     Places places_;
     Scene high_, low_;
-    double reach_;  // of Eq 10, which may be left out of them [m]
+    HairTraits traits_;  // of Eq 10 too, which may be left out of them
     std::unique_ptr<Simulation> dry_, wet_;
     std::vector<int> frames_;  // kept
     std::vector<StrandImages> strand_images_;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "base/parameters.h"
@@ -37,7 +38,8 @@ constexpr const char *codecs_words[] = {"strand", "root", "both"}, *low_words[] 
 struct RecipeTable {
     std::string title, scene, codecs, runs;
     bool low_is_wet, displayed;
-    int low_substeps, first, every, together;
+    std::vector<double> low_substeps, low_strides, low_guides;
+    int first, every, together;
     Vec3d box_lower, box_upper;
     static constexpr Parameter<RecipeTable> parameters[] = {
         {KeyRow::text("title", "", "Name of the data set."), &RecipeTable::title},
@@ -46,9 +48,17 @@ struct RecipeTable {
         {KeyRow::one_of("codecs", codecs_words, "strand", "Codecs to encode for."), &RecipeTable::codecs},
         {KeyRow::one_of("low", low_words, "dry", "What the low-resolution run is."),
          &RecipeTable::low_is_wet},
-        {KeyRow::integer("low_substeps", 0, 0, 1'000'000,
-                         "Substeps of its frames; 0: as many as the scene has."),
+        {KeyRow::list_of_numbers("low_substeps", "", 1, 1'000'000,
+                                 "Substeps of its frames, one of these for each scene; none: as many as the "
+                                 "scene has."),
          &RecipeTable::low_substeps},
+        {KeyRow::list_of_numbers("low_strides", "", 2, 1'000'000,
+                                 "It has every so many roots each way of the grid, or as many as low_guides "
+                                 "says: one of all these for each scene; none of both: every second."),
+         &RecipeTable::low_strides},
+        {KeyRow::list_of_numbers("low_guides", "", 1, 1e9,
+                                 "Numbers of strands of it, chosen where hair differs."),
+         &RecipeTable::low_guides},
         {KeyRow::boolean("displayed", true, "Codec strand: the strands after cohesion are targets too."),
          &RecipeTable::displayed},
         {KeyRow::integer("first", 0, 0, 1 << 20, "First frame of each scene that is kept."),
@@ -99,7 +109,11 @@ double uniform(long seed, const std::string& scene, const std::string& what) {
 
 class Members {
   public:
-    Members(const Table& root, const Config& base) : base_(std::make_shared<const Config>(base.copy())) {
+    Members(const Table& root, const RecipeTable& top, const Config& base)
+        : base_(std::make_shared<const Config>(base.copy())) {
+        for (const double n : top.low_substeps) substeps_.push_back(int(n));
+        for (const double n : top.low_strides) resolutions_.push_back({.each = int(n), .guides = 0});
+        for (const double n : top.low_guides) resolutions_.push_back({.each = 2, .guides = int(n)});
         seed_ = root.integer(seed_row), seed_line_ = root.where("seed");
         all_ = draws_of(root.table("draw")), test_ = draws_of(root.table("test_draw"));
         const Table pick = root.table("pick");
@@ -134,6 +148,8 @@ class Members {
         }
         m.text = scene.text();
         if (split == "test") add(test_);
+        if (!resolutions_.empty()) m.low = one_of(resolutions_, m.name, "low resolution");
+        if (!substeps_.empty()) m.low_substeps = one_of(substeps_, m.name, "low substeps");
         m.set.push_back(fmt::format("seed={}", long(uniform(seed_, m.name, "seed") * 1e9)));
         m.set_by.push_back(seed_line_);
         for (const auto& [key, draw] : draws) {
@@ -179,7 +195,14 @@ class Members {
         return *allowed[size_t(uniform(seed_, name, "pick " + list.name) * double(allowed.size()))];
     }
 
+    template <class T>
+    T one_of(const std::vector<T>& all, const std::string& name, const std::string& what) const {
+        return all[size_t(uniform(seed_, name, what) * double(all.size()))];
+    }
+
     std::shared_ptr<const Config> base_;
+    std::vector<int> substeps_;
+    std::vector<LowResolution> resolutions_;
     std::string seed_line_;
     long seed_ = 1;
     std::vector<Draw> all_, test_;
@@ -237,11 +260,21 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     RecipeTable read;
     read_parameters(read, RecipeTable::parameters, root);
     r.strand = read.codecs != "root", r.root = read.codecs != "strand";
-    r.low_is_wet = read.low_is_wet, r.low_substeps = read.low_substeps, r.displayed = read.displayed;
+    r.low_is_wet = read.low_is_wet, r.displayed = read.displayed;
     r.first = read.first, r.every = read.every, r.together = read.together, r.runs = read.runs;
     if (r.together > r.every)
         root.fail("together",
                   fmt::format("found {}, allowed 1 to {}, the value of every", r.together, r.every));
+    for (const auto& [key, list] : {std::pair{"low_substeps", &read.low_substeps},
+                                    {"low_strides", &read.low_strides},
+                                    {"low_guides", &read.low_guides}})
+        for (const double n : *list)
+            if (n != std::floor(n)) root.fail(key, fmt::format("found {}, allowed are whole numbers", n));
+    for (const double n : read.low_strides)
+        if (r.root && n != 2)
+            root.fail("low_strides", fmt::format("found {}, allowed with codec root is 2 alone", n));
+    if (r.root && !read.low_guides.empty())
+        root.fail("low_guides", "found with codec root, which needs a grid of every second root");
     const double lower[] = {read.box_lower.x, read.box_lower.y, read.box_lower.z},
                  upper[] = {read.box_upper.x, read.box_upper.y, read.box_upper.z};
     for (size_t axis = 0; axis < 3; ++axis)
@@ -255,7 +288,7 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     if (!std::filesystem::exists(scene)) root.fail("scene", scene + " cannot be read (no such file)");
     r.scene_line = root.where("scene"), r.first_line = root.where("first");
     const Config base = Config::load(scene);
-    const Members members(root, base);
+    const Members members(root, read, base);
     const Table splits = root.table("splits");
     for (const auto& split : dataset_splits)
         for (long k = splits.integer(split_row(split)), i = 0; i < k; ++i)

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "app/engine/scene_changes.h"
 #include "base/config.h"
 #include "learn/codec/root_codec.h"
 
@@ -19,6 +20,8 @@ struct DatasetMember {
     std::string text;                           // the scene before `set`
     std::vector<std::string> set, set_by;       // what was drawn, and the recipe's line that drew it
     std::map<std::string, std::string> picked;  // the entry's name in each list
+    LowResolution low;                          // which of its strands are simulated for the others
+    int low_substeps = 0;                       // of them a frame; 0: as many as the scene has
 
     // The scene with what was picked and drawn; messages name the file and line of each value.
     Config scene() const;
@@ -32,7 +35,6 @@ struct DatasetMember {
 struct DatasetRecipe {
     bool strand = true, root = false;  // codecs
     bool low_is_wet = false, displayed = true;
-    int low_substeps = 0;
     int first = 0, every = 1, together = 1;
     std::string runs;  // split whose runs are kept
     ColourBox box;     // of codec root, the same for all

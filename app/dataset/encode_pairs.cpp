@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "app/engine/learned_hair.h"
 #include "app/engine/run_of_scene.h"
 #include "app/engine/simulated_frames.h"
 #include "app/files/results.h"
@@ -26,13 +27,11 @@ void record_input(PairsWriter& out, size_t run, const std::string& role, const s
 
 std::string low_of(const RunPair& pair) { return simulated_wet(pair.dry->header()) ? "wet" : "dry"; }
 
-// 0 where they are not all the same.
+// The fewest of all.
 int low_substeps_of(const std::vector<RunPair>& pairs) {
-    const int first = substeps_of(pairs[0].dry->header());
-    return std::all_of(pairs.begin(), pairs.end(),
-                       [&](const RunPair& p) { return substeps_of(p.dry->header()) == first; })
-               ? first
-               : 0;
+    int fewest = substeps_of(pairs[0].dry->header());
+    for (const RunPair& pair : pairs) fewest = std::min(fewest, substeps_of(pair.dry->header()));
+    return fewest;
 }
 
 std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
@@ -52,15 +51,6 @@ std::vector<RunPair> open_pairs(const std::vector<std::string>& inputs) {
                                     pair.wet->path(), found, allowed, out[0].wet->path()));
     }
     return out;
-}
-
-// Reach of Eq 10 on what is displayed of the run [m], 0 without it.
-double reach_of(const RunHeader& header) {
-    const bool coheres = Config::parse(header.scene, scene_name(header), header.scene_folder)
-                             .root()
-                             .table("cohesion")
-                             .present();
-    return coheres ? support_radius_of(header) : 0;
 }
 
 // The strands of a run at rest with their water.
@@ -84,8 +74,10 @@ Json encode_pairs(const PairsRequest& o, Codec codec) {
         double floor_mm = 0;
         for (const auto& pair : pairs) {
             const Strands shape = shape_of(pair.wet->header());
-            floor_mm +=
-                encode_strands(pair, out, &shape, reach_of(pair.wet->header())) / double(pairs.size());
+            const RunHeader& low = pair.dry->header();
+            const HairTraits traits =
+                traits_of(*scene_of_run(pair.wet->header()), 1 / (low.fps * substeps_of(low)));
+            floor_mm += encode_strands(pair, out, &shape, traits) / double(pairs.size());
         }
         out.attribute("floor_mm", floor_mm);
         json["floor_mm"] = floor_mm;

@@ -105,7 +105,7 @@ Json finish(const DatasetRecipe& recipe, const DatasetFolder& to) {
             std::map<std::string, std::pair<double, long>> floors;  // sum, of how many scenes
             // 0: not all the same.
             double radius = 0;  // of Eq 16
-            int substeps = 0;   // of low-resolution runs
+            int substeps = 0;   // of low-resolution runs, the fewest
             long runs = 0;
             for (const auto& m : recipe.members) {
                 if (m.split != split) continue;
@@ -114,7 +114,7 @@ Json finish(const DatasetRecipe& recipe, const DatasetFolder& to) {
                 if (!out)
                     out = std::make_unique<PairsWriter>(to.whole(split, codec), codec, reader.particles(),
                                                         true);
-                substeps = runs == 0 || reader.low_substeps() == substeps ? reader.low_substeps() : 0;
+                substeps = runs == 0 ? reader.low_substeps() : std::min(substeps, reader.low_substeps());
                 for (const char* floor : {"floor_mm", "floor_displayed_mm"})
                     if (reader.has_attribute(floor))
                         floors[floor].first += reader.number(floor), ++floors[floor].second;

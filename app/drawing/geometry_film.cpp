@@ -342,7 +342,7 @@ class StrandPairsFilm final : public PairsFilm {
             float c[strand_coefficients];
             for (size_t m = 0; m < size_t(strand_coefficients); ++m) c[m] = amplitudes[m * p.pixels() + k];
             dct_.decode(c, strand.data());
-            const Vec3f tip = strand.back() - strand.front();
+            const Vec3f tip = shape_.length[k] * (strand.back() - strand.front());
             p.values[k] = tip.x, p.values[p.pixels() + k] = tip.y, p.values[2 * p.pixels() + k] = tip.z;
         }
         return p;
@@ -371,8 +371,9 @@ class StrandPairsFilm final : public PairsFilm {
         const GeometryPanel wanted = on_base(target);
         std::vector<GeometryPanel> answers;
         for (const Asked& a : asked_) {
-            std::vector<float> answer(target.size());
+            std::vector<float> answer(size_t(a.card().output_channels) * area);
             a.network->run(inputs.data(), {1, inputs_, shape_.height, shape_.width}, answer.data());
+            answer.resize(target.size());  // amplitudes come first
             answers.push_back(on_base(answer));
             add(answers.back(), "prediction of " + a.card().architecture, file_name(a.path), false);
         }

@@ -77,6 +77,7 @@ void require_same(const BrokenRun& broken, const RunHeader& header) {
     require("a start at [s]", number(was.start), number(header.start));
     require("seed", number(was.seed), number(header.seed));
     require("stride", number(was.stride), number(header.stride));
+    require("guides", number(was.guides), number(header.guides));
     require("strands of hash", was.groom.hash(), header.groom.hash());
     require("energies", list(was.energy_kinds), list(header.energy_kinds));
     require("stages", list(was.stages), list(header.stages));

@@ -10,6 +10,7 @@
 #include "app/engine/simulated_frames.h"
 #include "base/error.h"
 #include "learn/codec/network_module.h"
+#include "learn/codec/stencil.h"
 #include "solver/chain/scene_checks.h"
 #include "solver/scene/rest_state.h"
 #include "solver/solids/rest_depths.h"
@@ -34,7 +35,22 @@ void require_rigid_scalp(const Scene& scene, const std::string& file) {
                     "is hair that moves with a rigid head; `wetcurl simulate` simulates the scene");
 }
 
-double reach_of(const Scene& scene) { return scene.cohesion ? scene.cohesion->h_c : 0; }
+HairTraits traits_of(const Scene& scene, double low_step) {
+    HairTraits t;
+    if (const auto& fibre = scene.fibre) {
+        t.rigidity = fibre->flexural_rigidity();
+        t.wet_rigidity = t.rigidity * fibre->wet_springs().at(1).bend;
+    } else if (const auto& bend = scene.term<Bend>()) {
+        t.rigidity = t.wet_rigidity = bend->k_b * std::pow(mean_segment(scene.groom), 3);
+    }
+    t.density = t.wet_density = scene.linear_density;
+    if (scene.wetness) t.wet_density = scene.wetness->wet_mass(t.density, 1);
+    if (const auto& drag = scene.term<Stiffness>())
+        t.drag = drag->c_all + drag->c_dry, t.wet_drag = drag->c_all + drag->c_wet;
+    t.reach = scene.cohesion ? scene.cohesion->h_c : 0;
+    t.low_step = low_step, t.fps = scene.fps;
+    return t;
+}
 
 int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
 
@@ -61,11 +77,12 @@ static Strands at_rest(Scene scene, const std::string& device) {
     return p;
 }
 
-Settled settled_of(const Scene& scene, const std::string& scene_file, int dry_substeps,
+Settled settled_of(const Scene& scene, const std::string& scene_file, const Groom& low, int dry_substeps,
                    const std::string& where) {
     // A program built without the solver's CUDA backend may still have a network there.
     const std::string device = names_of_cuda_devices().empty() ? "cpu" : where;
-    const Scene wet = low_resolution_of(scene);
+    require_part(scene.groom, low);
+    const Scene wet = part_of_scene(scene, twins_of(scene.groom, low));
     if (!acts_wet(wet))
         throw Error(scene_file +
                     ": nothing in it acts on wet hair, needed is [wetness] to know where that rests");
@@ -77,7 +94,7 @@ Settled settled_of(const Scene& scene, const std::string& scene_file, int dry_su
 
 std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
                                                    const std::string& scene_file, const Groom& low,
-                                                   const std::string& device, int threads,
+                                                   double low_step, const std::string& device, int threads,
                                                    const Settled* settled) {
     const ModelCard card = network_module().card(model);
     if (card.codec != "strand")
@@ -85,10 +102,11 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
     require_rigid_scalp(scene, scene_file);
     require_solids_for(card, scene, scene_file);
     const Strands shape = shape_at_rest(scene);
-    auto learned = network_module().load_strands(
-        model,
-        StrandCodec(scene.groom, low, scene.saturation, &shape, card.low == "wet", reach_of(scene), settled),
-        low, device, threads);
+    auto learned =
+        network_module().load_strands(model,
+                                      StrandCodec(scene.groom, low, scene.saturation, &shape,
+                                                  card.low == "wet", traits_of(scene, low_step), settled),
+                                      low, device, threads);
     if (card.target == "displayed" && scene.has_solid_with_roots()) {
         HeadShapes head;
         for (const Solid& solid : scene.solids) head.shapes.push_back(solid.shape);

@@ -17,8 +17,8 @@ void require_solids_for(const ModelCard& card, const Scene& scene, const std::st
 // interpolation place them on a rigid head.
 void require_rigid_scalp(const Scene& scene, const std::string& file);
 
-// Reach of Eq 10 on what is displayed of the scene [m], 0 without it.
-double reach_of(const Scene& scene);
+// What a network is told of a scene's hair; `low_step`: of its low-resolution run [s].
+HairTraits traits_of(const Scene& scene, double low_step);
 
 // Of a scene's passes of Eq 10 those that displayed strands want yet. They hang together already, only too
 // little: 8 in 14 give as many neighbours within 4 mm as the reference has, all of them half as many again on
@@ -31,16 +31,17 @@ std::vector<uint8_t> wet_strands_of(const Scene& scene);
 // Where the low-resolution strands of a scene would be, were they wet. They are simulated wet and dry until
 // they come to rest, for as long as the scene settles, but 1.5 s or longer; dry ones in so many substeps a
 // frame. Throws Error where nothing in the scene acts on wet hair.
-Settled settled_of(const Scene& scene, const std::string& scene_file, int dry_substeps,
+// `low`: which strands these are, of the scene's. Throws Error where one is none of them.
+Settled settled_of(const Scene& scene, const std::string& scene_file, const Groom& low, int dry_substeps,
                    const std::string& device);
 
 // The model of that file with the codec of the scene's hair, kept out of what is attached to the head where
 // it predicts displayed strands. scene: of `scene_file`, at the resolution to predict, its saturation known;
-// low: the groom of the low-resolution run; settled: as of a StrandCodec, for a dry run where the model
-// learned from wet ones. Throws Error where these do not fit, Misuse for a device's name.
+// low: the groom of the low-resolution run, and its step [s]; settled: as of a StrandCodec, for a dry run
+// where the model learned from wet ones. Throws Error where these do not fit, Misuse for a device's name.
 std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, const Scene& scene,
                                                    const std::string& scene_file, const Groom& low,
-                                                   const std::string& device, int threads,
+                                                   double low_step, const std::string& device, int threads,
                                                    const Settled* settled = nullptr);
 
 // A strand network and, where it follows, Eq 10: from low-resolution strands to displayed ones, all in the

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <map>
+#include <tuple>
 
 #include "base/log.h"
 #include "solver/chain/scene_checks.h"
@@ -20,7 +21,7 @@ RunHeader header_of(const Scene& scene, const Simulation& simulation, const std:
     h.fps = scene.fps;
     h.seed = scene.seed;
     h.groom = scene.groom;
-    h.stride = scene.stride;
+    h.stride = scene.stride, h.guides = scene.guides;
     h.saturation = scene.saturation;
     h.energy_kinds = simulation.energy_kinds;
     h.stages = simulation.stages;
@@ -40,12 +41,13 @@ Scene scene_of_file(const std::string& path, const SceneOptions& options) {
 }
 
 std::shared_ptr<const Scene> scene_of_run(const RunHeader& header) {
-    static std::map<std::pair<std::string, int>, std::shared_ptr<const Scene>> known;  // of text and stride
-    auto& scene = known[{header.scene, header.stride}];
+    // Of text, stride and guides.
+    static std::map<std::tuple<std::string, int, int>, std::shared_ptr<const Scene>> known;
+    auto& scene = known[{header.scene, header.stride, header.guides}];
     if (!scene) {
         const QuietLog quiet;
         SceneOptions options;
-        options.stride = header.stride, options.start = header.start;
+        options.stride = header.stride, options.guides = header.guides, options.start = header.start;
         const auto read = [&] {
             return std::make_shared<Scene>(
                 parse_scene(header.scene, scene_name(header), header.scene_folder, options));
@@ -61,7 +63,7 @@ std::shared_ptr<const Scene> scene_of_run(const RunHeader& header) {
                 for (int i = 0; i < header.groom.rest.particles; ++i)
                     points.push_back(cast<double>(strand[i]));
             }
-            options.brought = &brought, options.stride = 1;
+            options.brought = &brought, options.stride = 1, options.guides = 0;
             scene = read();
         }
     }

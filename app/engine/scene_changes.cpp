@@ -1,23 +1,46 @@
 // Changes of a scene that was read.
 #include "app/engine/scene_changes.h"
 
+#include "solver/grooms/guides.h"
+
 namespace wetcurl {
 
-Scene low_resolution_of(const Scene& scene) {
-    Scene low = scene;
-    low.stride = 2 * scene.stride;
-    std::vector<int> kept;
-    low.groom = coarsened(scene.groom, 2, &kept);
-    if (scene.riding) low.riding->roots = scene.riding->roots->kept(kept);
-    if (low.groom.rest.count == 0) throw Error(scene.title + ": no strand is left in the groom");
-    if (scene.saturation.empty()) return low;
+// What a scene has for each strand, of those that were kept; its groom has them already.
+static void keep_strands(Scene& scene, const std::vector<int>& kept) {
+    if (scene.groom.rest.count == 0) throw Error(scene.title + ": no strand is left in the groom");
+    if (scene.riding) scene.riding->roots = scene.riding->roots->kept(kept);
+    const std::vector<double> thickness = std::move(scene.thickness);
+    const std::vector<float> saturation = std::move(scene.saturation);
+    scene.thickness.clear(), scene.saturation.clear();
     const long particles = scene.groom.rest.particles;
-    low.saturation.clear();
     for (const int s : kept) {
-        const auto strand = scene.saturation.begin() + s * particles;
-        low.saturation.insert(low.saturation.end(), strand, strand + particles);
+        if (!thickness.empty()) scene.thickness.push_back(thickness[size_t(s)]);
+        if (saturation.empty()) continue;
+        const auto strand = saturation.begin() + s * particles;
+        scene.saturation.insert(scene.saturation.end(), strand, strand + particles);
     }
+}
+
+Scene low_resolution_of(const Scene& scene, const LowResolution& resolution) {
+    Scene low = scene;
+    std::vector<int> kept;
+    if (resolution.guides > 0) {
+        low.guides = resolution.guides;
+        kept = chosen_guides(scene.groom, low.guides);
+        low.groom = part_of(scene.groom, kept);
+    } else {
+        low.stride = resolution.each * scene.stride;
+        low.groom = coarsened(scene.groom, resolution.each, &kept);
+    }
+    keep_strands(low, kept);
     return low;
+}
+
+Scene part_of_scene(const Scene& scene, const std::vector<int>& kept) {
+    Scene part = scene;
+    part.groom = part_of(scene.groom, kept);
+    keep_strands(part, kept);
+    return part;
 }
 
 static void assign(Scene& scene, const std::string& assignment) {

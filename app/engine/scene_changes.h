@@ -5,9 +5,16 @@
 
 namespace wetcurl {
 
-// The scene with every second root each way of its groom: what reading its file at twice the stride returns.
-// The low-resolution runs that networks start from are simulated with it.
-Scene low_resolution_of(const Scene& scene);
+// Which strands of a scene are simulated for the others to follow.
+struct LowResolution {
+    int each = 2;    // every so many roots each way of its grid,
+    int guides = 0;  // or, above 0, so many, chosen
+};
+// The scene with those alone: what reading its file so returns. The low-resolution runs that networks start
+// from are simulated with it.
+Scene low_resolution_of(const Scene& scene, const LowResolution& low = {});
+// The scene with those strands alone, in this order.
+Scene part_of_scene(const Scene& scene, const std::vector<int>& kept);
 
 // These change the scene and its text.
 // So many substeps a frame.

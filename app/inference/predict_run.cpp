@@ -10,6 +10,7 @@
 #include "app/engine/device.h"
 #include "app/engine/learned_hair.h"
 #include "app/engine/run_of_scene.h"
+#include "app/engine/scene_changes.h"
 #include "app/files/watch_results.h"
 #include "app/inference/predictor.h"
 #include "base/log.h"
@@ -45,15 +46,11 @@ void compare_with_training(const Method& method, const LowRun& low) {
         log_warning(fmt::format("{}: was simulated {}; {} learned from {} runs", low.file(),
                                 wet ? "wet" : "dry", model, card.low));
     const int found = substeps_of(low.header());
-    if (card.low_substeps && found != card.low_substeps)
+    if (found < card.low_substeps)
         log_warning(
-            fmt::format("{}: was simulated with {} substeps a frame; {} learned from runs of {}, and "
+            fmt::format("{}: was simulated with {} substeps a frame; {} learned from runs of {} or more, and "
                         "errs more on others (simulate --set integrator.substeps={})",
                         low.file(), found, model, card.low_substeps, card.low_substeps));
-    const int particles = low.header().groom.rest.particles;
-    if (card.codec == "strand" && card.particles != particles)
-        log_warning(fmt::format("{}: learned from strands of {} particles, the run has {}", model,
-                                card.particles, particles));
 }
 
 // What the method changes in the scene: water that only the model knows, and Eq 10. Returns whether that
@@ -94,7 +91,7 @@ RunHeader header_of(const Predictor& predictor, const Method& method, const Scen
     header.method = predictor.name();
     if (header.device != device) header.device += ", then " + device;
     header.groom = scene.groom;
-    header.stride = scene.stride;
+    header.stride = scene.stride, header.guides = scene.guides;
     header.scene = scene.text;
     header.scene_folder = scene.folder;
     header.saturation = scene.saturation;
@@ -112,12 +109,68 @@ double moved_mm(const Strands& from, const Strands& to) {
     return 1000 * sum / double(from.points.size());
 }
 
+// Strands that the predictor expects to be off by more than `within` [m], mean over the first `frames`.
+std::vector<int> not_trusted(Predictor& predictor, LowRun& low, int frames, double within,
+                             const InterruptGuard& guard) {
+    FrameWindow window(low.source(), low.header());
+    std::vector<double> sum;
+    Strands p;
+    int seen = 0;
+    for (; seen < frames && window.advance(); ++seen) {
+        if (guard.asked()) throw Interrupted("interrupted before the first frame");
+        predictor.apply(window.index(), window.now(), window.heads(), p);
+        const std::vector<float> expected = predictor.expected_error();
+        sum.resize(size_t(p.count), 0);
+        const size_t pieces = expected.size() / sum.size();
+        for (size_t k = 0; k < expected.size(); ++k) sum[k / pieces] += double(expected[k]) / double(pieces);
+    }
+    std::vector<int> out;
+    for (size_t s = 0; s < sum.size(); ++s)
+        if (sum[s] > within * seen) out.push_back(int(s));
+    return out;
+}
+
+// Strands of a prediction that are simulated in its place, alone.
+class SimulatedStrands {
+  public:
+    // `scene`: all of the hair, wet. Eq 10 draws them together with the others, predicted ones.
+    SimulatedStrands(const Scene& scene, const std::string& file, std::vector<int> strands,
+                     const PredictionRequest& request)
+        : strands_(std::move(strands)),
+          run_(file, before_cohesion(scene, strands_), request.device, request.threads) {}
+    const std::vector<int>& strands() const { return strands_; }
+    // Their next frame into p. Throws Error where the head is elsewhere than at `head`.
+    void put(const Pose& head, Strands& p) {
+        if (!run_.source().next(frame_)) throw Error(run_.file() + ": its simulation has no more frames");
+        const Quatd turn = conjugate(head.rotation) * frame_.head.rotation;
+        if (norm(head.translation - frame_.head.translation) > 1e-6 ||
+            norm(Vec3d{turn.x, turn.y, turn.z}) > 1e-6)
+            throw Error(run_.file() +
+                        ": its head moves in another way than that of the low-resolution run, " +
+                        "allowed with --within is the same motion");
+        for (size_t k = 0; k < strands_.size(); ++k)
+            std::copy_n(frame_.positions.strand(int(k)), p.particles, p.strand(strands_[k]));
+    }
+
+  private:
+    static Scene before_cohesion(const Scene& scene, const std::vector<int>& strands) {
+        Scene part = part_of_scene(scene, strands);
+        leave_out_display(part);
+        return part;
+    }
+    std::vector<int> strands_;
+    LowRun run_;
+    RunFrame frame_;
+};
+
 // Predicts frame after frame, each with its run times.
 class FramePredictor {
   public:
-    // `display`: null where no Eq 10 follows.
-    FramePredictor(Predictor& predictor, DisplayOn* display, const LowRun& low)
-        : predictor_(predictor), display_(display), low_(low) {}
+    // `display`: null where no Eq 10 follows. `simulated`: null where all strands are predicted; `alone`: Eq
+    // 10 for these where it does not follow.
+    FramePredictor(Predictor& predictor, DisplayOn* display, const LowRun& low, SimulatedStrands* simulated,
+                   DisplayOn* alone)
+        : predictor_(predictor), display_(display), low_(low), simulated_(simulated), alone_(alone) {}
 
     const RunFrame& predict(int index, const RunFrame& low, const HeadWindow& heads) {
         const double begin = omp_get_wtime();
@@ -127,21 +180,38 @@ class FramePredictor {
                 "{}: frame {}: {} gives positions that are not finite or beyond 1e6 m; is the run, "
                 "or the model, damaged, or the gain of Eq 18 too large?",
                 low_.file(), index, predictor_.name()));
+        const double applied = omp_get_wtime();
+        const Strands plain = predictor_.without_network(low);
+        if (plain.count) moved_ += moved_mm(plain, out_.positions);
+        const double asked = omp_get_wtime();
+        out_.expected_error = predictor_.expected_error();
+        if (simulated_) put_simulated(low, index);
         const double reconstructed = omp_get_wtime();
         if (display_) {
             out_.displayed = out_.positions;
             display_->apply(out_.displayed, low.head, low_.header().time(index));
         }
-        const double end = omp_get_wtime();
-        if (const Strands plain = predictor_.without_network(low); plain.count)
-            moved_ += moved_mm(plain, out_.positions);
+        const double end = omp_get_wtime(), own = end - begin - (asked - applied);
         ++frames_;
         out_.head = low.head;
-        out_.seconds = low.seconds + end - begin;
-        out_.stage_seconds = {float(low.seconds), float(reconstructed - begin), float(end - reconstructed)};
+        out_.seconds = low.seconds + own;
+        out_.stage_seconds = {float(low.seconds), float(own - (end - reconstructed)),
+                              float(end - reconstructed)};
         // Frame 0 is a state that nothing was computed for, and warms up.
-        if (index > 0) seconds_.push_back(out_.seconds), own_seconds_.push_back(end - begin);
+        if (index > 0) seconds_.push_back(out_.seconds), own_seconds_.push_back(own);
         return out_;
+    }
+    // Those that are simulated take the place of predicted ones.
+    void put_simulated(const RunFrame& low, int index) {
+        simulated_->put(low.head, out_.positions);
+        const size_t pieces = out_.expected_error.size() / size_t(out_.positions.count);
+        for (const int s : simulated_->strands())
+            std::fill_n(&out_.expected_error[size_t(s) * pieces], pieces, 0.f);
+        if (!alone_) return;
+        Strands together = out_.positions;
+        alone_->apply(together, low.head, low_.header().time(index));
+        for (const int s : simulated_->strands())
+            std::copy_n(together.strand(s), together.particles, out_.positions.strand(s));
     }
     // Moves on to the last of `frames` frames that are there already, of which it sees only those that the
     // prediction of the next one needs.
@@ -160,6 +230,8 @@ class FramePredictor {
     Predictor& predictor_;
     DisplayOn* display_;
     const LowRun& low_;
+    SimulatedStrands* simulated_;
+    DisplayOn* alone_;
     RunFrame out_;
     std::vector<double> seconds_, own_seconds_;
     double moved_ = 0;
@@ -182,26 +254,51 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
     if (method.is_settled()) {
         if (simulated_wet(low.header()))
             throw Misuse("--settled: " + low.file() + " was simulated wet, allowed is a dry run");
-        settled = settled_of(scene, scene_file, substeps_of(low.header()), request.device);
+        settled =
+            settled_of(scene, scene_file, low.header().groom, substeps_of(low.header()), request.device);
     }
     if (method.card()) compare_with_training(method, low);
+    std::optional<Scene> wet;  // as it is simulated
+    if (request.again) wet = scene;
+    if (method.as<StrandNetworkMethod>() && scene.fps != low.header().fps)
+        throw Error(fmt::format("{}: found {:g} frames a second, allowed {:g}, as {} has it", low.file(),
+                                low.header().fps, scene.fps, scene_file));
     const bool clumps = set_up(method, scene);
     const auto predictor =
         predictor_of(method, {scene, scene_file, low.header(), low.file(), clumps, request.device,
                               request.threads, settled ? &*settled : nullptr});
     std::optional<DisplayOn> display;
     if (clumps) display.emplace(request.device, scene);
+    InterruptGuard guard;
+    std::optional<SimulatedStrands> simulated;
+    std::optional<DisplayOn> alone;
+    if (request.again) {
+        if (low.header().start != 0 || wet->saturation.empty())
+            throw Misuse(
+                low.header().start != 0
+                    ? "--within: found a run that begins within another one, allowed is one from rest"
+                    : "--within: found a scene that does not say how wet its hair is");
+        const auto probe =
+            predictor_of(method, {scene, scene_file, low.header(), low.file(), clumps, request.device,
+                                  request.threads, settled ? &*settled : nullptr});
+        auto strands = not_trusted(*probe, *request.again, request.frames, request.within, guard);
+        if (!strands.empty()) {
+            simulated.emplace(*wet, scene_file, std::move(strands), request);
+            if (!clumps && wet->cohesion) alone.emplace(request.device, *wet);
+        }
+    }
     const double preparation = omp_get_wtime() - begun;
 
-    InterruptGuard guard;
-    const RunHeader header = header_of(*predictor, method, scene, low, request.device);
+    RunHeader header = header_of(*predictor, method, scene, low, request.device);
+    if (request.again) header.method += fmt::format(", within {:g} mm", 1e3 * request.within);
     if (whole) return require_whole(*whole, header, request.frames);
     if (broken) log_info(fmt::format("{}: going on at frame {}", request.output, broken->frames));
     if (broken) require_same(*broken, header);
     if (!place) place.emplace(request.output, request.overwrite);
     RunWriter writer =
         broken ? RunWriter(std::move(*place), header, broken->frames) : RunWriter(std::move(*place), header);
-    FramePredictor frame_predictor(*predictor, display ? &*display : nullptr, low);
+    FramePredictor frame_predictor(*predictor, display ? &*display : nullptr, low,
+                                   simulated ? &*simulated : nullptr, alone ? &*alone : nullptr);
     FrameWindow window(low.source(), low.header());
     FrameWatch watch(scene.groom, header.fps);
     if (broken) look_at(*broken, watch);
@@ -245,6 +342,13 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
               {"cohesion_after", clumps},
               {"extremes", json_of(watch)}};
     if (broken) json["resumed_at"] = broken->frames;
+    if (request.again) {
+        const size_t count = simulated ? simulated->strands().size() : 0;
+        json["within_mm"] = 1e3 * request.within, json["simulated_strands"] = count;
+        log_info(
+            fmt::format("{}: {} of {} strands are expected to be off by more than {:g} mm and were simulated",
+                        request.output, count, scene.groom.rest.count, 1e3 * request.within));
+    }
     const std::string mover = method.as<InterpolationMethod>() ? ""
                               : method.as<OracleMethod>()      ? "oracle"
                                                                : "network";

@@ -13,6 +13,8 @@ struct PredictionRequest {
     int threads;
     bool overwrite = false;  // an output that is there
     bool resume = false;     // goes on with what a broken run left at the output
+    double within = 0;  // [m] strands that are expected to be off by more are simulated; with `again` alone
+    LowRun* again = nullptr;  // the low-resolution run a second time, to see first which these are
 };
 
 // `scene`: at the resolution to predict; it was read from `scene_file`. Throws Misuse where the method does

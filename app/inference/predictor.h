@@ -21,6 +21,8 @@ class Predictor {
     virtual void apply(int frame, const RunFrame& low, const HeadWindow& heads, Strands& p) = 0;
     // How many frames before one it must have seen to predict that one.
     virtual int memory() const { return 0; }
+    // Of the frame applied last, as RunFrame has it; empty: nothing is known of errors.
+    virtual std::vector<float> expected_error() { return {}; }
     // What `apply` would have returned without the network, of the frame applied last; empty where there is
     // none.
     virtual Strands without_network(const RunFrame&) { return {}; }

@@ -31,6 +31,15 @@ Quad quad_of(const TransformSettings& t, const PredictionInput& input, const std
             float(input.scene.cohesion ? input.scene.cohesion->h_c : 0.012)};
 }
 
+Stencil nested_stencil_of(int roots, const PredictionInput& input) {
+    try {
+        require_nested(input.scene.groom, input.low.groom);
+    } catch (const Error& e) {
+        throw Error(input.low_file + ", " + input.scene_file + ": " + e.what());
+    }
+    return stencil_of(roots, input.scene.groom, input.low.groom);
+}
+
 class QuadPredictor : public Predictor {
   public:
     std::string name() const override { return name_; }
@@ -43,8 +52,8 @@ class QuadPredictor : public Predictor {
   protected:
     // `kind`: of the colours.
     QuadPredictor(const std::string& kind, const Quad& q, const PredictionInput& input)
-        : transform_(q.form, stencil_of(q.roots, input.scene.groom, input.low.groom), input.scene.groom,
-                     input.low.groom, input.low.saturation, q.radius, float(q.gain), q.units),
+        : transform_(q.form, nested_stencil_of(q.roots, input), input.scene.groom, input.low.groom,
+                     input.low.saturation, q.radius, float(q.gain), q.units),
           name_(kind + (q.form == Reconstruction::paper ? ", paper" : ", core and detail") +
                 suffix_of(q.roots)) {}
     void name_gain(const Quad& q) {
@@ -135,6 +144,7 @@ std::unique_ptr<Predictor> predictor_of(const RootNetworkMethod& method, const P
 std::unique_ptr<Predictor> predictor_of(const OracleMethod& method, const PredictionInput& input) {
     const Quad q = quad_of(method.transform, input);
     RunPair pair(input.low_file, method.truth);
+    pair.require_nested();
     if (method.by_weights) return std::make_unique<OracleWeights>(std::move(pair), q, input);
     return std::make_unique<OracleColours>(pair, method.colour_units, q, input);
 }

@@ -3,6 +3,7 @@
 
 #include "app/engine/device.h"
 #include "app/engine/learned_hair.h"
+#include "app/engine/run_of_scene.h"
 #include "app/inference/predictor.h"
 #include "base/network_channels.h"
 #include "learn/codec/encode_runs.h"
@@ -64,10 +65,13 @@ class NetworkStrands final : public Predictor {
   public:
     NetworkStrands(const StrandNetworkMethod& method, const PredictionInput& input)
         : learned_(learned_strands_of(method.model, input.scene, input.scene_file, input.low.groom,
-                                      input.device, input.threads, input.settled)),
+                                      1 / (input.low.fps * substeps_of(input.low)), input.device,
+                                      input.threads, input.settled)),
           name_(method.card.architecture + " " + std::filesystem::path(method.model).stem().string() +
                 (method.settled ? ", settled" : "") + (method.crop ? ", cropped" : "") +
                 (input.clumps ? ", Eq 10" : "")),
+          tells_(!method.crop),
+          memory_(lags_in_frames(input.low.fps).back()),
           low_(input.low.groom.rest),
           high_(input.scene.groom.rest) {
         if (method.crop) learned_->crop(wet_strands_of(input.scene));
@@ -80,12 +84,17 @@ class NetworkStrands final : public Predictor {
         if (p.points.data() != bound_) learned_->bind(low_.points.data(), bound_ = p.points.data());
         learned_->run(heads);
     }
-    int memory() const override { return history_lags.back(); }
+    int memory() const override { return memory_; }
+    std::vector<float> expected_error() override {
+        return tells_ ? learned_->expected_errors() : std::vector<float>();
+    }
     Strands without_network(const RunFrame& low) override { return learned_->base(low.head); }
 
   private:
     std::unique_ptr<LearnedStrands> learned_;
     std::string name_;
+    bool tells_;  // of what is not asked for, no error is known
+    int memory_;
     Strands low_;  // where the network reads
     const Strands& high_;
     Vec3f* bound_ = nullptr;  // where it writes
@@ -95,7 +104,7 @@ class NetworkStrands final : public Predictor {
 
 std::string suffix_of(int roots) { return roots == 3 ? ", 3 roots" : ""; }
 Stencil stencil_of(int roots, const Groom& high, const Groom& low) {
-    return roots == 3 ? triangle_stencil(high, low) : quad_stencil(high, low);
+    return roots == 3 ? triangle_stencil(high, low) : surrounding_stencil(high, low);
 }
 
 std::unique_ptr<Predictor> predictor_of(const InterpolationMethod& method, const PredictionInput& input) {

@@ -59,6 +59,8 @@ constexpr Row table[] = {
      "it moves dry strands to where wet ones rest, which only these start from"},
     {"--crop", [](const InferOptions& o) { return o.crop; }, strand_model_ways,
      "the other ways use no network, or one that needs the whole image"},
+    {"--within", [](const InferOptions& o) { return o.within.has_value(); }, strand_model_ways,
+     "no other way knows how far it is off"},
     {"--wet-shape", [](const InferOptions& o) { return o.wet_shape; }, rest_way,
      "it alone starts from a shape at rest, as drawn or after Eq 9"},
     {"--cohesion", [](const InferOptions& o) { return o.cohesion; }, interpolation_ways | strand_model_ways,

@@ -31,7 +31,8 @@ wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char
                         ": its water moves ([wetness.flow]), allowed is wetness that stays");
         Groom low = coarsened(scene.groom, 2);
         auto learned = learned_strands_of(found_or_installed(given(model, "wetcurl_open", "model")), scene,
-                                          scene_file, low, given(device, "wetcurl_open", "device"), count);
+                                          scene_file, low, 1 / (scene.fps * scene.integrator.substeps),
+                                          given(device, "wetcurl_open", "device"), count);
         const bool clumps = learned->card().target != "displayed" && scene.cohesion;
         if (clumps && scene.has_deforming_solid())
             throw Error(std::string(scene_file) +

@@ -53,6 +53,8 @@ Json json_of(const Comparison& c) {
             {"crowd_reference", c.crowd_reference},
             {"jitter_mm", json_of(c.jitter_mm)},
             {"jitter_reference_mm", json_of(c.jitter_reference_mm)},
+            {"expected_mm", json_of(c.expected_mm)},
+            {"expected_rank", json_of(c.expected_rank)},
             {"velocity_error_m_per_s", c.velocity_error}};
 }
 

@@ -225,6 +225,47 @@ class RunShape {
     std::deque<Pose> heads_;
 };
 
+// Places of values in their order, equal ones sharing the mean of theirs.
+std::vector<double> ranks_of(const std::vector<double>& values) {
+    std::vector<size_t> order(values.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return values[a] < values[b]; });
+    std::vector<double> ranks(values.size());
+    for (size_t begin = 0, end; begin < order.size(); begin = end) {
+        for (end = begin; end < order.size() && values[order[end]] == values[order[begin]];) ++end;
+        for (size_t k = begin; k < end; ++k) ranks[order[k]] = 0.5 * double(begin + end - 1);
+    }
+    return ranks;
+}
+
+// What a network expected of each strand, against how far it is off, means over the frames.
+class ExpectedError {
+  public:
+    void add(const Strands& a, const Strands& b, const std::vector<float>& expected) {
+        if (expected.empty()) return;
+        const size_t strands = size_t(a.count), pieces = expected.size() / strands;
+        expected_.resize(strands, 0), found_.resize(strands, 0);
+        for (size_t s = 0; s < strands; ++s) {
+            for (size_t k = 0; k < pieces; ++k)
+                expected_[s] += double(expected[s * pieces + k]) / double(pieces);
+            for (int i = 0; i < a.particles; ++i)
+                found_[s] += double(norm(b.at(int(s), i) - a.at(int(s), i))) / a.particles;
+        }
+        ++frames_;
+    }
+    void tell(Comparison& out) const {
+        if (!frames_) return;
+        double sum = 0;
+        for (double e : expected_) sum += e;
+        out.expected_mm = 1e3 * sum / double(expected_.size()) / frames_;
+        out.expected_rank = rank_correlation(expected_, found_);
+    }
+
+  private:
+    std::vector<double> expected_, found_;  // (strand), summed
+    int frames_ = 0;
+};
+
 // Equal particles of both runs.
 class PositionError {
   public:
@@ -374,6 +415,17 @@ void require_comparable(const RunReader& reference, const RunReader& other, int 
 
 }  // namespace
 
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+    const std::vector<double> x = ranks_of(a), y = ranks_of(b);
+    const double mean = 0.5 * double(a.size() - 1);
+    double xx = 0, yy = 0, xy = 0;
+    for (size_t k = 0; k < x.size(); ++k) {
+        xx += (x[k] - mean) * (x[k] - mean), yy += (y[k] - mean) * (y[k] - mean);
+        xy += (x[k] - mean) * (y[k] - mean);
+    }
+    return xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : 0;
+}
+
 double inverse_circumradius(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     const Vec3d u = cast<double>(b - a), v = cast<double>(c - b), w = cast<double>(c - a);
     const double sides = norm(u) * norm(v) * norm(w);
@@ -457,6 +509,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
 
     RunShape shape_a(reference), shape_b(other);
     PositionError position(groom);
+    ExpectedError expected;
     SolidError solid_error(solid, groom, other.frame(0).head);
     Mean curvature_error, curvature, velocity, strands;
     std::array<Mean, 3> f1;
@@ -470,6 +523,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
         const Strands &a = frame_a.seen(), &b = frame_b.seen();
         const bool sampled = (f - first_frame) % step == 0;
         position.add(a, b, frame_a.head, where);
+        expected.add(a, b, frame_b.expected_error);
         shape_a.add(a, frame_a.head, sampled);
         shape_b.add(b, frame_b.head, sampled);
         add_curvature(a, b, curvature_error, curvature);
@@ -486,6 +540,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
     out.seconds_per_frame = seconds_per_frame(other, first_frame, end);
     out.seconds_per_frame_reference = seconds_per_frame(reference, first_frame, end);
     position.tell(out);
+    expected.tell(out);
     solid_error.tell(out);
     for (size_t t = 0; t < 3; ++t) out.f1[t] = f1[t].value();
     out.curvature_error = ratio(curvature_error.value(), curvature.value());

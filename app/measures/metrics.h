@@ -59,6 +59,9 @@ struct Comparison {
     // Root mean square third difference over frames while the head stands still [mm]; none where it never
     // does.
     std::optional<double> jitter_mm, jitter_reference_mm;
+    // How far strands were expected to be off by the network itself [mm], and how well it ranks them by their
+    // means over the frames (Spearman's rank correlation); none where it did not say.
+    std::optional<double> expected_mm, expected_rank;
     double velocity_error = 0;  // mean |v - v_ref| [m/s], v by differences of frames
 };
 
@@ -67,6 +70,9 @@ struct Comparison {
 // is left, or where a position is not finite.
 Comparison compare(const RunReader& reference, const RunReader& other, int first_frame,
                    const SolidDistance& solid);
+
+// Spearman's: of the ranks of equally many values; 0 where one has only equal values.
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
 
 // The parts, each of one frame.
 

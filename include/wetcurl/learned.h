@@ -17,7 +17,8 @@ typedef struct wetcurl_hair wetcurl_hair;
 /** Makes a hair, or returns NULL where that failed.
  *
  * - scene: a scene file (TOML). It describes the hair to predict, at full resolution, and how wet it is. The
- * dry strands are every second root of its grid each way.
+ * dry strands are every second root of its grid each way, and are taken to be simulated in the scene's
+ * substeps.
  * - model: a model file (HDF5) of codec strand. Where `wetcurl inspect model` prints low = "wet", it reads
  * wet strands of low resolution in place of dry ones.
  * - device: "cpu", "cuda" or "cuda:1".

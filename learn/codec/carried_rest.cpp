@@ -15,16 +15,6 @@ static Vec3f edge_of(const Strands& strands, int strand, int i) {
     return strands.at(strand, i + 1) - strands.at(strand, i);
 }
 
-// Mean square of how far two strands lie apart, seen from their roots [m^2].
-static float square_apart(const Vec3f* a, const Vec3f* b, int n) {
-    float sum = 0;
-    for (int i = 0; i < n; ++i) {
-        const Vec3f d = (a[i] - a[0]) - (b[i] - b[0]);
-        sum += dot(d, d) / float(n);
-    }
-    return sum;
-}
-
 // Of the strands around one those that are drawn as it is count most; a hundredth of its length apart is as
 // good as not.
 void RestCarrier::weigh(const Strands& drawn_cores) {
@@ -49,24 +39,16 @@ void RestCarrier::weigh(const Strands& drawn_cores) {
 // What each low-resolution strand's core has and those beside it have not, and by how much all of it a
 // high-resolution strand measures what is lost.
 void RestCarrier::find_own(const Groom& low, const Strands& drawn_cores) {
-    beside_.assign(size_t(low.rest.count), {});
     own_ = Strands(low.rest.count, particles_);
-    for (int row = 0; row < low.grid.height; ++row)
-        for (int column = 0; column < low.grid.width; ++column) {
-            const int s = low.grid.at(column, row);
-            if (s < 0) continue;
-            int* beside = beside_[size_t(s)].strand;
-            int count = 0;
-            for (auto [c, r] :
-                 {std::pair{column - 1, row}, {column + 1, row}, {column, row - 1}, {column, row + 1}})
-                if (c >= 0 && r >= 0 && c < low.grid.width && r < low.grid.height && low.grid.at(c, r) >= 0)
-                    beside[count++] = low.grid.at(c, r);
-            for (int i = 0; count > 1 && i + 1 < particles_; ++i) {  // one beside it says nothing of a mean
-                Vec3f& own = own_.at(s, i) = edge_of(low_rest_cores_, s, i);
-                for (int k = 0; k < count; ++k)
-                    own -= (1.f / float(count)) * edge_of(low_rest_cores_, beside[k], i);
-            }
+    for (int s = 0; s < low.rest.count; ++s) {
+        const int* beside = around_.beside[size_t(s)].strand;
+        const int count = int(std::count_if(beside, beside + Stencil::widest, [](int b) { return b >= 0; }));
+        for (int i = 0; count > 1 && i + 1 < particles_; ++i) {  // one beside it says nothing of a mean
+            Vec3f& own = own_.at(s, i) = edge_of(low_rest_cores_, s, i);
+            for (int k = 0; k < count; ++k)
+                own -= (1.f / float(count)) * edge_of(low_rest_cores_, beside[k], i);
         }
+    }
     constexpr float least_turn = 0.03f;  // of edges from those around [rad]; less says nothing
     const int n = particles_, width = around_.width;
     lost_weight_.resize(around_.weight.size());
@@ -177,7 +159,8 @@ RestCarrier::RestCarrier(RootLanes lanes, Stencil around, const Groom& high, con
     if (!low_is_wet_) return;
     low_offsets_ = Strands(low.rest.count, n);
     kept_.assign(size_t(blocks) * S::lanes, -1);
-    for (int s = 0; s < low.rest.count; ++s) kept_[size_t(lanes_.place_of(around_.twin[size_t(s)]))] = s;
+    for (int s = 0; s < low.rest.count; ++s)
+        if (const int twin = around_.twin[size_t(s)]; twin >= 0) kept_[size_t(lanes_.place_of(twin))] = s;
 }
 
 RestParticle<float> RestCarrier::rest(int strand, int particle) const {
@@ -221,7 +204,7 @@ void RestCarrier::follow(const Vec3f* low, const Pose& head) {
 
 float RestCarrier::lost_of(int low_strand) const {
     const int numbers = 3 * (particles_ - 1);
-    const Beside& beside = beside_[size_t(low_strand)];
+    const Beside& beside = around_.beside[size_t(low_strand)];
     const float* own = &own_.strand(low_strand)->x;
     const auto moved = [&](int k) { return &moved_.strand(k)->x; };
     S sums(0);
@@ -236,7 +219,7 @@ float RestCarrier::lost_of(int low_strand) const {
     return sum;
 }
 
-void RestCarrier::carry(int block, Vec3<S>* out) const {
+void RestCarrier::carry(int block, Vec3<S>* out, S* doubt) const {
     constexpr int most = Stencil::widest;
     const int n = particles_, width = around_.width;
     const size_t first = size_t(block) * S::lanes * width;
@@ -253,6 +236,21 @@ void RestCarrier::carry(int block, Vec3<S>* out) const {
     }
     // `out` holds how far cores have moved until a particle is there.
     weighted_columns(3 * n, width, row, &weight_[first], &out->x);
+    if (doubt) {
+        for (int place = 0; place < doubt_places; ++place) {
+            const int i = doubt_particle(n, place);
+            for (int lane = 0; lane < S::lanes; ++lane) {
+                float sum = 0;
+                for (int k = lane * width; k < (lane + 1) * width; ++k)
+                    for (int axis = 0; axis < 3; ++axis) {
+                        const float apart = row[k][3 * i + axis] - (&out[i].x)[axis][lane];
+                        sum += weight_[first + size_t(k)] * apart * apart;
+                    }
+                doubt[place].set(lane, std::sqrt(sum));
+            }
+        }
+        doubt[doubt_places] = lost;
+    }
     const Quat<S> to_root = conjugate(lanes_.rotation(block));
     const RestParticle<S>* rest = &rest_[size_t(block) * n];
     carry_rest<S>(

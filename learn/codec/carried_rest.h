@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "base/network_channels.h"
 #include "base/pack.h"
 #include "learn/codec/core_detail.h"
 #include "learn/codec/stencil.h"
@@ -49,11 +50,6 @@ WETCURL_HD void carry_rest(int n, const S& lost, Rest rest, Moved moved, Store s
     }
 }
 
-// The low-resolution strands beside one on the grid of roots, -1 where there is none.
-struct Beside {
-    int strand[4] = {-1, -1, -1, -1};
-};
-
 // How much an edge of a low-resolution strand has lost of `own`, by which it differs at rest from the mean of
 // those beside it [m^2]. `step(strand)` gives how far that edge of a strand has moved [m]. V: a vector, or
 // numbers of one, of which the results add up.
@@ -79,6 +75,9 @@ struct Settled {
 // Where these are far from the dry ones, on another side of the head, they move less with them.
 Settled settled_between(const Strands& dry, const Strands& wet);
 
+// Particle of `n` at one of the places, 0 to doubt_places - 1, at which doubt is measured.
+WETCURL_HD constexpr int doubt_particle(int n, int place) { return (n - 1) * (place + 1) / doubt_places; }
+
 class RestCarrier {
   public:
     using S = Pack<float>;
@@ -96,16 +95,17 @@ class RestCarrier {
     // with the same.
     void follow(const Vec3f* low, const Pose& head);
     // Of the frame followed last, out (particles): offsets of a block's strands in their root frames [m]. Any
-    // threads.
-    void carry(int block, Vec3<S>* out) const;
+    // threads. `doubt`, where given, receives how differently the strands around have moved, at doubt_places
+    // of the strand [m], and how much they have lost of their own, 0 to 1.
+    void carry(int block, Vec3<S>* out, S* doubt = nullptr) const;
 
     // The strands around each, weighed.
     const Stencil& around() const { return around_; }
     bool low_is_wet() const { return low_is_wet_; }
     RestParticle<float> rest(int strand, int particle) const;
-    const std::vector<Beside>& beside() const { return beside_; }  // (low strand)
-    const Strands& own() const { return own_; }                    // (low strand, edge) in the head's frame
-    const Settled& settled() const { return settled_; }            // empty: as they are
+    const std::vector<Beside>& beside() const { return around_.beside; }  // (low strand)
+    const Strands& own() const { return own_; }          // (low strand, edge) in the head's frame
+    const Settled& settled() const { return settled_; }  // empty: as they are
     // (high strand, width) [1/m^2]: what a strand loses of its own is the sum of these by what low-resolution
     // strands lose of theirs, but at least 0 and at most 1.
     const std::vector<float>& lost_weight() const { return lost_weight_; }
@@ -120,7 +120,6 @@ class RestCarrier {
     int particles_;
     bool low_is_wet_;
     Stencil around_;
-    std::vector<Beside> beside_;
     std::vector<float> lost_weight_;
     std::vector<RestParticle<S>> rest_;  // (block, particle)
     Strands low_rest_cores_;             // less those of Settled::more

@@ -12,6 +12,15 @@ Strands cores_of(const Strands& strands) {
     return cores;
 }
 
+float square_apart(const Vec3f* a, const Vec3f* b, int n) {
+    float sum = 0;
+    for (int i = 0; i < n; ++i) {
+        const Vec3f d = (a[i] - a[0]) - (b[i] - b[0]);
+        sum += dot(d, d) / float(n);
+    }
+    return sum;
+}
+
 float curl_radius(const Vec3f* p, int n, float beta, Vec3f* core) {
     core_of(p, n, beta, core);
     Vec3d mean{0, 0, 0};

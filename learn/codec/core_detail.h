@@ -67,6 +67,9 @@ struct CarriedTurn {
     }
 };
 
+// Mean square of how far two strands of n particles lie apart, seen from their roots [m^2].
+float square_apart(const Vec3f* a, const Vec3f* b, int n);
+
 // Root mean square distance of the detail from its mean [m]: the radius of a helix. `core` is scratch (n).
 float curl_radius(const Vec3f* p, int n, float beta, Vec3f* core);
 // One a strand.

@@ -16,10 +16,12 @@ DeviceInterpolator::DeviceInterpolator(Interpolation kind, const Stencil& stenci
       high_(high.rest.count),
       width_(stencil.width) {
     if (kind_ == Interpolation::rest) {
-        if (width_ != 4)
+        const StrandCodec codec(high, low, {}, shape, low_is_wet, {}, settled);
+        if (const int allowed = codec.carrier().around().width; width_ != allowed)
             throw Error("interpolation: found rest shapes carried by " + std::to_string(width_) +
-                        " roots, allowed on a CUDA device are 4; the CPU (--device cpu) takes either");
-        rest_.emplace(StrandCodec(high, low, {}, shape, low_is_wet, 0, settled), low);
+                        " roots, allowed on a CUDA device are " + std::to_string(allowed) +
+                        " of these strands; the CPU (--device cpu) takes either");
+        rest_.emplace(codec, low);
         return;
     }
     root_ = DeviceBuffer<Vec3f>(root_frames(high).root);

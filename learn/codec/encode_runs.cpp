@@ -16,9 +16,6 @@ RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
              << wet_path << " has it)";
         throw Error(text.str());
     };
-    if (d.stride != 2 * w.stride)
-        throw Error(dry_path + ": stride of its grid: found " + std::to_string(d.stride) + ", allowed " +
-                    std::to_string(2 * w.stride) + ", twice that of " + wet_path);
     same("seed", d.seed, w.seed);
     same("frames", dry->frames(), wet->frames());
     same("frames a second", d.fps, w.fps);
@@ -29,10 +26,28 @@ RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
                     "--dry, of a scene with [wetness])");
     if (w.saturation.empty())
         throw Error(wet_path + ": knows no saturation, allowed is a run of a scene with [wetness]");
+    same("particles of a strand", d.groom.rest.particles, w.groom.rest.particles);
+    if (d.groom.rest.count >= w.groom.rest.count)
+        throw Error(dry_path + ": found " + std::to_string(d.groom.rest.count) +
+                    " low-resolution strands, allowed are fewer than " + std::to_string(w.groom.rest.count) +
+                    ", which " + wet_path + " has");
+    require_part();
+}
+
+void RunPair::require_part() const {
+    if (dry->header().guides > 0 && wet->header().stride > 1) return;  // guides are of the whole groom
     try {
-        require_nested(w.groom, d.groom);
+        wetcurl::require_part(wet->header().groom, dry->header().groom);
     } catch (const Error& e) {
-        throw Error(dry_path + ", " + wet_path + ": " + e.what());
+        throw Error(dry->path() + ", " + wet->path() + ": " + e.what());
+    }
+}
+
+void RunPair::require_nested() const {
+    try {
+        wetcurl::require_nested(wet->header().groom, dry->header().groom);
+    } catch (const Error& e) {
+        throw Error(dry->path() + ", " + wet->path() + ": " + e.what());
     }
 }
 
@@ -58,8 +73,8 @@ static void for_each_frame(const RunPair& pair, const std::string& what, Visit v
 }
 
 StrandEncoder::StrandEncoder(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                             const Strands* shape, bool low_is_wet, double reach)
-    : codec_(high, low, saturation, shape, low_is_wet, reach) {}
+                             const Strands* shape, bool low_is_wet, const HairTraits& traits)
+    : codec_(high, low, saturation, shape, low_is_wet, traits) {}
 
 StrandPairs StrandEncoder::begin(int frames, bool displayed) const {
     std::vector<int> all(static_cast<size_t>(frames));
@@ -84,14 +99,14 @@ double StrandEncoder::encode(const Strands& wet, std::vector<float>& target) {
     return 1e3 * sum / double(wet.points.size());
 }
 
-double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape, double reach) {
+double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape, const HairTraits& traits) {
     const RunHeader& wet_header = pair.wet->header();
     if (!pair.wet->frame(0).saturation.empty())
         throw Error(pair.wet->path() +
                     ": its water moves ([wetness.flow]), allowed for the strand codec is "
                     "wetness that stays; --codec root takes each frame's");
     StrandEncoder encoder(wet_header.groom, pair.dry->header().groom, wet_header.saturation, shape,
-                          simulated_wet(pair.dry->header()), reach);
+                          simulated_wet(pair.dry->header()), traits);
     const bool displayed = !pair.wet->frame(0).displayed.points.empty();
     out.begin(encoder.begin(pair.dry->frames(), displayed));
     std::vector<float> target, after;
@@ -134,6 +149,7 @@ void encode_roots(const std::vector<RunPair>& pairs, float support_radius, Pairs
                   ShiftUnits units) {
     ColourBox box;
     std::vector<PairRoots> all;
+    for (const RunPair& pair : pairs) pair.require_nested();
     for (const RunPair& pair : pairs) all.push_back(roots_of(pair, support_radius, units, box));
     if (!(box.diagonal() > 0))
         throw Error("root codec: all roots lie in one point, allowed is a box with a diagonal");

@@ -11,12 +11,17 @@
 
 namespace wetcurl {
 
-// A dry run and its wet twin of twice the resolution each way.
+// A low-resolution run and the wet one that it goes with.
 struct RunPair {
     std::unique_ptr<RunReader> dry, wet;
-    // Opens both. Throws Error unless they show the same seed, frames, rate and head motion, the dry grid
-    // nests in the wet one, and the wet run knows its saturation.
+    // Opens both. Throws Error unless they show the same seed, frames, rate and head motion, the first has
+    // fewer strands, which are the other's, and the wet run knows its saturation.
     RunPair(const std::string& dry_path, const std::string& wet_path);
+    // Throws Error unless the first has every second root each way of the other.
+    void require_nested() const;
+
+  private:
+    void require_part() const;
 };
 
 // Whether water acted on the strands of a run.
@@ -27,11 +32,11 @@ class StrandEncoder {
   public:
     // As of a StrandCodec.
     StrandEncoder(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                  const Strands* shape, bool low_is_wet = false, double reach = 0);
+                  const Strands* shape, bool low_is_wet = false, const HairTraits& traits = {});
     StrandPairs begin(int frames, bool displayed) const;
     // Every frame of the low-resolution run, in order: world positions.
     void take_up(const Strands& low, const HeadWindow& heads);
-    // The features of the frame taken up last: dynamic (153, H, W).
+    // The features of the frame taken up last: dynamic (dynamic_channels, H, W).
     const std::vector<float>& dynamic() const { return dynamic_; }
     // World positions of the wet strands then, as amplitudes over the base: (72, H, W). Returns the mean
     // distance that this costs them [mm].
@@ -51,10 +56,10 @@ std::vector<float> root_colours(const RootImage& image, const Strands& strands,
 
 // These throw Interrupted; what was added is in `out`.
 
-// Adds the pair to `out` (codec strand); `shape` and `reach` as of a StrandCodec. Returns the mean distance
+// Adds the pair to `out` (codec strand); `shape` and `traits` as of a StrandCodec. Returns the mean distance
 // that encoding costs the wet strands before cohesion [mm].
 double encode_strands(const RunPair& pair, PairsWriter& out, const Strands* shape = nullptr,
-                      double reach = 0);
+                      const HairTraits& traits = {});
 
 // The roots of a pair's frames [m]: dry ones, and wet ones shifted by Eq 16.
 struct PairRoots {

@@ -17,14 +17,25 @@ void require_fit(const ModelCard& card, const StrandCodec& codec) {
     const std::string network = "network " + card.architecture + ": ";
     if (card.codec != "strand")
         throw Error(network + "found one of codec " + card.codec + ", allowed is codec strand");
-    if (card.input_channels != strand_channels)
-        throw Error(network + "found " + std::to_string(card.input_channels) + " inputs, allowed " +
-                    std::to_string(strand_channels) + " (made by another wetcurl? encode and train again)");
+    if (card.input_channels != strand_channels || card.output_channels != strand_outputs)
+        throw Error(network + "found " + std::to_string(card.input_channels) + " inputs and " +
+                    std::to_string(card.output_channels) + " outputs, allowed " +
+                    std::to_string(strand_channels) + " and " + std::to_string(strand_outputs) +
+                    " (made by another wetcurl? encode and train again)");
     // Amplitudes do not know how many particles they come of, as long as these carry them all.
     if (codec.particles() < dct_kept)
         throw Error(network + "predicts " + std::to_string(dct_kept) + " amplitudes an axis, the hair has " +
                     std::to_string(codec.particles()) + " particles a strand; allowed " +
                     std::to_string(dct_kept) + " or more");
+}
+
+std::vector<float> in_metres(std::vector<float> answered, const std::vector<int>& pixel_of,
+                             const std::vector<float>& length) {
+    constexpr float largest = 20;  // of what a damaged network answers, so that it stays a number
+    for (size_t k = 0; k < answered.size(); ++k)
+        answered[k] = usual_error * std::exp(std::clamp(answered[k], -largest, largest)) *
+                      length[size_t(pixel_of[k / error_pieces])];
+    return answered;
 }
 
 void require_finite(const Vec3f* low, size_t count, int particles) {
@@ -55,12 +66,13 @@ class StrandsOnCpu final : public LearnedStrands {
           codec_(std::move(codec)),
           rounds_(length_rounds_of(network_->card())) {
         require_fit(network_->card(), codec_);
+        errors_.resize(size_t(lanes().blocks()) * error_pieces);
         if (const auto layers = network_->strand_layers()) {
-            if (layers->inputs != strand_channels || layers->outputs != strand_coefficients)
+            if (layers->inputs != strand_channels || layers->outputs != strand_outputs)
                 throw Error("network " + card().architecture + ": found layers of " +
                             std::to_string(layers->inputs) + " inputs and " +
                             std::to_string(layers->outputs) + " outputs, allowed " +
-                            std::to_string(strand_channels) + " and " + std::to_string(strand_coefficients));
+                            std::to_string(strand_channels) + " and " + std::to_string(strand_outputs));
             std::vector<S> fixed(size_t(lanes().blocks()) * static_channels);
             for (int block = 0; block < lanes().blocks(); ++block)
                 codec_.read_image(block, static_channels, codec_.fixed().data(),
@@ -69,7 +81,7 @@ class StrandsOnCpu final : public LearnedStrands {
                               body == Body::single_precision);
         } else {
             input_.resize(size_t(strand_channels) * codec_.pixels());
-            answer_.resize(size_t(strand_coefficients) * codec_.pixels());
+            answer_.resize(size_t(strand_outputs) * codec_.pixels());
             std::copy(codec_.fixed().begin(), codec_.fixed().end(), input_.begin());
         }
     }
@@ -82,7 +94,7 @@ class StrandsOnCpu final : public LearnedStrands {
         crop_ = crop_to(codec_.grid(), wanted, network_->reach(), card().architecture);
         if (in_lanes_) return in_lanes_->crop(*crop_);
         const size_t seen = size_t(crop_->seen.height) * crop_->seen.width;
-        seen_.resize(strand_channels * seen), answer_of_seen_.resize(strand_coefficients * seen);
+        seen_.resize(strand_channels * seen), answer_of_seen_.resize(strand_outputs * seen);
         std::fill(answer_.begin(), answer_.end(), 0.f);
     }
     void bind(const Vec3f* low, Vec3f* out, bool on_device) override {
@@ -104,6 +116,12 @@ class StrandsOnCpu final : public LearnedStrands {
     }
     void restart() override { codec_.restart(); }
     Strands base(const Pose& head) override { return codec_.base(head, rounds_); }
+    std::vector<float> expected_errors() override {
+        std::vector<float> out(size_t(codec_.roots().count()) * error_pieces);
+        for (int block = 0; block < lanes().blocks(); ++block)
+            lanes().store(block, error_pieces, &errors_[size_t(block) * error_pieces], out.data());
+        return in_metres(std::move(out), codec_.pixel_of(), codec_.length());
+    }
 
   private:
     using S = StrandCodec::S;
@@ -126,10 +144,10 @@ class StrandsOnCpu final : public LearnedStrands {
             in_lanes_->run();
 #pragma omp for schedule(static)
             for (size_t g = 0; g < groups.size(); ++g) {
-                S answer[together * strand_coefficients];
+                S answer[together * strand_outputs];
                 in_lanes_->end(groups[g], answer);
                 for (int b = 0; b < groups[g].count; ++b)
-                    place(groups[g].first + b, answer + b * strand_coefficients, head);
+                    place(groups[g].first + b, answer + b * strand_outputs, head);
             }
         }
     }
@@ -147,14 +165,15 @@ class StrandsOnCpu final : public LearnedStrands {
         ask();
 #pragma omp parallel for schedule(static)
         for (int block = 0; block < lanes().blocks(); ++block) {
-            S answer[strand_coefficients];
-            codec_.read_image(block, strand_coefficients, answer_.data(), answer);
+            S answer[strand_outputs];
+            codec_.read_image(block, strand_outputs, answer_.data(), answer);
             place(block, answer, head);
         }
     }
     void place(int block, const S* answer, const Pose& head) {
         Vec3<S>* const x = room_.mine();
         codec_.place(block, answer, rounds_, head, x);
+        std::copy_n(answer + answered_errors.first, error_pieces, &errors_[size_t(block) * error_pieces]);
         if (outside_) outside_->push(block, head, x);
         lanes().store(block, 3 * codec_.particles(), &x->x, &to_->x);
     }
@@ -174,7 +193,7 @@ class StrandsOnCpu final : public LearnedStrands {
             std::copy_n(&input_[in_grid], seen.width, &seen_[in_seen]);
         });
         network_->run(seen_.data(), {1, strand_channels, seen.height, seen.width}, answer_of_seen_.data());
-        for_each_row(answered, strand_coefficients, [&](size_t in_seen, size_t in_grid) {
+        for_each_row(answered, strand_outputs, [&](size_t in_seen, size_t in_grid) {
             std::copy_n(&answer_of_seen_[in_seen], answered.width, &answer_[in_grid]);
         });
     }
@@ -187,6 +206,7 @@ class StrandsOnCpu final : public LearnedStrands {
     // A residual network for strands runs here; any other by itself, on whole images.
     std::optional<LaneNetwork> in_lanes_;
     std::vector<float> input_, answer_, seen_, answer_of_seen_;
+    std::vector<S> errors_;  // (block, error_pieces), as answered
     ThreadRoom<Vec3<S>> room_;
     const Vec3f* from_ = nullptr;
     Vec3f* to_ = nullptr;

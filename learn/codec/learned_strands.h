@@ -46,6 +46,9 @@ class LearnedStrands {
     // The frame run last, had the network said nothing, wherever the head is: (high strands, particles),
     // world [m].
     virtual Strands base(const Pose& head) = 0;
+    // Of the frame run last, how far from the simulation each piece of a strand is expected to be on average,
+    // root first: (high strands, error_pieces) [m].
+    virtual std::vector<float> expected_errors() = 0;
 };
 
 // On the CPU; a network without strand_layers() may run elsewhere. `body`: of those with them; others have
@@ -58,6 +61,9 @@ std::unique_ptr<LearnedStrands> learned_strands(std::unique_ptr<Network> network
 int length_rounds_of(const ModelCard& card);
 // Throws Error unless there are so many rounds.
 void require_rounds(int rounds);
+// What a network answers of errors (strand, error_pieces), in metres; pixel_of (strand), length (pixel) [m].
+std::vector<float> in_metres(std::vector<float> answered, const std::vector<int>& pixel_of,
+                             const std::vector<float>& length);
 // Throws Error unless the card's network takes what the codec gives.
 void require_fit(const ModelCard& card, const StrandCodec& codec);
 // Throws Error, naming strand and particle, where one of `count` positions is not finite.

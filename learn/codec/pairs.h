@@ -1,15 +1,16 @@
-// The pairs file: what training reads. HDF5 "wetcurl pairs", version 4, one group runs/NNN an encoded pair of
+// The pairs file: what training reads. HDF5 "wetcurl pairs", version 5, one group runs/NNN an encoded pair of
 // runs.
 //
 // Attributes: `codec` (strand | root | adhesion), `particles` a strand, `low` (dry, or wet where the
-// low-resolution runs were simulated wet too), `low_substeps` (theirs a frame, where they agree), `floor_mm`
+// low-resolution runs were simulated wet too), `low_substeps` (the fewest of theirs a frame), `floor_mm`
 // (codec strand: mean distance that encoding alone costs), `support_radius` (codec root: h of Eq 16 [m],
 // where they agree, or 0), `colour_units` (codec root: how Eq 16 is read, length | printed; absent: length),
 // and the inputs with their hashes ("input 000 dry", "input 000 wet": "FILE HASH").
 //
 // codec strand, F frames, (H, W) the high-resolution root grid:
-//   static (85, H, W) f32, dynamic (F, 153, H, W) f32: channels in base/network_channels.h; the first 72
-//   of `dynamic` are the base; target (F, 72, H, W) f32: wet amplitudes before cohesion, less the base;
+//   static (static_channels, H, W) f32, dynamic (F, dynamic_channels, H, W) f32: base/network_channels.h; the
+//   first 72 of `dynamic` are the base; target (F, 72, H, W) f32: wet amplitudes before cohesion, less the
+//   base, by the strand's length;
 //   displayed (F, 72, H, W) f32, where known: the same after cohesion; mask (H, W) u8: 1 where a strand is;
 //   length (H, W) f32 [m]; frame (F) i32, where known: which of the run's frames these are, rising.
 //   Amplitudes: learn/codec/dct.h.
@@ -28,7 +29,7 @@
 namespace wetcurl {
 
 inline constexpr const char* pairs_format = "wetcurl pairs";
-inline constexpr int pairs_version = 4, oldest_pairs_version = 4;  // before: another base
+inline constexpr int pairs_version = 5, oldest_pairs_version = 5;  // before: other channels
 
 enum class Codec { strand, root, adhesion };
 std::string name_of(Codec codec);
@@ -71,7 +72,7 @@ class PairsWriter {
     void link(const std::string& file);
     // A group of its own.
     void add(const std::vector<AdhesionSample>& samples);
-    // What the low-resolution runs are; substeps 0: not all the same.
+    // What the low-resolution runs are; substeps: the fewest a frame, 0: not known.
     void low(bool wet, int substeps);
     // b_min, b_max of codec root [m].
     void box(const double lower[3], const double upper[3]);
@@ -100,7 +101,7 @@ class PairsReader {
     const std::string& path() const { return file_.path(); }
     // What the low-resolution runs are: dry | wet.
     std::string low() const;
-    int low_substeps() const;  // of theirs a frame, 0: not known, or not all the same
+    int low_substeps() const;  // the fewest of theirs a frame, 0: not known
 
     // 0 ≤ run < runs(), 0 ≤ frame < frames. Shapes are checked against each other; Error names what differs.
     StrandPairs strand(int run) const;

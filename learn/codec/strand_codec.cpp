@@ -2,6 +2,7 @@
 #include "learn/codec/strand_codec.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "learn/codec/edge_lengths.h"
@@ -37,14 +38,56 @@ static float root_spacing(const Groom& groom, int pixel) {
     return count ? sum / float(count) : 0;
 }
 
+// Root mean square distance of the roots from their middle [m].
+static double scalp_size(const Strands& rest) {
+    Vec3d sum{0, 0, 0};
+    double squares = 0;
+    for (int s = 0; s < rest.count; ++s) {
+        const Vec3d x = cast<double>(rest.at(s, 0));
+        sum += x, squares += dot(x, x);
+    }
+    const Vec3d mean = (1.0 / rest.count) * sum;
+    return std::sqrt(std::max(0.0, squares / rest.count - dot(mean, mean)));
+}
+
+// The channels `guides` of a strand, in metres where they are lengths.
+static std::array<float, static_layout.guides.count> guides_around(int s, const Groom& high, const Groom& low,
+                                                                   const Strands& cores,
+                                                                   const Strands& low_cores,
+                                                                   const Stencil& around) {
+    float roots = 0, squares = 0, heaviest = 0, spacing = 0;
+    for (size_t k = size_t(s) * around.width; k < size_t(s + 1) * around.width; ++k) {
+        const int from = around.from[k];
+        const float weight = around.weight[k];
+        roots += weight * norm(low.rest.at(from, 0) - high.rest.at(s, 0));
+        squares += weight * square_apart(cores.strand(s), low_cores.strand(from), high.rest.particles);
+        heaviest = std::max(heaviest, weight);
+        float sum = 0;
+        int count = 0;
+        for (int beside : around.beside[size_t(from)].strand)
+            if (beside >= 0) sum += norm(low.rest.at(beside, 0) - low.rest.at(from, 0)), ++count;
+        if (count) spacing += weight * sum / float(count);
+    }
+    return {roots, std::sqrt(squares), heaviest, spacing};
+}
+
+std::array<int, history_lags.size()> lags_in_frames(double fps) {
+    std::array<int, history_lags.size()> out{};
+    for (size_t l = 0; l < out.size(); ++l)
+        out[l] = std::max(1, int(std::lround(history_lags[l] * fps / history_fps)));
+    return out;
+}
+
 StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                         const Strands* shape, bool low_is_wet, double reach, const Settled* settled)
+                         const Strands* shape, bool low_is_wet, const HairTraits& traits,
+                         const Settled* settled)
     : grid_(high.grid),
       pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
+      lags_(lags_in_frames(traits.fps)),
       dct_(high.rest.particles),
       roots_(root_frames(high)),
-      carrier_(RootLanes(StrandLanes::on_grid(high.grid, high.rest.count), roots_), quad_stencil(high, low),
-               high, low, shape, low_is_wet, settled),
+      carrier_(RootLanes(StrandLanes::on_grid(high.grid, high.rest.count), roots_),
+               surrounding_stencil(high, low), high, low, shape, low_is_wet, settled),
       base_(size_t(lanes().blocks()) * high.rest.particles) {
     const int n = particles(), strands = high.rest.count;
     if (!saturation.empty() && saturation.size() != high.rest.points.size())
@@ -57,32 +100,58 @@ StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<
     auto plane = [&](const Channels& channels) { return fixed_.data() + size_t(channels.first) * pixels(); };
     length_.assign(pixels(), 0);
     edges_.assign(high.rest.points.size(), 0);
-    const Strands& rest = shape ? *shape : high.rest;
-    encode(rest, Pose{}, plane(static_layout.rest));
-    const auto radius = curl_radii(rest);
+    const size_t blocks = size_t(lanes().blocks());
+    block_length_.assign(blocks, S(0)), per_length_ = swing_ = block_length_;
     for (int s = 0; s < strands; ++s) {
-        const size_t pixel = size_t(pixel_of_[size_t(s)]);
-        if (!saturation.empty())
-            profile(saturation.data() + size_t(s) * n, n, plane(static_layout.saturation) + pixel, pixels());
-        length_[pixel] = float(arc_length(high.rest.strand(s), n));
+        const float length = std::max(float(arc_length(high.rest.strand(s), n)), tiny_length<float>);
+        length_[size_t(pixel_of_[size_t(s)])] = length;
+        const int place = lanes().place_of(s), lane = place % S::lanes;
+        const size_t block = size_t(place / S::lanes);
+        block_length_[block].set(lane, length);
+        per_length_[block].set(lane, per_length(s)), swing_[block].set(lane, swing(s));
         for (int i = 1; i < n; ++i)
             edges_[size_t(s) * n + i] = norm(high.rest.at(s, i) - high.rest.at(s, i - 1));
-        plane(static_layout.length)[pixel] = length_[pixel];
-        plane(static_layout.radius)[pixel] = radius[size_t(s)];
-        plane(static_layout.spacing)[pixel] = root_spacing(high, int(pixel));
-        plane(static_layout.reach)[pixel] = float(reach);
     }
     block_edges_.resize(base_.size());
     for (int block = 0; block < lanes().blocks(); ++block)
         lanes().load(block, n, edges_.data(), &block_edges_[size_t(block) * n]);
-    for (int twin : carrier_.around().twin) plane(static_layout.shared)[size_t(pixel_of_[size_t(twin)])] = 1;
+
+    const Strands& rest = shape ? *shape : high.rest;
+    encode(rest, Pose{}, plane(static_layout.rest));
+    const auto radius = curl_radii(rest);
+    const Strands cores = cores_of(high.rest), low_cores = cores_of(low.rest);
+    const float scalp = float(scalp_size(high.rest));
+    for (int s = 0; s < strands; ++s) {
+        const size_t pixel = size_t(pixel_of_[size_t(s)]);
+        const float per = per_length(s), T = swing(s);
+        auto put = [&](const Channels& to, int k, float value) {
+            plane(to)[size_t(k) * pixels() + pixel] = value;
+        };
+        if (!saturation.empty())
+            profile(saturation.data() + size_t(s) * n, n, plane(static_layout.saturation) + pixel, pixels());
+        put(static_layout.radius, 0, per * radius[size_t(s)]);
+        put(static_layout.scalp, 0, per * scalp);
+        put(static_layout.spacing, 0, per * root_spacing(high, int(pixel)));
+        put(static_layout.reach, 0, per * float(traits.reach));
+        const auto [roots, apart, heaviest, beside] =
+            guides_around(s, high, low, cores, low_cores, carrier_.around());
+        put(static_layout.guides, 0, per * roots), put(static_layout.guides, 1, per * apart);
+        put(static_layout.guides, 2, heaviest), put(static_layout.guides, 3, per * beside);
+        const auto ratio = [](double a, double b) { return a > 0 && b > 0 ? a / b : 1.0; };
+        const double cube = std::pow(double(per), 3);
+        put(static_layout.fibre, 0,
+            float(std::log(ratio(traits.rigidity * cube, traits.density * double(standard_gravity)))));
+        put(static_layout.fibre, 1, float(std::log(ratio(traits.wet_rigidity, traits.rigidity))));
+        put(static_layout.fibre, 2, float(ratio(traits.wet_density, traits.density)));
+        put(static_layout.fibre, 3, T * float(traits.drag));
+        put(static_layout.fibre, 4, T * float(traits.wet_drag));
+        put(static_layout.fibre, 5, float(traits.low_step) / T);
+    }
 }
 
-static constexpr int slots = history_lags.back() + 1;  // frames that are kept
-
 void StrandCodec::begin(const HeadWindow& heads) {
-    if (frames_ == 0) past_.resize(size_t(slots) * lanes().blocks() * past_layout.count);
-    const int slot = (head_.slot + 1) % slots;
+    if (frames_ == 0) past_.resize(size_t(slots()) * lanes().blocks() * past_layout.count);
+    const int slot = (head_.slot + 1) % slots();
     head_ = HeadState(heads, frames_ == 0);
     head_.slot = slot, pose_ = heads.now;
     ++frames_;
@@ -90,25 +159,29 @@ void StrandCodec::begin(const HeadWindow& heads) {
 
 void StrandCodec::describe(int block, S* out) {
     Vec3<S>* const base = &base_[size_t(block) * particles()];
-    carrier_.carry(block, base);
+    S* const doubt = out + dynamic_layout.doubt.first;
+    carrier_.carry(block, base, doubt);
+    const S per = per_length_[size_t(block)], T = swing_[size_t(block)];
+    for (int place = 0; place < doubt_places; ++place) doubt[place] *= per;
     dct_.encode(base, out + dynamic_layout.base.first);
+    for (int m = 0; m < dynamic_layout.base.count; ++m) out[dynamic_layout.base.first + m] *= per;
 
     const Quat<S> to_root = conjugate(lanes().rotation(block));
     const Vec3<S>& root = lanes().root(block);
-    const S holds = lanes().holds(block);
-    auto put = [&](const Channels& to, const Vec3<S>& v) {
-        const Vec3<S> turned = holds * rotate(to_root, v);
+    const S per_gravity = lanes().holds(block) * S(1 / standard_gravity);
+    auto put = [&](const Channels& to, const S& unit, const Vec3<S>& v) {
+        const Vec3<S> turned = unit * rotate(to_root, v);
         out[to.first] = turned.x, out[to.first + 1] = turned.y, out[to.first + 2] = turned.z;
     };
-    put(dynamic_layout.gravity, cast<S>(head_.gravity));
-    put(dynamic_layout.turning, cast<S>(head_.turning));
-    put(dynamic_layout.acceleration, cast<S>(head_.pull) + root.x * cast<S>(head_.pull_x[0]) +
-                                         root.y * cast<S>(head_.pull_x[1]) +
-                                         root.z * cast<S>(head_.pull_x[2]));
+    put(dynamic_layout.gravity, per_gravity, cast<S>(head_.gravity));
+    put(dynamic_layout.turning, T, cast<S>(head_.turning));
+    put(dynamic_layout.acceleration, per_gravity,
+        cast<S>(head_.pull) + root.x * cast<S>(head_.pull_x[0]) + root.y * cast<S>(head_.pull_x[1]) +
+            root.z * cast<S>(head_.pull_x[2]));
 
     constexpr Channels change = past_layout.change;
     auto past = [&](int lag) {
-        const size_t slot = size_t((head_.slot + slots - lag) % slots);
+        const size_t slot = size_t((head_.slot + slots() - lag) % slots());
         return past_.data() + (slot * size_t(lanes().blocks()) + size_t(block)) * past_layout.count;
     };
     S* const now = past(0);
@@ -119,9 +192,9 @@ void StrandCodec::describe(int block, S* out) {
         now[past_layout.acceleration.first + axis] = out[dynamic_layout.acceleration.first + axis];
     }
     if (head_.first)
-        for (int lag = 1; lag < slots; ++lag) std::copy_n(now, past_layout.count, past(lag));
-    for (size_t l = 0; l < history_lags.size(); ++l) {
-        const S* then = past(history_lags[l]);
+        for (int lag = 1; lag < slots(); ++lag) std::copy_n(now, past_layout.count, past(lag));
+    for (size_t l = 0; l < lags_.size(); ++l) {
+        const S* then = past(lags_[l]);
         S* const to = out + dynamic_layout.past(int(l)).first;
         for (int k = 0; k < past_layout.count; ++k) to[k] = change.holds(k) ? now[k] - then[k] : then[k];
     }
@@ -130,11 +203,13 @@ void StrandCodec::describe(int block, S* out) {
 void StrandCodec::place(int block, const S* answer, int rounds, const Pose& head, Vec3<S>* out) const {
     const int n = particles();
     const Vec3<S>* const base = &base_[size_t(block) * n];
-    if (answer)
+    if (answer) {
+        const S length = block_length_[size_t(block)];
         dct_.decode(answer, out);
-    else
-        std::fill_n(out, n, Vec3<S>{S(0), S(0), S(0)});
-    for (int i = 0; i < n; ++i) out[i] += base[i];
+        for (int i = 0; i < n; ++i) out[i] = base[i] + length * out[i];
+    } else {
+        std::copy_n(base, n, out);
+    }
     lead_to_lengths(n, &block_edges_[size_t(block) * n], rounds, out);
     const Quat<S> to_world = lanes().rotation_at(block, head);
     const Vec3<S> root = lanes().root_at(block, head);
@@ -210,6 +285,7 @@ void StrandCodec::encode(const Strands& strands, const Pose& head, float* out) c
             for (Vec3<S>& x : offsets) x = rotate(to_root, x - root);
             S numbers[strand_coefficients];
             dct_.encode(offsets.data(), numbers);
+            for (S& number : numbers) number *= per_length_[size_t(block)];
             write_image(block, strand_coefficients, numbers, out);
         }
     }

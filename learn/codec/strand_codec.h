@@ -11,6 +11,8 @@
 // after it (displayed), less those of the base.
 #pragma once
 
+#include <cmath>
+
 #include "base/network_channels.h"
 #include "learn/codec/carried_rest.h"
 #include "learn/codec/dct.h"
@@ -18,15 +20,28 @@
 
 namespace wetcurl {
 
+// What is told of the hair beside its shape and its water; what is 0 is not known.
+struct HairTraits {
+    double rigidity = 0, wet_rigidity = 0;  // EI [N m^2], dry and at saturation 1
+    double density = 0, wet_density = 0;    // of its length [kg/m], likewise
+    double drag = 0, wet_drag = 0;          // on its motion against the root [1/s], likewise
+    double reach = 0;                       // of Eq 10 [m], 0 without it
+    double low_step = 0;                    // of the low-resolution run [s]
+    double fps = history_fps;               // frames a second
+};
+
+// Frames before one that a network sees: history_lags at so many frames a second.
+std::array<int, history_lags.size()> lags_in_frames(double fps);
+
 class StrandCodec {
   public:
     using S = Pack<float>;
-    // high: the rest groom at full resolution; low: that of the dry run, every second root each way of it;
-    // saturation: (high strand, particle), empty for dry; shape: the high strands at rest with their water,
-    // in the head's frame, null: as drawn; low_is_wet: the low-resolution run is a wet one; reach: of Eq 10
-    // [m], 0 without it; settled: as of RestCarrier. Throws Error where these do not fit.
+    // high: the rest groom at full resolution; low: that of the low-resolution run, a grid of its roots or
+    // any others; saturation: (high strand, particle), empty for dry; shape: the high strands at rest with
+    // their water, in the head's frame, null: as drawn; low_is_wet: the low-resolution run is a wet one;
+    // settled: as of RestCarrier. Throws Error where these do not fit.
     StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
-                const Strands* shape = nullptr, bool low_is_wet = false, double reach = 0,
+                const Strands* shape = nullptr, bool low_is_wet = false, const HairTraits& traits = {},
                 const Settled* settled = nullptr);
 
     const RootGrid& grid() const { return grid_; }
@@ -43,7 +58,12 @@ class StrandCodec {
 
     const std::vector<float>& fixed() const { return fixed_; }    // "static": (static_channels, H, W)
     const std::vector<uint8_t>& mask() const { return mask_; }    // (H, W)
-    const std::vector<float>& length() const { return length_; }  // (H, W) [m]
+    const std::vector<float>& length() const { return length_; }  // (H, W): L [m]
+    const std::array<int, history_lags.size()>& lags() const { return lags_; }  // [frames]
+    int slots() const { return lags_.back() + 1; }                              // frames that are kept
+    // (strand): 1 / L [1/m] and T [s].
+    float per_length(int strand) const { return 1 / length_[size_t(pixel_of_[size_t(strand)])]; }
+    float swing(int strand) const { return std::sqrt(1 / (per_length(strand) * standard_gravity)); }
     // (strand, particle): how long the edge to it is at rest [m], 0 at the root.
     const std::vector<float>& edges() const { return edges_; }
 
@@ -54,8 +74,8 @@ class StrandCodec {
     void follow(const Vec3f* low) { carrier_.follow(low, pose_); }
     // out (dynamic_channels): features of a block's strands, whose base it takes up.
     void describe(int block, S* out);
-    // Places a block's strands in the world at the frame's head pose: `answer` (72) amplitudes, added to the
-    // base; null: nothing is. Edges are led toward their lengths in so many rounds. out (particles) [m].
+    // Places a block's strands in the world at the frame's head pose: `answer` (72) amplitudes [L], added to
+    // the base; null: nothing is. Edges are led toward their lengths in so many rounds. out (particles) [m].
     void place(int block, const S* answer, int rounds, const Pose& head, Vec3<S>* out) const;
 
     // ---- Whole images ----
@@ -66,7 +86,7 @@ class StrandCodec {
     void restart() { frames_ = 0; }
     // World positions (high strands) of the base of the frame taken up last.
     Strands base(const Pose& head, int rounds = 0) const;
-    // out (72, H, W): amplitudes of world strands (high strands) at a head pose.
+    // out (72, H, W): amplitudes [L] of world strands (high strands) at a head pose.
     void encode(const Strands& strands, const Pose& head, float* out) const;
     // World strands (high strands): the base and, added to it, amplitudes (72, H, W) at a head pose; roots
     // are exact.
@@ -80,18 +100,20 @@ class StrandCodec {
   private:
     RootGrid grid_;
     std::vector<int> pixel_of_;  // (strand)
+    std::array<int, history_lags.size()> lags_;
     StrandDct dct_;
     RootFrames roots_;
     RestCarrier carrier_;
     std::vector<Vec3<S>> base_;  // (block, particle) offsets in the root frames
-    // (frames up to the longest lag, round robin; block, past_layout.count): the amplitudes themselves where
-    // past_layout has their change.
+    // (slots(), round robin; block, past_layout.count): the amplitudes themselves where past_layout has their
+    // change.
     std::vector<S> past_;
     long frames_ = 0;  // begun
     HeadState head_{};
     Pose pose_;
     std::vector<float> fixed_, length_, edges_;
-    std::vector<S> block_edges_;  // (block, particle)
+    std::vector<S> block_edges_;                        // (block, particle)
+    std::vector<S> block_length_, per_length_, swing_;  // (block): L [m], 1 / L or 0, T [s]
     std::vector<uint8_t> mask_;
 };
 

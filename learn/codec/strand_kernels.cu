@@ -13,7 +13,6 @@ namespace wetcurl {
 namespace {
 
 constexpr int threads = 128, tile = 32, tile_rows = 4;
-constexpr int slots = history_lags.back() + 1;
 
 unsigned blocks_of(int count, int size = threads) { return unsigned((count + size - 1) / size); }
 
@@ -132,8 +131,10 @@ __global__ void __launch_bounds__(carriers)
                  const RestDetail* __restrict__ details, const int* __restrict__ from,
                  const float* __restrict__ weight, const float* __restrict__ lost_weight,
                  const float* __restrict__ lost, const Quatf* __restrict__ turn,
-                 const float4* __restrict__ moved, const Kept kept, const float4* __restrict__ basis,
-                 float* __restrict__ base, float* __restrict__ amplitudes) {
+                 const float* __restrict__ per_length, const float4* __restrict__ moved, const Kept kept,
+                 const float4* __restrict__ basis, float* __restrict__ base, float* __restrict__ dynamic) {
+    // A device sees the layout's numbers alone.
+    constexpr int first_amplitude = dynamic_layout.base.first, first_doubt = dynamic_layout.doubt.first;
     constexpr int most = Stencil::widest;
     const int s = int(blockIdx.x) * carriers + int(threadIdx.x);
     if (s >= pixels || strand[s] < 0) return;
@@ -148,6 +149,10 @@ __global__ void __launch_bounds__(carriers)
     const Quatf to_root = conjugate(turn[s]);
     const size_t out = size_t(n) * pixels;
     const int twin = kept.low ? kept.low[s] : -1;
+    const float per = per_length[s];
+    int doubted[doubt_places];
+#pragma unroll
+    for (int place = 0; place < doubt_places; ++place) doubted[place] = doubt_particle(n, place);
     // What the next particles need is on its way: a ring of them, a lane each, but for what all lanes share.
     struct Stage {
         RestEdge edge[carriers];
@@ -177,8 +182,10 @@ __global__ void __launch_bounds__(carriers)
     };
     fetch_basis(0);
     Vec3f amplitude[dct_kept] = {};
+    lost_here = fminf(fmaxf(lost_here, 0), 1);
+    dynamic[size_t(first_doubt + doubt_places) * pixels + s] = lost_here;
     carry_rest<float>(
-        n, fminf(fmaxf(lost_here, 0), 1),
+        n, lost_here,
         [&](int i) {
             const RestEdge e = ring[i % stages].edge[lane];
             const RestDetail d = ring[i % stages].detail[lane];
@@ -194,6 +201,17 @@ __global__ void __launch_bounds__(carriers)
             Vec3f sum{0, 0, 0};
 #pragma unroll
             for (int k = 0; k < most; ++k) sum += share[k] * vector_of(ring[i % stages].moved[k][lane]);
+#pragma unroll
+            for (int place = 0; place < doubt_places; ++place) {
+                if (i != doubted[place]) continue;
+                float square = 0;
+#pragma unroll
+                for (int k = 0; k < most; ++k) {
+                    const Vec3f apart = vector_of(ring[i % stages].moved[k][lane]) - sum;
+                    square += share[k] * dot(apart, apart);
+                }
+                dynamic[size_t(first_doubt + place) * pixels + s] = per * sqrtf(square);
+            }
             return rotate(to_root, sum);
         },
         [&](int i, Vec3f x) {
@@ -213,15 +231,22 @@ __global__ void __launch_bounds__(carriers)
         });
 #pragma unroll
     for (int m = 0; m < dct_kept; ++m) {
-        float* to = amplitudes + size_t(m) * pixels + s;
-        to[0] = amplitude[m].x, to[size_t(dct_kept) * pixels] = amplitude[m].y;
-        to[size_t(2 * dct_kept) * pixels] = amplitude[m].z;
+        float* to = dynamic + size_t(first_amplitude + m) * pixels + s;
+        const Vec3f a = per * amplitude[m];
+        to[0] = a.x, to[size_t(dct_kept) * pixels] = a.y, to[size_t(2 * dct_kept) * pixels] = a.z;
     }
 }
 
+// Frames before one that are seen.
+struct Lags {
+    static constexpr int count = int(history_lags.size());
+    int frames[count], slots;
+};
+
 // A block of strands describes one number of their history, or, as the last, gravity and their motion.
 __global__ void describe_kernel(const HeadState* head, int pixels, const int* __restrict__ strand,
-                                const Quatf* __restrict__ turn, const Vec3f* __restrict__ root, float* past,
+                                const Quatf* __restrict__ turn, const Vec3f* __restrict__ root,
+                                const float* __restrict__ swing, const Lags lags, float* past,
                                 float* dynamic) {
     // A device sees the layout's numbers alone.
     constexpr int base = dynamic_layout.base.first, gravity = dynamic_layout.gravity.first,
@@ -237,9 +262,11 @@ __global__ void describe_kernel(const HeadState* head, int pixels, const int* __
     if (m >= modes) {
         const Quatf to_root = conjugate(turn[s]);
         const Vec3f x = root[s];
-        const Vec3f g = rotate(to_root, head->gravity), w = rotate(to_root, head->turning),
-                    a = rotate(to_root, head->pull + x.x * head->pull_x[0] + x.y * head->pull_x[1] +
-                                            x.z * head->pull_x[2]);
+        const float per_gravity = 1 / standard_gravity;
+        const Vec3f g = per_gravity * rotate(to_root, head->gravity),
+                    w = swing[s] * rotate(to_root, head->turning),
+                    a = per_gravity * rotate(to_root, head->pull + x.x * head->pull_x[0] +
+                                                          x.y * head->pull_x[1] + x.z * head->pull_x[2]);
         if (m == numbers) {
             at(gravity) = g.x, at(gravity + 1) = g.y, at(gravity + 2) = g.z;
             at(turning) = w.x, at(turning + 1) = w.y, at(turning + 2) = w.z;
@@ -252,14 +279,13 @@ __global__ void describe_kernel(const HeadState* head, int pixels, const int* __
     // A ring of the last frames: `slot` holds this one.
     auto then = [&](int slot) -> float& { return past[(size_t(slot) * numbers + m) * pixels + s]; };
     const float now = m < modes ? at(base + history_amplitude(m)) : motion[m - modes];
-    for (int k = 0; head->first && k < slots; ++k) then(k) = now;
+    for (int k = 0; head->first && k < lags.slots; ++k) then(k) = now;
     then(head->slot) = now;
-    constexpr int lags[] = {history_lags[0], history_lags[1], history_lags[2], history_lags[3]},
-                  count = int(history_lags.size());
-    static_assert(sizeof lags / sizeof lags[0] == count);
-    float before[count];
-    for (int l = 0; l < count; ++l) before[l] = then((head->slot + slots - lags[l]) % slots);
-    for (int l = 0; l < count; ++l) at(history + l * numbers + m) = m < modes ? now - before[l] : before[l];
+    float before[lags.count];
+    for (int l = 0; l < lags.count; ++l)
+        before[l] = then((head->slot + lags.slots - lags.frames[l]) % lags.slots);
+    for (int l = 0; l < lags.count; ++l)
+        at(history + l * numbers + m) = m < modes ? now - before[l] : before[l];
 }
 
 // What strands are kept out of, and where each may lie in it.
@@ -287,8 +313,9 @@ __global__ void __launch_bounds__(tile* place_rows)
     place_kernel(const HeadState* head, int pixels, int n, int particles, const int* __restrict__ strand,
                  const Quatf* __restrict__ turn, const Vec3f* __restrict__ root,
                  const float* __restrict__ base, const float* __restrict__ offsets,
-                 const float* __restrict__ answer, const float* __restrict__ lengths, int rounds,
-                 const Outside outside, Vec3f* __restrict__ out) {
+                 const float* __restrict__ answer, const float* __restrict__ strand_lengths,
+                 const float* __restrict__ lengths, int rounds, const Outside outside,
+                 Vec3f* __restrict__ out) {
     static_assert(axes * held % 2 == 1, "strands lie in different banks");
     __shared__ float near[tile][axes * held];
     __shared__ float depths[held][tile], edges[held][tile];
@@ -302,12 +329,15 @@ __global__ void __launch_bounds__(tile* place_rows)
     const int own = min(s, pixels - 1), mine = s < pixels ? strand[own] : -1;
     const Quatf to_head = turn[own];
     const Vec3f from = root[own];
+    const float in_metres = strand_lengths[own];
+    static_assert(strand_outputs % of_four == 0, "answers are read by fours");
     constexpr int whole = strand_coefficients / of_four, all = tile * place_rows;
     for (int k = thread; k < min(tile, pixels - first) * whole; k += all) {
         float4* const to = &amplitudes[k / whole][k % whole];
         if (answer)
-            __pipeline_memcpy_async(to, answer + size_t(first) * strand_coefficients + of_four * k,
-                                    sizeof(float4));
+            __pipeline_memcpy_async(
+                to, answer + size_t(first + k / whole) * strand_outputs + of_four * (k % whole),
+                sizeof(float4));
         else
             *to = {0, 0, 0, 0};
     }
@@ -343,7 +373,7 @@ __global__ void __launch_bounds__(tile* place_rows)
                 const float4 r = rise[i][m], a = amplitude[m];
                 offset += r.x * a.x, offset += r.y * a.y, offset += r.z * a.z, offset += r.w * a.w;
             }
-            near[column][axes * i + axis] += offset;
+            near[column][axes * i + axis] += in_metres * offset;
         }
     }
     __syncthreads();
@@ -444,7 +474,9 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
       low_(low.rest.count),
       high_(codec.roots().count()),
       pixels_(int(codec.pixels())),
-      width_(codec.carrier().around().width) {
+      width_(codec.carrier().around().width),
+      lags_(codec.lags()),
+      slots_(codec.slots()) {
     const size_t n = size_t(n_), S = size_t(pixels_), width = size_t(width_);
     head() = {};
     const RestCarrier& carrier = codec.carrier();
@@ -484,7 +516,9 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     length_ = by_pixels(codec.edges(), strand);
     if (carrier.low_is_wet()) {
         std::vector<int> kept(S, -1);
-        for (int s = 0; s < low_; ++s) kept[size_t(codec.pixel_of()[size_t(around.twin[size_t(s)])])] = s;
+        for (int s = 0; s < low_; ++s)
+            if (const int twin = around.twin[size_t(s)]; twin >= 0)
+                kept[size_t(codec.pixel_of()[size_t(twin)])] = s;
         kept_ = DeviceBuffer<int>(kept);
     }
     weight_ = DeviceBuffer<float>(weight);
@@ -493,7 +527,14 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
     lost_ = DeviceBuffer<float>(size_t(low_));
     from_ = DeviceBuffer<int>(from), strand_ = DeviceBuffer<int>(strand);
     turn_ = DeviceBuffer<Quatf>(turn), root_ = DeviceBuffer<Vec3f>(root);
-    past_ = DeviceBuffer<float>(size_t(slots) * past_layout.count * S);
+    std::vector<float> per_length(S, 0), swing(S, 0);
+    for (size_t s = 0; s < size_t(high_); ++s) {
+        const size_t pixel = size_t(codec.pixel_of()[s]);
+        per_length[pixel] = codec.per_length(int(s)), swing[pixel] = codec.swing(int(s));
+    }
+    strand_length_ = DeviceBuffer<float>(codec.length()), per_length_ = DeviceBuffer<float>(per_length);
+    swing_ = DeviceBuffer<float>(swing);
+    past_ = DeviceBuffer<float>(size_t(codec.slots()) * past_layout.count * S);
 
     // What unit strands give, by particle.
     std::vector<float> amplitudes(n * dct_kept, 0), offsets(n * dct_kept, 0);
@@ -588,7 +629,7 @@ void StrandKernels::keep_outside(const HeadShapes& head) {
 }
 
 void StrandKernels::begin_frame(const HeadWindow& heads, bool first) {
-    const int slot = (head().slot + 1) % slots;
+    const int slot = (head().slot + 1) % slots_;
     head() = HeadState(heads, first);
     head().slot = slot;
 }
@@ -619,15 +660,18 @@ void StrandKernels::carry(cudaStream_t stream) const {
     check_launch("what strands lose of their own");
     carry_kernel<<<blocks_of(pixels_, carriers), carriers, 0, stream>>>(
         pixels_, low_, n_, width_, strand_.data(), units_.data(), edges_.data(), details_.data(),
-        from_.data(), weight_.data(), lost_weight_.data(), lost_.data(), turn_.data(), moved_.data(),
-        Kept{kept_.data(), low_rest_.data(), departed_.data()},
+        from_.data(), weight_.data(), lost_weight_.data(), lost_.data(), turn_.data(), per_length_.data(),
+        moved_.data(), Kept{kept_.data(), low_rest_.data(), departed_.data()},
         reinterpret_cast<const float4*>(amplitudes_.data()), base_.data(), dynamic());
     check_launch("rest shapes carried");
 }
 
 void StrandKernels::describe(cudaStream_t stream) const {
+    Lags lags{{}, slots_};
+    std::copy(lags_.begin(), lags_.end(), lags.frames);
     describe_kernel<<<dim3(blocks_of(pixels_), past_layout.count + 1), threads, 0, stream>>>(
-        head_.data(), pixels_, strand_.data(), turn_.data(), root_.data(), past_.data(), dynamic());
+        head_.data(), pixels_, strand_.data(), turn_.data(), root_.data(), swing_.data(), lags, past_.data(),
+        dynamic());
     check_launch("features of motion");
 }
 
@@ -638,7 +682,7 @@ void StrandKernels::place(const float* answer, int rounds, Vec3f* out, cudaStrea
     const unsigned parts = blocks_of(n_, tile);  // of a strand
     place_kernel<<<dim3(blocks_of(pixels_, tile), parts), dim3(tile, place_rows), 0, stream>>>(
         head_.data(), pixels_, n_, int(blocks_of(n_, int(parts))), strand_.data(), turn_.data(), root_.data(),
-        base_.data(), offsets_.data(), answer, length_.data(), rounds, outside, out);
+        base_.data(), offsets_.data(), answer, strand_length_.data(), length_.data(), rounds, outside, out);
     check_launch("placement in the world");
     if (outside.count == 0) return;
     lead_kernel<<<blocks_of(pixels_), threads, 0, stream>>>(head_.data(), pixels_, n_, strand_.data(),

@@ -52,7 +52,7 @@ class StrandKernels {
     void move_cores(cudaStream_t stream) const;
     void carry(cudaStream_t stream) const;
     void describe(cudaStream_t stream) const;
-    // Of B and what the network answered: amplitudes (S, 72), 16 bytes aligned, null: nothing. So many
+    // Of B and what the network answered: (S, strand_outputs), 16 bytes aligned, null: nothing. So many
     // rounds lead edges toward their lengths.
     // `within_shapes`: where they are, even in what is attached to the head.
     void place(const float* answer, int rounds, Vec3f* out, cudaStream_t stream,
@@ -66,6 +66,8 @@ class StrandKernels {
     float* dynamic() const { return image_.data() + size_t(static_channels) * pixels_; }
 
     int n_, low_, high_, pixels_, width_;
+    std::array<int, history_lags.size()> lags_;  // [frames]
+    int slots_;
     PinnedBuffer<HeadState> head_host_{1};
     DeviceBuffer<HeadState> head_{1};
     DeviceBuffer<Vec3f> low_start_;           // (low, n) offsets at rest from the root, less Settled::more
@@ -83,13 +85,15 @@ class StrandKernels {
     DeviceBuffer<float> lost_;                // (low)
     DeviceBuffer<Quatf> turn_;                // (S): root frame to the head's
     DeviceBuffer<Vec3f> root_;                // (S): in the head's frame
+    DeviceBuffer<float> strand_length_;       // (S): L [m]
+    DeviceBuffer<float> per_length_, swing_;  // (S): 1 / L, T [s]
     DeviceBuffer<int> strand_;                // (S): of the pixel, or -1
     std::vector<DeviceBuffer<float>> grids_;  // of level sets
     DeviceBuffer<ShapeView> shapes_;          // attached to the head
     DeviceBuffer<float> depth_;               // (n, S), as of HeadShapes
     DeviceBuffer<float> length_;              // (n, S): of the edge to a particle at rest
     DeviceBuffer<unsigned char> torn_;        // (S)
-    DeviceBuffer<float> past_;                // (frames up to the longest lag, past_layout.count, S)
+    DeviceBuffer<float> past_;                // (slots, past_layout.count, S)
     DeviceBuffer<float> amplitudes_;          // (n, 24): of unit offsets
     DeviceBuffer<float> offsets_;             // (n, 24): of unit amplitudes
     // (n, low): X, how far the low strands are from rest, and M, how far their cores are; the fourth numbers

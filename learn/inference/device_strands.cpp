@@ -29,7 +29,9 @@ class StrandsOnCuda final : public LearnedStrands {
                   const Groom& low, bool half)
         : device_(device_named(device)),
           stream_(c10::cuda::getStreamFromPool(/*isHighPriority=*/true, device_.index())),
-          grid_(codec.grid()) {
+          grid_(codec.grid()),
+          pixel_of_(codec.pixel_of()),
+          length_(codec.length()) {
         const c10::cuda::CUDAGuard guard(device_);
         kernels_.emplace(codec, low);
         std::tie(card_, model_) = load_model(path);
@@ -113,6 +115,22 @@ class StrandsOnCuda final : public LearnedStrands {
         return out;
     }
 
+    std::vector<float> expected_errors() override {
+        const c10::cuda::CUDAGuard guard(device_);
+        const c10::InferenceMode inference;
+        check_cuda(cudaStreamSynchronize(stream_), "frame");
+        const Tensor answered = answer_.view({-1, strand_outputs})
+                                    .narrow(1, answered_errors.first, answered_errors.count)
+                                    .to(torch::kCPU)
+                                    .contiguous();
+        const float* const of_pixel = answered.data_ptr<float>();
+        std::vector<float> out;
+        for (const int pixel : pixel_of_)
+            out.insert(out.end(), of_pixel + size_t(pixel) * error_pieces,
+                       of_pixel + size_t(pixel + 1) * error_pieces);
+        return in_metres(std::move(out), pixel_of_, length_);
+    }
+
   private:
     void launch(const HeadWindow& heads) {
         const c10::cuda::CUDAStreamGuard on_stream(stream_);
@@ -157,14 +175,14 @@ class StrandsOnCuda final : public LearnedStrands {
         kernels_->place(answer_.data_ptr<float>(), rounds_, out_, stream_);
     }
 
-    // answer_ becomes (S, 72).
+    // answer_ becomes (S, strand_outputs).
     void ask() {
         if (!crop_) {
             answer_ = to_rows(model_->forward(image_)).contiguous();
             return;
         }
         const auto [answered, seen] = *crop_;
-        answer_ = torch::zeros({grid_.height, grid_.width, strand_coefficients}, image_.options());
+        answer_ = torch::zeros({grid_.height, grid_.width, strand_outputs}, image_.options());
         if (!answered.height) return;
         const Tensor said = model_->forward(
             image_.narrow(2, seen.row, seen.height).narrow(3, seen.column, seen.width).contiguous());
@@ -179,6 +197,8 @@ class StrandsOnCuda final : public LearnedStrands {
     torch::Device device_;
     c10::cuda::CUDAStream stream_;
     const RootGrid grid_;
+    std::vector<int> pixel_of_;  // (strand)
+    std::vector<float> length_;  // (pixel) [m]
     std::optional<StrandKernels> kernels_;
     ModelCard card_;
     std::shared_ptr<TorchNetwork> model_;

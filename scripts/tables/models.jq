@@ -2,7 +2,7 @@
 include "shared"; include "models";
 
 [models |
-  {"": "`\(.name)`", from: "\(.low) runs, \(.low_substeps) substeps a frame",
+  {"": "`\(.name)`", from: "\(.low) runs, \(.low_substeps) or more substeps a frame",
    predicts: (if .target == "strands" then "strands before Eq 10" else "displayed strands" end),
    architecture, width, weights: (.parameters | tostring), "held out [mm]": .numbers.validation_mm,
    "the base there [mm]": .numbers.base_mm}] | table

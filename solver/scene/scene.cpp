@@ -11,6 +11,7 @@
 
 #include "base/log.h"
 #include "solver/grooms/groom.h"
+#include "solver/grooms/guides.h"
 #include "solver/grooms/procedural.h"
 #include "solver/scene/findings.h"
 #include "solver/scene/read_compared.h"
@@ -334,7 +335,13 @@ Scene read_scene(Config config, const SceneOptions& options) {
         scene.stride = options.stride;
     else if (options.strands)
         thinned(full, *options.strands, &scene.stride);
-    scene.groom = coarsened(full, scene.stride, &kept);
+    if (options.guides > 0) {
+        scene.guides = options.guides;
+        kept = chosen_guides(full, scene.guides);
+        scene.groom = part_of(full, kept);
+    } else {
+        scene.groom = coarsened(full, scene.stride, &kept);
+    }
     if (!scene.thickness.empty()) {
         std::vector<double> of_kept;
         for (int s : kept) of_kept.push_back(scene.thickness[size_t(s)]);

@@ -150,8 +150,9 @@ struct Scene {
     std::vector<Finding> groom_findings;  // of the strands' file
     CurlTurns curl_turns;                 // of the full groom as drawn
 
-    Groom groom;  // of this run: the full groom, thinned by `stride`
-    int stride = 1;
+    Groom groom;     // of this run: the full groom, thinned by `stride`, or `guides` of it
+    int stride = 1;  // every how many roots each way of the full grid
+    int guides = 0;  // above 0: so many strands, chosen (solver/grooms/guides.h), in place of a grid
     std::vector<float> saturation;   // (strand, particle) at the start; empty without wetness
     std::vector<double> thickness;   // (strand) of a fibre's diameter; empty: all 1
     std::string text, folder;        // the resolved TOML, and where its relative paths start
@@ -262,6 +263,7 @@ struct Brought {
 struct SceneOptions {
     std::vector<std::string> set;        // key.path=value
     std::optional<int> frames, strands;  // --frames, --strands
+    int guides = 0;                      // so many strands, chosen, where above 0
     std::optional<long> seed;
     std::string groom;  // a hair file in place of the scene's groom
     int stride = 0;     // exactly this stride of the full grid, where above 0

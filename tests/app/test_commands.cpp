@@ -1,6 +1,7 @@
 // What commands do with their files and with one another's results: nothing is lost, nothing is silent.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <iterator>
@@ -16,6 +17,7 @@
 #include "app/engine/device.h"
 #include "app/engine/run_of_scene.h"
 #include "app/files/results.h"
+#include "app/measures/metrics.h"
 #include "base/interrupt.h"
 #include "base/provenance.h"
 #include "base/run_cache.h"
@@ -316,9 +318,9 @@ TEST_F(Commands, a_network_asks_for_the_substeps_of_the_runs_that_it_learned_fro
         encode_command(o);
         return o.output;
     };
-    const std::string pairs = encode("pairs.h5", {coarse, wet});
-    EXPECT_EQ(PairsReader(pairs).low_substeps(), 2);
-    EXPECT_EQ(PairsReader(encode("both.h5", {coarse, wet, low, wet})).low_substeps(), 0);
+    const std::string pairs = encode("pairs.h5", {low, wet});
+    EXPECT_EQ(PairsReader(pairs).low_substeps(), 4);
+    EXPECT_EQ(PairsReader(encode("both.h5", {coarse, wet, low, wet})).low_substeps(), 2);
 
     TrainRequest train;
     train.kind = "sr";
@@ -327,7 +329,7 @@ TEST_F(Commands, a_network_asks_for_the_substeps_of_the_runs_that_it_learned_fro
     train.set = {"epochs=1", "width=0.1"};
     train.threads = 1;
     network_module().train(train);
-    EXPECT_EQ(network_module().card(train.output).low_substeps, 2);
+    EXPECT_EQ(network_module().card(train.output).low_substeps, 4);
 
     InferOptions o;
     o.model = train.output;
@@ -340,16 +342,75 @@ TEST_F(Commands, a_network_asks_for_the_substeps_of_the_runs_that_it_learned_fro
         EXPECT_EQ(infer_command(o), 0);
         return ::testing::internal::GetCapturedStderr();
     };
-    const std::string warning = "learned from runs of 2";
-    EXPECT_EQ(infer(coarse).find(warning), std::string::npos);
-    const std::string said = infer(low);
-    for (const char* part : {warning.c_str(), "low.h5", "4 substeps a frame"})
+    const std::string warning = "learned from runs of 4 or more";
+    EXPECT_EQ(infer(low).find(warning), std::string::npos);
+    const std::string said = infer(coarse);
+    for (const char* part : {warning.c_str(), "coarse.h5", "2 substeps a frame"})
         EXPECT_NE(said.find(part), std::string::npos) << part << " in " << said;
     auto made = [&] { return substeps_of(RunReader(scratch.path("learned.h5")).header()); };
     EXPECT_EQ(infer(scratch.path("wet.toml")).find(warning), std::string::npos);
-    EXPECT_EQ(made(), 2);
+    EXPECT_EQ(made(), 4);
     EXPECT_NE(infer(scratch.path("wet.toml"), {"integrator.substeps=3"}).find(warning), std::string::npos);
     EXPECT_EQ(made(), 3);
+}
+
+// From guides; all strands that are not trusted are simulated, so that with none trusted it is the
+// simulation.
+TEST_F(Commands, a_network_says_how_far_it_is_off_and_within_simulates_what_is_farther) {
+    SimulateOptions s = simulation("wet.h5", 64);
+    s.scene = scratch.file("wet.toml", wet_scene);
+    simulate_command(s);
+    s.output = scratch.path("low.h5"), s.strands.reset(), s.guides = 16, s.dry = true;
+    simulate_command(s);
+    EXPECT_EQ(RunReader(s.output).header().groom.rest.count, 16);
+    EXPECT_EQ(RunReader(s.output).header().guides, 16);
+    InferOptions o;
+    o.input = s.output, o.overwrite = true, o.threads = 1;
+    for (const char* model : {"displayed_s", "strand_m"}) {
+        o.model = std::string(WETCURL_SOURCE_DIR "/models/weights/") + model + ".h5";
+        auto infer = [&](const std::string& output, std::optional<double> within) {
+            o.output = scratch.path(output), o.within = within;
+            EXPECT_EQ(infer_command(o), 0);
+            return std::make_unique<RunReader>(o.output);
+        };
+        auto error_mm = [&](const RunReader& run) {
+            return compare(RunReader(scratch.path("wet.h5")), run, 0, {}).position_mm.mean;
+        };
+        const auto plain = infer("plain.h5", {}), trusting = infer("trusting.h5", 1e6),
+                   none = infer("none.h5", 0);
+        const RunFrame a = plain->frame(2), b = trusting->frame(2);
+        ASSERT_EQ(a.expected_error.size(), size_t(64 * 8));
+        for (float e : a.expected_error) EXPECT_GT(e, 0);
+        EXPECT_EQ(a.seen().points.size(), b.seen().points.size());
+        for (size_t k = 0; k < a.seen().points.size(); ++k)
+            ASSERT_EQ(norm(a.seen().points[k] - b.seen().points[k]), 0);
+        EXPECT_GT(error_mm(*plain), 0.05);
+        EXPECT_LT(error_mm(*none), 1e-3);
+        for (float e : none->frame(2).expected_error) EXPECT_EQ(e, 0);
+        // Half of them: those that it expects to be off most.
+        std::vector<std::pair<double, int>> expected(64, {0, 0});
+        for (int f = 0; f < plain->frames(); ++f)
+            for (int strand = 0; strand < 64; ++strand) {
+                expected[size_t(strand)].second = strand;
+                for (int k = 0; k < 8; ++k)
+                    expected[size_t(strand)].first +=
+                        double(plain->frame(f).expected_error[size_t(strand * 8 + k)]) / 8 / plain->frames();
+            }
+        std::sort(expected.begin(), expected.end());
+        const auto half = infer("half.h5", 1e3 * 0.5 * (expected[31].first + expected[32].first));
+        for (int k = 0; k < 64; ++k)
+            EXPECT_EQ(half->frame(2).expected_error[size_t(expected[size_t(k)].second * 8)] == 0, k >= 32)
+                << k;
+        EXPECT_LT(error_mm(*half), error_mm(*plain));
+        const Comparison told = compare(RunReader(scratch.path("wet.h5")), *plain, 0, {});
+        ASSERT_TRUE(told.expected_rank && told.expected_mm);
+        EXPECT_LE(std::abs(*told.expected_rank), 1);
+        EXPECT_GT(*told.expected_mm, 0);
+    }
+    o = inference("quad", 4);
+    o.within = 5;
+    expect_error<Misuse>([&] { infer_command(o); },
+                         {"--within: found with --interpolate quad", "models of whole"});
 }
 
 // Networks of displayed strands run without what would keep hair out of a shoulder.
@@ -779,8 +840,13 @@ TEST_F(Commands, errors_of_what_a_run_holds_name_its_file) {
     expect_error([&] { substeps_of(RunReader(damaged).header()); }, {"damaged.h5: its scene:2"});
     InferOptions o = inference("quad", 4);
     o.input = scratch.path("run.h5");
-    o.wetness = scratch.file("other.toml", "[groom]\ngrid = [16, 8]\nparticles = 10\n[stretch]\n[bend]\n");
-    expect_error([&] { infer_command(o); }, {"run.h5, ", "other.toml: grooms do not nest"});
+    o.wetness =
+        scratch.file("other.toml", "seed = 9\n[groom]\ngrid = [16, 8]\nparticles = 10\n[stretch]\n[bend]\n");
+    expect_error([&] { infer_command(o); }, {"run.h5, ", "other.toml: low-resolution strand",
+                                             "is none of those to predict", "--any-roots"});
+    // Guides of another file may be: then the nearest ones are around a strand.
+    o.any_roots = true;
+    EXPECT_EQ(infer_command(o), 0);
 }
 
 TEST_F(Commands, a_video_wider_than_its_encoders_take_is_refused) {

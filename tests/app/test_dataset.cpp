@@ -1,4 +1,5 @@
 // `wetcurl dataset`: what a recipe picks and draws, and that shards are what encode makes of simulated runs.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,6 +19,7 @@
 #include "base/run_cache.h"
 #include "learn/codec/dct.h"
 #include "learn/codec/pairs.h"
+#include "learn/codec/stencil.h"
 #include "tests/base/scratch.h"
 #include "tests/base/threads.h"
 #include "tests/grooms/strand_files.h"
@@ -384,7 +386,7 @@ TEST_F(Dataset, a_shard_is_what_encode_makes_of_the_runs_that_simulate_writes) {
 TEST_F(Dataset, low_resolution_runs_take_the_substeps_that_the_recipe_gives_them) {
     const std::string text = "runs = \"train\"\n" + small_recipe + scenes(1, 0, 0);
     make(options(text, "own"));
-    make(options("low_substeps = 1\n" + text, "fewer"));
+    make(options("low_substeps = [1]\n" + text, "fewer"));
     auto run = [&](const std::string& name) { return RunReader(scratch.path(name)); };
     const RunReader wet = run("fewer/runs/train-0000_wet.h5"), low = run("fewer/runs/train-0000_low.h5");
     EXPECT_EQ(substeps_of(wet.header()), 2);
@@ -397,7 +399,7 @@ TEST_F(Dataset, low_resolution_runs_take_the_substeps_that_the_recipe_gives_them
         EXPECT_EQ(PairsReader(scratch.path("fewer/" + file)).low_substeps(), 1) << file;
         EXPECT_EQ(PairsReader(scratch.path("own/" + file)).low_substeps(), 2) << file;
     }
-    // Scenes that are stepped each in its own way have none in common.
+    // Of scenes that are stepped each in its own way the fewest are told.
     const std::string steps = "[integrator]\nsubsteps = 2\n";
     std::string base = small_base, mixed = small_recipe;
     scratch.file("base.toml", base.erase(base.find(steps), steps.size()));
@@ -410,8 +412,35 @@ TEST_F(Dataset, low_resolution_runs_take_the_substeps_that_the_recipe_gives_them
         substeps.insert(PairsReader(scratch.path("mixed/shards/train-000" + std::to_string(k) + "_strand.h5"))
                             .low_substeps());
     EXPECT_EQ(substeps, (std::set<int>{2, 3}));
-    EXPECT_EQ(PairsReader(scratch.path("mixed/train_strand.h5")).low_substeps(), 0);
-    expect_error([&] { read("low_substeps = -1\n" + text); }, {"low_substeps", "-1"});
+    EXPECT_EQ(PairsReader(scratch.path("mixed/train_strand.h5")).low_substeps(), 2);
+    expect_error([&] { read("low_substeps = [-1]\n" + text); }, {"low_substeps", "-1"});
+    expect_error([&] { read("low_substeps = [2.5]\n" + text); }, {"low_substeps", "2.5", "whole numbers"});
+}
+
+TEST_F(Dataset, low_resolution_runs_have_the_grids_and_guides_that_the_recipe_lists) {
+    const std::string lists =
+        "low_strides = [2, 4]\nlow_guides = [3]\nlow_substeps = [1, 2]\nruns = \"train\"\n";
+    make(options(lists + small_recipe + scenes(12, 0, 0), "any"));
+    std::map<int, int> strands;
+    std::set<int> substeps;
+    for (int k = 0; k < 12; ++k) {
+        const RunReader low(scratch.path(fmt::format("any/runs/train-{:04d}_low.h5", k)));
+        const RunReader wet(scratch.path(fmt::format("any/runs/train-{:04d}_wet.h5", k)));
+        ++strands[low.header().groom.rest.count];
+        substeps.insert(substeps_of(low.header()));
+        require_part(wet.header().groom, low.header().groom);
+        EXPECT_EQ(low.header().guides, low.header().groom.rest.count == 3 ? 3 : 0);
+    }
+    const RunReader wet(scratch.path("any/runs/train-0000_wet.h5"));
+    const Groom& all = wet.header().groom;
+    EXPECT_EQ(strands.size(), 3u);
+    for (int count : {coarsened(all, 2).rest.count, coarsened(all, 4).rest.count, 3})
+        EXPECT_GT(strands[count], 0);
+    EXPECT_EQ(substeps, (std::set<int>{1, 2}));
+    expect_error([&] { read("codecs = \"root\"\nlow_guides = [3]\n" + small_recipe); },
+                 {"low_guides", "codec root"});
+    expect_error([&] { read("codecs = \"both\"\nlow_strides = [4]\n" + small_recipe); },
+                 {"low_strides", "found 4", "2 alone"});
 }
 
 TEST_F(Dataset, frames_are_those_that_the_recipe_keeps) {
@@ -636,7 +665,7 @@ TEST_F(Dataset, a_wrong_value_of_a_scene_is_blamed_on_the_line_that_holds_it_bef
     // The third line of the text, which begins where it is quoted.
     refused(wet + "[[pick.m]]\ntext = \"\"\"\n\n[motion]\nagnle = 3\"\"\"\n" + scenes(1, 0, 0),
             {"train-0000", "recipe.toml:5: pick.m[0].text:3: motion.agnle", "did you mean 'angle'"});
-    refused("low_substeps = 7\n" + wet + "[[pick.i]]\ntext = '''[integrator]\nkind = \"explicti\"'''\n" +
+    refused("low_substeps = [7]\n" + wet + "[[pick.i]]\ntext = '''[integrator]\nkind = \"explicti\"'''\n" +
                 scenes(1, 0, 0),
             {"recipe.toml:6: pick.i[0].text:2: integrator.kind", "'explicti'"});
     std::string base = small_base;

@@ -45,7 +45,7 @@ if "$program" inspect model "$project/models/weights/displayed_s.h5" --json - >/
     demo=$project/scenes/demo.toml
     grid=(--frames 6 --set 'groom.grid=[8,8]')
     wetcurl simulate "$demo" "${grid[@]}" --dry --strands 16 -o dry_low.h5
-    wetcurl simulate "$demo" "${grid[@]}" --dry --strands 16 --set integrator.substeps=2 -o dry_low_2.h5
+    wetcurl simulate "$demo" "${grid[@]}" --dry --guides 16 -o guides.h5
     wetcurl simulate "$demo" "${grid[@]}" --strands 16 --before-cohesion -o wet_low.h5
     wetcurl simulate "$demo" "${grid[@]}" -o wet.h5
     for model in "$project"/models/weights/*.h5; do
@@ -55,7 +55,7 @@ if "$program" inspect model "$project/models/weights/displayed_s.h5" --json - >/
                 # until its ball has touched the hair
                 wetcurl infer "$project/scenes/scene15.toml" --frames 40 --set 'groom.grid=[6,6]' -o learned.h5 ;;
             *_wet) wetcurl infer wet_low.h5 --model "$model" -o learned.h5 ;;
-            *_2) wetcurl infer dry_low_2.h5 --model "$model" -o learned.h5 ;;
+            displayed_h) wetcurl infer guides.h5 --model "$model" -o learned.h5 ;;
             *) wetcurl infer dry_low.h5 --model "$model" -o learned.h5 ;;
         esac
         of_run "network $name" learned.h5

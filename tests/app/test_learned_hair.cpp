@@ -28,7 +28,8 @@ const std::string wet = standing + "[wetness]\n[cohesion]\nradius = 0.02\n";
 
 // Of every second root each way.
 Settled settled_of_text(const std::string& text, int dry_substeps = 10) {
-    return settled_of(parse_scene(text, "scene", "."), "scene", dry_substeps, "cpu");
+    const Scene scene = parse_scene(text, "scene", ".");
+    return settled_of(scene, "scene", coarsened(scene.groom, 2), dry_substeps, "cpu");
 }
 
 double largest(const Strands& a, const Strands& b) {
@@ -149,7 +150,7 @@ TEST(Settled, dry_runs_serve_networks_of_wet_ones) {
     const Settled settled = settled_of_text(wet);
     const Strands low = first_frame(dry);
     const auto learned = learned_strands_of(weights + "displayed_m_wet.h5", scene, "wet.toml",
-                                            coarsened(scene.groom, 2), "cpu", 1, &settled);
+                                            coarsened(scene.groom, 2), 1 / (24.0 * 10), "cpu", 1, &settled);
     Strands out = scene.groom.rest;
     learned->bind(low.points.data(), out.points.data());
     learned->run(HeadWindow());

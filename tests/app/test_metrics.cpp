@@ -296,5 +296,14 @@ TEST(Clumps, link_is_half_the_roots_distance) {
     EXPECT_NEAR(clump_link(curly_groom(curls)), 0.002, 1e-4);
 }
 
+TEST(RankCorrelation, is_of_the_order_alone) {
+    EXPECT_NEAR(rank_correlation({1, 2, 3, 4}, {1, 10, 100, 1000}), 1, 1e-12);
+    EXPECT_NEAR(rank_correlation({1, 2, 3, 4}, {9, 4, 3, 0}), -1, 1e-12);
+    // Equal values share their rank: 1 - 6 sum d^2 / (n (n^2 - 1)) holds without them.
+    EXPECT_NEAR(rank_correlation({1, 2, 3, 4, 5}, {2, 1, 4, 3, 5}), 1 - 6 * 4 / 120.0, 1e-12);
+    EXPECT_NEAR(rank_correlation({1, 1, 2, 2}, {1, 2, 3, 4}), 4 / std::sqrt(4 * 5.0), 1e-12);
+    EXPECT_EQ(rank_correlation({1, 1, 1}, {1, 2, 3}), 0);
+}
+
 }  // namespace
 }  // namespace wetcurl::testing

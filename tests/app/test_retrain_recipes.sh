@@ -9,8 +9,9 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 # Few short strands.
-cat >small.toml <<END
-include = "$project/scenes/dataset/base.toml"
+for base in strands hair; do
+    cat >"$base.toml" <<END
+include = "$project/scenes/dataset/$base.toml"
 frames = 20
 [groom]
 grid = [8, 8]
@@ -18,8 +19,10 @@ particles = 24
 [integrator]
 settle = 0
 END
+done
 recipes=$project/models/weights/recipes
-data=(--set data.scene="$folder/small.toml" --set data.splits.train=2 --set data.splits.validation=1)
+scenes=(--set data.splits.train=2 --set data.splits.validation=1)
+guides=(--set 'data.low_strides=[2]' --set 'data.low_guides=[16,4]')
 samples=(--set data.groom.particles=16 --set 'data.groom.grid=[4,4]' --set data.frames=40)
 
 failed() { echo "FAILED: $*"; failures=$((failures + 1)); }
@@ -32,10 +35,12 @@ options_of() {
         how+=(--set 'data.groom.grid=[8,8]' --set data.integrator.settle=0)
     elif grep -q '^\[\[release.scene' "$recipes/$name.toml"; then
         how+=("${samples[@]}")
+    elif [[ $name == root_* ]]; then
+        how+=(--set data.scene="$folder/hair.toml" "${scenes[@]}" --set batch=4)
     else
-        how+=("${data[@]}" --set batch=4)
+        how+=(--set data.scene="$folder/strands.toml" "${scenes[@]}" "${guides[@]}" --set batch=4)
     fi
-    [[ $name == linear_* || $name == adhesion_* ]] || how+=(--set width=0.0625)
+    [[ $name == linear || $name == adhesion_* ]] || how+=(--set width=0.0625)
     printf '%s\n' "${how[@]}"
 }
 for recipe in "$recipes"/*.toml; do
@@ -63,9 +68,13 @@ before=$(stat -c '%n %Y %s' out/strand_m.h5 out/dry/manifest.json)
 [[ -s out/strand_m@7.h5 ]] || failed "there is no strand_m@7.h5"
 [[ $(stat -c '%n %Y %s' out/strand_m.h5 out/dry/manifest.json) == "$before" ]] || failed "what was there was made again"
 # Parts make the scenes alone, those of the network that is gone on from too.
-mapfile -t how < <(options_of strand_m_2)
-for part in 1/2 2/2; do "$wetcurl" retrain "$recipes/strand_m_2.toml" -o parts --threads 1 --quiet --part $part "${how[@]}" >said 2>&1 || failed "part $part: $(<said)"; done
-for set in dry dry2; do cmp "out/$set/manifest.json" "parts/$set/manifest.json" || failed "parts of $set are another data set"; done
+cat >tuned.toml <<END
+[release]
+dataset = "$project/scenes/dataset/wet.toml"
+from = "$recipes/strand_m.toml"
+END
+for part in 1/2 2/2; do "$wetcurl" retrain tuned.toml -o parts --threads 1 --quiet --part $part "${how[@]}" >said 2>&1 || failed "part $part: $(<said)"; done
+for set in dry wet; do cmp "out/$set/manifest.json" "parts/$set/manifest.json" || failed "parts of $set are another data set"; done
 [[ -z $(compgen -G 'parts/*.h5') ]] || failed "a part trained"
 
 expect 2 "has no table [release]" "'$wetcurl' retrain '$project/scenes/demo_recipe.toml' -o none"

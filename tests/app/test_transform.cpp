@@ -196,7 +196,7 @@ TEST_F(Transform, what_has_no_meaning_is_refused) {
     o = from_dry("out.h5"), o.model = WETCURL_SOURCE_DIR "/models/weights/displayed_s.h5", o.gain = 1;
     refused(o, {"--gain", "whole strands"});
     o = by_colours(1), o.oracle_colours = dry;
-    expect_error([&] { infer_command(o); }, {"stride"});
+    expect_error([&] { infer_command(o); }, {"simulated wet"});
     EncodeOptions encode;
     encode.inputs = {dry, wet}, encode.colour_units = "printed", encode.output = scratch->path("no.h5");
     expect_error<Misuse>([&] { encode_command(encode); }, {"--colour-units", "--codec root"});

@@ -45,18 +45,18 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     for (int s = 0; s < low.rest.count; ++s)
         for (int i = 0; i < low.rest.particles; ++i)
             settled.more.at(s, i) = {1e-3f * float(i), -2e-3f * float(i), 1e-4f * float(i * s)};
-    StrandCodec codec(high, low, saturation, nullptr, /*low_is_wet=*/kind == "wet", /*reach=*/0,
+    StrandCodec codec(high, low, saturation, nullptr, /*low_is_wet=*/kind == "wet", /*traits=*/{},
                       kind == "settled" ? &settled : nullptr);
     StrandKernels kernels(codec, low);
     const size_t n = size_t(codec.particles()), S = codec.pixels();
     ASSERT_EQ(size_t(kernels.pixels()), S);
     DeviceBuffer<Vec3f> low_there(low.rest.points.size()), out_there(high.rest.points.size());
     const size_t channels = size_t(strand_channels);
-    std::vector<float> dynamic(size_t(dynamic_channels) * S), answer(size_t(strand_coefficients) * S);
+    std::vector<float> dynamic(size_t(dynamic_channels) * S), answer(size_t(strand_outputs) * S);
     for (size_t k = 0; k < answer.size(); ++k)
         answer[k] = codec.mask()[k % S] ? 1e-3f * float(std::sin(0.1 * double(k))) : 0;
     std::vector<float> by_pixel(answer.size());
-    for (size_t k = 0; k < answer.size(); ++k) by_pixel[k % S * strand_coefficients + k / S] = answer[k];
+    for (size_t k = 0; k < answer.size(); ++k) by_pixel[k % S * strand_outputs + k / S] = answer[k];
     const DeviceBuffer<float> answer_there(by_pixel);
     for (int f = 0; f < 12; ++f) {
         Strands dry = low.rest;

@@ -89,9 +89,67 @@ TEST(Stencil, grooms_that_do_not_nest_are_an_error) {
     const Groom groom = curly_groom({});
     Groom low = coarsened(groom, 2);
     low.rest.at(3, 7).x += 0.001f;
-    expect_error([&] { quad_stencil(groom, low); }, {"strand 3", "particle 7", "allowed 0.01 mm"});
-    expect_error([&] { quad_stencil(groom, coarsened(groom, 4)); },
+    expect_error([&] { require_nested(groom, low); }, {"strand 3", "particle 7", "allowed 0.01 mm"});
+    expect_error([&] { require_part(groom, low); }, {"strand 3 is none", "particle 7", "allowed 0.01 mm"});
+    expect_error([&] { quad_stencil(groom, low); }, {"4 x 4 roots", "every second, third", "8 x 8 roots"});
+    expect_error([&] { require_nested(groom, coarsened(groom, 4)); },
                  {"2 x 2 roots", "every second root", "4 x 4 roots"});
+    require_part(groom, coarsened(groom, 4));
+    EXPECT_FALSE(nests(groom, low));
+    EXPECT_TRUE(nests(groom, coarsened(groom, 3)));
+}
+
+TEST(Stencil, of_every_fourth_root_is_bilinear) {
+    const Groom groom = curly_groom({}), low = coarsened(groom, 4);  // 8 x 8 to 2 x 2
+    const Stencil stencil = quad_stencil(groom, low);
+    for (int row = 0; row <= 4; ++row)
+        for (int column = 0; column <= 4; ++column) {
+            std::vector<double> share(4, 0);
+            for (size_t k = 0; k < 4; ++k) {
+                const size_t at = size_t(row * 8 + column) * 4 + k;
+                share[size_t(stencil.from[at])] += double(stencil.weight[at]);
+            }
+            const double u = column / 4.0, v = row / 4.0;
+            const double expected[] = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
+            for (size_t k = 0; k < 4; ++k) EXPECT_NEAR(share[k], expected[k], 1e-6) << column << " " << row;
+        }
+}
+
+// Roots that lie nowhere on a grid: in a plane what is linear in the roots comes back exactly, wherever they
+// surround it.
+TEST(Stencil, of_any_roots_is_linear_between_them) {
+    Groom groom = curly_groom({});
+    Random random(3);
+    for (int s = 0; s < groom.rest.count; ++s) {
+        const Vec3f to{0.01f * float(s % 8) + 0.002f * float(random.number()), 0,
+                       0.01f * float(s / 8) + 0.002f * float(random.number())};
+        const Vec3f move = to - groom.rest.at(s, 0);
+        for (int i = 0; i < groom.rest.particles; ++i) groom.rest.at(s, i) += move;
+        groom.normal[size_t(s)] = {0, 1, 0};
+    }
+    std::vector<int> kept;
+    for (int s = 0; s < groom.rest.count; s += 3) kept.push_back(s);
+    const Groom low = part_of(groom, kept);
+    const Stencil stencil = surrounding_stencil(groom, low);
+    EXPECT_EQ(stencil.width, 3);
+    for (size_t k = 0; k < kept.size(); ++k) EXPECT_EQ(stencil.twin[k], kept[k]);
+    int inside = 0;
+    for (int s = 0; s < groom.rest.count; ++s) {
+        Vec3f sum{0, 0, 0};
+        float weights = 0;
+        for (size_t k = 0; k < 3; ++k) {
+            const size_t at = size_t(s) * 3 + k;
+            EXPECT_GE(stencil.weight[at], 0);
+            weights += stencil.weight[at];
+            sum += stencil.weight[at] * low.rest.at(stencil.from[at], 0);
+        }
+        EXPECT_NEAR(weights, 1, 1e-6);
+        const int column = s % 8, row = s / 8;
+        if (column < 2 || row < 2 || column > 5 || row > 5) continue;
+        ++inside;
+        EXPECT_LT(norm(sum - groom.rest.at(s, 0)), 1e-7f) << s;
+    }
+    EXPECT_EQ(inside, 16);
 }
 
 TEST(Interpolation, shared_strands_come_back_as_they_are) {

@@ -340,10 +340,9 @@ class LayersOnly final : public Network {
 TEST(LearnedStrandsInLanes, allocate_nothing_from_the_second_frame_on_and_do_not_depend_on_the_threads) {
     const Groom high = curly_groom({}), low = coarsened(high, 2);
     StrandLayers layers = random_layers(strand_channels, 16, 2, true);
-    layers.outputs = strand_coefficients;
-    layers.last = {random_numbers(size_t(strand_coefficients) * 16, 50),
-                   random_numbers(strand_coefficients, 51)};
-    layers.scale.assign(strand_coefficients, 1e-3f);
+    layers.outputs = strand_outputs;
+    layers.last = {random_numbers(size_t(strand_outputs) * 16, 50), random_numbers(strand_outputs, 51)};
+    layers.scale.assign(strand_outputs, 1e-3f);
     std::vector<Strands> shown;
     const int threads = omp_get_max_threads();
     for (int team : {1, 3}) {

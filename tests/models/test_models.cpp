@@ -33,14 +33,12 @@ ModelCard card_of(const Architecture& a, double width) {
     card.output_channels = a.output_channels;
     card.upscale = a.upscale;
     card.input_channels = a.input_channels ? a.input_channels : strand_channels;
-    card.particles = a.codec == "strand" ? 20 : 0;
     if (a.codec == "strand") {
         for (int c = 0; c < strand_channels; ++c) {
             card.arrays["input_mean"].push_back(0.01f * float(c));
             card.arrays["input_std"].push_back(0.5f + 0.01f * float(c));
         }
-        for (int c = 0; c < strand_coefficients; ++c)
-            card.arrays["output_scale"].push_back(1 / (1.0f + float(c)));
+        for (int c = 0; c < strand_outputs; ++c) card.arrays["output_scale"].push_back(1 / (1.0f + float(c)));
     }
     return card;
 }
@@ -68,21 +66,21 @@ bool same_bits(const Tensor& a, const Tensor& b) {
 TEST(ParameterCounts, AreThoseOfTheEquationsAtWidthOne) {
     const long hidden = 256;
     const long strand =
-        (strand_channels + 1) * hidden + 10 * (hidden + 1) * hidden + (hidden + 1) * strand_coefficients;
+        (strand_channels + 1) * hidden + 10 * (hidden + 1) * hidden + (hidden + 1) * strand_outputs;
     const std::map<std::string, long> expected = {
         {"unet_vgg19", 60031235},
         {"recursive_residual", 2366339},
         {"adhesion_mlp", 142},
         {"strand_mlp", strand},
         {"strand_depthwise", strand + 5 * 25 * hidden},
-        {"strand_linear", (strand_channels + 1) * strand_coefficients},
+        {"strand_linear", (strand_channels + 1) * strand_outputs},
         // The first layer takes more, the last gives more; without doubling r6 is gone: 64 to 64 channels by
         // 2x2, then twice by 5x5.
         {"strand_unet_vgg19", 60031235 + 25 * 64 * (strand_channels - 3) +
-                                  (25 * 64 + 1) * (strand_coefficients - 3) - (4 * 64 * 64 + 64) -
+                                  (25 * 64 + 1) * (strand_outputs - 3) - (4 * 64 * 64 + 64) -
                                   2 * (25 * 64 * 64 + 64)},
         {"strand_recursive_residual",
-         2366339 + 25 * 64 * (strand_channels - 3) + (25 * 64 + 1) * (strand_coefficients - 3)}};
+         2366339 + 25 * 64 * (strand_channels - 3) + (25 * 64 + 1) * (strand_outputs - 3)}};
     ASSERT_EQ(expected.size(), architectures().size());
     for (const auto& a : architectures())
         EXPECT_EQ(parameter_count(*make_model(card_of(a, 1))), expected.at(a.name)) << a.name;
@@ -281,7 +279,7 @@ TEST(EveryNetwork, FrozenGivesTheSameBits) {
 TEST(Operations, AreThoseOfTheLayersThatRun) {
     ModelCard card = card_of(*find_architecture("strand_mlp"), 1);
     // 256 channels, ten layers between the first and the last.
-    const double a_pixel = 2.0 * (strand_channels * 256 + 10 * 256 * 256 + 256 * strand_coefficients);
+    const double a_pixel = 2.0 * (strand_channels * 256 + 10 * 256 * 256 + 256 * strand_outputs);
     EXPECT_EQ(operations_of(*make_model(card), input_of(card, 1, 4)), 16 * a_pixel);
     // By hand, of `recursive_residual`: 5x5 convolutions of 8 channels, at 32 x 32 the first and twenty, at
     // 64 x 64 three and the last.
@@ -367,7 +365,7 @@ TEST(EveryNetwork, BeginsAsTheBaseBecauseItsLastLayerIsZero) {
         if (a.codec == "adhesion") continue;  // it has no base
         const ModelCard card = card_of(a, 0.125);
         const Tensor x = input_of(card, 1, 40), found = make_model(card)->forward(x);
-        const Tensor base = a.codec == "root" ? up(x) : torch::zeros({1, strand_coefficients, 40, 40});
+        const Tensor base = a.codec == "root" ? up(x) : torch::zeros({1, strand_outputs, 40, 40});
         EXPECT_TRUE(same_bits(found, base)) << a.name;
     }
 }
@@ -391,7 +389,7 @@ TEST(StrandImage, TakesAnyGridAndKnowsNothingOfEmptyPixels) {
         Tensor x = torch::rand({1, strand_channels, 20, 33});
         x.narrow(3, 10, 2).zero_();
         const Tensor out = model->forward(x);
-        EXPECT_EQ(out.sizes(), (std::vector<int64_t>{1, strand_coefficients, 20, 33})) << name;
+        EXPECT_EQ(out.sizes(), (std::vector<int64_t>{1, strand_outputs, 20, 33})) << name;
         EXPECT_GT(largest(out), 1e-3) << name;
         // Another mean would move what comes in as something, and does not move what comes in as nothing.
         model->whole_grid = true;
@@ -482,7 +480,6 @@ TEST(ModelFile, GivesBackCardAndBits) {
         EXPECT_EQ(read.codec, a.codec);
         EXPECT_EQ(read.width, card.width);
         EXPECT_EQ(read.parameters, parameter_count(*model));
-        EXPECT_EQ(read.particles, card.particles);
         EXPECT_EQ(read.low_substeps, card.low_substeps);
         EXPECT_EQ(read.numbers, card.numbers);
         EXPECT_EQ(read.arrays, card.arrays);
@@ -554,7 +551,6 @@ class BadModelFile : public ::testing::Test {
         file.attribute("input_channels", double(c.input_channels));
         file.attribute("output_channels", double(c.output_channels));
         file.attribute("upscale", double(c.upscale));
-        file.attribute("particles", double(c.particles));
         file.attribute("parameters", parameters);
         file.attribute("recipe", c.recipe);
         file.attribute("inputs", c.inputs);

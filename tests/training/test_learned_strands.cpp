@@ -27,14 +27,14 @@ std::string made_model(const std::string& path, const char* architecture, int in
                        const char* target = "strands") {
     ModelCard card;
     card.codec = "strand", card.architecture = architecture, card.target = target;
-    card.width = 0.25, card.particles = 50;
-    card.input_channels = inputs, card.output_channels = strand_coefficients;
+    card.width = 0.25;
+    card.input_channels = inputs, card.output_channels = strand_outputs;
     card.arrays["input_mean"].assign(size_t(inputs), 0);
     card.arrays["input_std"].assign(size_t(inputs), 1);
     // Accelerations come in tens: a trained network's deviations know that.
     constexpr int motion = in_input(dynamic_layout.gravity).first;
     if (inputs > motion) std::fill_n(card.arrays["input_std"].begin() + motion, inputs - motion, 10.0f);
-    card.arrays["output_scale"].assign(strand_coefficients, 2e-3f);
+    card.arrays["output_scale"].assign(strand_outputs, 1e-2f);  // of strands of 0.2 m: 2 mm
     torch::manual_seed(4);
     auto model = make_model(card);
     {
@@ -79,7 +79,7 @@ TEST(LearnedStrands, AreWhatCodecAndLibTorchsNetworkGive) {
         StrandCodec codec = hair.codec();
         learned->bind(hair.in.points.data(), hair.out.points.data());
         std::vector<float> input(size_t(inputs) * codec.pixels()),
-            answer(size_t(strand_coefficients) * codec.pixels());
+            answer(size_t(strand_outputs) * codec.pixels());
         std::copy(codec.fixed().begin(), codec.fixed().end(), input.begin());
         for (int f = 0; f < 10; ++f) {
             const HeadWindow heads = hair.take(f);

@@ -45,7 +45,7 @@ TEST(NetworkModule, LoadsLibTorchOnFirstUseThenTrainsAndRuns) {
 
     // A grid and the same pixels as rows give the same: no strand sees another.
     const long c = card.input_channels, out = card.output_channels, pixels = 6;
-    ASSERT_EQ(out, strand_coefficients);
+    ASSERT_EQ(out, strand_outputs);
     std::mt19937 random(3);
     const auto rows = testing::uniform(random, size_t(pixels * c));
     std::vector<float> grid(rows.size()), by_rows(size_t(pixels * out)), by_grid(by_rows.size());

@@ -68,7 +68,7 @@ std::vector<std::string> refused_by(const KeyRow& row) {
 // Another one than its default that it takes.
 std::string allowed_by(const KeyRow& row, double fallback) {
     if (row.kind == Kind::word) return row.words[size_t(fallback) == 0 ? 1 : 0];
-    if (row.kind == Kind::text) return row.key == std::string("leave_out") ? "length" : "cuda";
+    if (row.kind == Kind::text) return row.key == std::string("leave_out") ? "radius" : "cuda";
     if (row.kind == Kind::boolean) return fallback != 0 ? "false" : "true";
     if (row.kind == Kind::integer) return std::to_string(long(std::min(fallback + 1, row.maximum)));
     return text(row.minimum + 0.5 * (std::min(row.maximum, 2 * fallback + 1) - row.minimum));

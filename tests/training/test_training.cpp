@@ -45,12 +45,18 @@ struct StrandCase {
     Tensor output;
     StrandCase() {
         torch::manual_seed(1);
-        batch.base = 0.03 * torch::randn({strands, strand_coefficients});
-        batch.target = 0.02 * torch::randn({strands, strand_coefficients, 1, 1});
-        output = 0.02 * torch::randn({strands, strand_coefficients, 1, 1});
+        batch.base = 0.15 * torch::randn({strands, strand_coefficients});
+        batch.target = 0.1 * torch::randn({strands, strand_coefficients, 1, 1});
+        batch.length = torch::tensor({0.15f, 0.2f, 0.25f}).unsqueeze(1);
+        output = 0.1 * torch::randn({strands, strand_outputs, 1, 1});
     }
+    // An answer with those amplitudes.
+    static Tensor answer(const Tensor& amplitudes) {
+        return torch::cat({amplitudes, torch::zeros({amplitudes.size(0), error_pieces, 1, 1})}, 1);
+    }
+    static Tensor amplitudes(const Tensor& answer) { return answer.narrow(1, 0, strand_coefficients); }
     double loss(const std::string& only) const {
-        std::vector<std::string> set = {"loss.position=0", "loss.edge=0"};
+        std::vector<std::string> set = {"loss.position=0", "loss.edge=0", "loss.doubt=0"};
         set.push_back("loss." + only + "=1");
         return make_loss(Codec::strand, recipe_of(Codec::strand, set), particles, length, torch::kCPU)
             ->of(output, batch)
@@ -60,7 +66,7 @@ struct StrandCase {
     std::vector<std::vector<Vec3f>> decoded(const Tensor& residual) const {
         std::vector<std::vector<Vec3f>> out;
         const StrandDct dct(particles);
-        const Tensor c = (batch.base + residual.flatten(1)).contiguous();
+        const Tensor c = (batch.length * (batch.base + amplitudes(residual).flatten(1))).contiguous();
         for (int s = 0; s < strands; ++s) {
             out.emplace_back(particles);
             dct.decode(c[s].data_ptr<float>(), out.back().data());
@@ -112,20 +118,23 @@ TEST(StrandLoss, OfSteadinessIsTheErrorOfWhatMovesBetweenTwoFrames) {
     StrandCase both = now;
     both.batch.in_pairs = true;
     torch::manual_seed(2);
-    const Tensor offset = 0.02 * torch::randn_like(now.output);
+    const Tensor offset = 0.1 * torch::randn_like(now.batch.target);
     both.batch.base = torch::cat({now.batch.base, later.batch.base});
     both.batch.target = torch::cat({now.batch.target, now.batch.target + offset});
+    both.batch.length = torch::cat({now.batch.length, later.batch.length});
     const std::vector<std::string> set = {"loss.position=0", "loss.edge=0", "loss.length=1e-12",
-                                          "loss.steady=1"};
+                                          "loss.doubt=0", "loss.steady=1"};
     const auto steady =
         make_loss(Codec::strand, recipe_of(Codec::strand, set), now.particles, now.length, torch::kCPU);
     // An error that stays is steady.
-    EXPECT_LT(steady->of(torch::cat({now.output, now.output + offset}), both.batch).item<double>(), 1e-6);
+    EXPECT_LT(steady->of(torch::cat({now.output, now.output + StrandCase::answer(offset)}), both.batch)
+                  .item<double>(),
+              1e-6);
     // One that comes is its mean distance.
-    StrandCase comes = now;
-    comes.batch.target = now.batch.target + offset, comes.output = now.output;
+    const Tensor found = StrandCase::amplitudes(now.output);
     StrandCase error;
-    error.output = comes.output - comes.batch.target, error.batch.target = now.output - now.batch.target;
+    error.output = StrandCase::answer(found - (now.batch.target + offset));
+    error.batch.target = found - now.batch.target;
     error.batch.base.zero_();
     const double expected = error.loss("position");
     ASSERT_GT(expected, 1e-3);
@@ -137,7 +146,8 @@ TEST(StrandLoss, OfSteadinessIsTheErrorOfWhatMovesBetweenTwoFrames) {
 
 TEST(StrandLoss, HasTheGradientThatDifferencesGive) {
     StrandCase c;
-    auto loss = make_loss(Codec::strand, recipe_of(Codec::strand, {"loss.curvature=0.5", "loss.length=0.5"}),
+    auto loss = make_loss(Codec::strand,
+                          recipe_of(Codec::strand, {"loss.curvature=0.5", "loss.length=0.5", "loss.doubt=0"}),
                           c.particles, c.length, torch::kCPU);
     c.output.requires_grad_();
     loss->of(c.output, c.batch).backward();
@@ -154,13 +164,41 @@ TEST(StrandLoss, HasTheGradientThatDifferencesGive) {
 
 TEST(StrandLoss, HasAFiniteGradientAtTheTarget) {
     StrandCase c;
-    auto loss = make_loss(Codec::strand, recipe_of(Codec::strand, {"loss.length=1"}), c.particles, c.length,
-                          torch::kCPU);
-    Tensor output = c.batch.target.clone().requires_grad_();
+    auto loss = make_loss(Codec::strand, recipe_of(Codec::strand, {"loss.length=1", "loss.doubt=0"}),
+                          c.particles, c.length, torch::kCPU);
+    Tensor output = StrandCase::answer(c.batch.target).requires_grad_();
     const Tensor value = loss->of(output, c.batch);
     value.backward();
     EXPECT_LT(value.item<double>(), 1e-6);
     EXPECT_TRUE(torch::isfinite(output.grad()).all().item<bool>());
+}
+
+// It is least where each piece's mean error is told.
+TEST(StrandLoss, OfDoubtIsLeastWhereErrorsAreTold) {
+    StrandCase c;
+    const auto loss = make_loss(
+        Codec::strand,
+        recipe_of(Codec::strand, {"loss.position=0", "loss.edge=0", "loss.length=1e-12", "loss.doubt=1"}),
+        c.particles, c.length, torch::kCPU);
+    const auto a = c.decoded(c.output), b = c.decoded(c.batch.target);
+    Tensor told = c.output.clone();
+    for (int s = 0; s < c.strands; ++s)
+        for (int piece = 0; piece < error_pieces;
+             ++piece) {  // nine particles: each piece has one, but the root
+            const float error = norm(a[size_t(s)][size_t(piece) + 1] - b[size_t(s)][size_t(piece) + 1]);
+            told[s][answered_errors.first + piece][0][0] =
+                std::log(error / (usual_error * c.batch.length[s][0].item<float>()));
+        }
+    told.requires_grad_();
+    loss->of(told, c.batch).backward();
+    EXPECT_LT(told.grad().abs().max().item<double>(), 1e-4);
+    torch::NoGradGuard no_grad;
+    const double least = loss->of(told, c.batch).item<double>();
+    for (float off : {-0.5f, 0.5f}) {
+        Tensor wrong = told.clone();
+        wrong.narrow(1, answered_errors.first, answered_errors.count).add_(off);
+        EXPECT_GT(loss->of(wrong, c.batch).item<double>(), least + 0.05);
+    }
 }
 
 TEST(RootLoss, IsTheMeanOverPixelsThatHoldAStrand) {
@@ -316,10 +354,11 @@ TEST(StrandData, LaysWholeFramesOutForANetworkThatSeesNeighbours) {
     EXPECT_TRUE(torch::equal(whole.target, flat.target));
     // The loss takes the pixels that hold a strand: an answer that is absurd in the others changes nothing.
     const auto loss = make_loss(Codec::strand, frames.recipe, testing::made_particles, 0.2, torch::kCPU);
-    Tensor answer = torch::zeros({1, strand_coefficients, 6, 6});
+    Tensor answer = torch::zeros({1, strand_outputs, 6, 6});
     const double zero = loss->of(answer, whole).item<double>();
     ASSERT_GT(zero, 1e-3);
-    EXPECT_NEAR(zero, loss->of(torch::zeros_like(flat.target), flat).item<double>(), 1e-6 * zero);
+    EXPECT_NEAR(zero, loss->of(StrandCase::answer(torch::zeros_like(flat.target)), flat).item<double>(),
+                1e-6 * zero);
     answer.select(2, 0).select(2, 0).fill_(1e3);
     EXPECT_EQ(loss->of(answer, whole).item<double>(), zero);
 }
@@ -590,8 +629,8 @@ std::vector<std::string> devices() {
 TEST(Training, OverfitsOneFrameOfStrandsFiftyfold) {
     for (const auto& device : devices())
         for (const char* architecture : {"strand_mlp", "strand_depthwise"}) {
-            Job job(Codec::strand,
-                    {"epochs=600", "width=0.125", "validation=0.8", "weight_decay=0", "validate_every=600"});
+            Job job(Codec::strand, {"epochs=600", "width=0.125", "validation=0.8", "weight_decay=0",
+                                    "validate_every=600", "loss.doubt=0"});
             job.request.architecture = architecture;
             job.request.device = device;
             train(job.request);
