@@ -12,6 +12,7 @@
 #include "app/engine/simulate_scene.h"
 #include "app/inference/predict_run.h"
 #include "app/options/option_list.h"
+#include "base/log.h"
 #include "learn/codec/stencil.h"
 
 namespace wetcurl {
@@ -231,7 +232,14 @@ int infer_run(InferOptions o) {
     take_learned(o, scene, 0);
     require_predictable(o, scene, header.groom, header.guides > 0);
     std::optional<LowRun> again;
-    if (o.within) again.emplace(o.input);
+    if (o.within) {
+        again.emplace(o.input);
+        if (o.wetness.empty())
+            log_warning(
+                fmt::format("--within: strands are simulated in the {} substeps a frame of {}; --wetness "
+                            "names a scene that says others",
+                            scene.integrator.substeps, o.input));
+    }
     return predict(o, method_of(o), std::move(scene), low, o.frames.value_or(low.frames()),
                    again ? &*again : nullptr);
 }
@@ -302,7 +310,7 @@ void add_options(OptionList& options, InferOptions& o) {
         .option(
             "--within", o.within,
             "for models of whole strands: simulate those strands themselves that the model expects to be off "
-            "by more than so many millimetres, mean over the frames")
+            "by more than so many millimetres, mean over the frames, as the run's scene or --wetness says")
         .within(0.0, 1e6);
     options.flag("--wet-shape", o.wet_shape,
                  "for --interpolate rest: the strand at rest as its water curls it (Eq 9), not as drawn");
