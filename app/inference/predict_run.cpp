@@ -14,6 +14,7 @@
 #include "app/files/watch_results.h"
 #include "app/inference/predictor.h"
 #include "base/log.h"
+#include "base/same_pose.h"
 #include "learn/codec/encode_runs.h"
 #include "learn/codec/strand_codec.h"
 #include "solver/chain/chain_state.h"
@@ -142,9 +143,7 @@ class SimulatedStrands {
     // Their next frame into p. Throws Error where the head is elsewhere than at `head`.
     void put(const Pose& head, Strands& p) {
         if (!run_.source().next(frame_)) throw Error(run_.file() + ": its simulation has no more frames");
-        const Quatd turn = conjugate(head.rotation) * frame_.head.rotation;
-        if (norm(head.translation - frame_.head.translation) > 1e-6 ||
-            norm(Vec3d{turn.x, turn.y, turn.z}) > 1e-6)
+        if (!same_pose(head, frame_.head, 1e-6))
             throw Error(run_.file() +
                         ": its head moves in another way than that of the low-resolution run, " +
                         "allowed with --within is the same motion");

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "base/geometry/neighbor_grid.h"
+#include "base/same_pose.h"
 #include "learn/codec/core_detail.h"
 
 namespace wetcurl {
@@ -154,12 +155,6 @@ struct Mean {
     }
     double value() const { return n ? sum / double(n) : 0; }
 };
-
-bool same_pose(const Pose& a, const Pose& b, double tolerance) {
-    const Quatd p = a.rotation, q = b.rotation;
-    const double cosine = std::abs(p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z);
-    return norm(a.translation - b.translation) < tolerance && 1 - cosine < tolerance * tolerance;
-}
 
 // What one run shows by itself, frame after frame.
 class RunShape {

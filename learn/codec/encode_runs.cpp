@@ -4,6 +4,8 @@
 #include <numeric>
 #include <sstream>
 
+#include "base/same_pose.h"
+
 namespace wetcurl {
 
 RunPair::RunPair(const std::string& dry_path, const std::string& wet_path)
@@ -59,10 +61,7 @@ static void for_each_frame(const RunPair& pair, const std::string& what, Visit v
     FrameDelivery frames({what, pair.dry->frames()}, guard);
     frames.run(window, [&](int index, const RunFrame& dry) {
         const RunFrame wet = pair.wet->frame(index);
-        const Pose &a = dry.head, &b = wet.head;
-        const Vec3d apart = a.translation - b.translation;
-        const Quatd turn = conjugate(a.rotation) * b.rotation;
-        if (norm(apart) > 1e-6 || norm(Vec3d{turn.x, turn.y, turn.z}) > 1e-6)
+        if (!same_pose(dry.head, wet.head, 1e-6))
             throw Error(pair.dry->path() + ": frame " + std::to_string(index) +
                         ": the head is elsewhere than in " + pair.wet->path() + ", allowed the same motion");
         visit(window, wet);
