@@ -276,8 +276,11 @@ TEST(StrandCodec, motion_features_are_gravity_turning_and_the_roots_acceleration
     heads.inner = false;
     StrandCodec standing(high, low, {});
     standing.dynamic(moved(low.rest, heads.now), heads, out.data());
-    for (size_t k = size_t(dynamic_layout.turning.first) * codec.pixels(); k < out.size(); ++k)
-        if (!dynamic_layout.doubt.holds(int(k / codec.pixels()))) EXPECT_EQ(out[k], 0);
+    for (size_t k = size_t(dynamic_layout.turning.first) * codec.pixels(); k < out.size(); ++k) {
+        if (!dynamic_layout.doubt.holds(int(k / codec.pixels()))) {
+            EXPECT_EQ(out[k], 0);
+        }
+    }
 }
 
 TEST(StrandCodec, history_features_are_those_of_frames_1_2_4_and_8_before) {
