@@ -123,6 +123,33 @@ inline constexpr std::array<InputGroup, 12> strand_inputs{{
     {"history", in_input(dynamic_layout.history)},
 }};
 
+// The same in finer parts, as people are told of them.
+constexpr Channels one_of(const Channels& group, int k) { return {group.first + k, 1}; }
+inline constexpr std::array<InputGroup, 22> told_inputs{{
+    {"rest shape", static_layout.rest},
+    {"saturation", static_layout.saturation},
+    {"curl radius", static_layout.radius},
+    {"size of the scalp", static_layout.scalp},
+    {"spacing of strands", static_layout.spacing},
+    {"reach of Eq 10", static_layout.reach},
+    {"distance of guides", one_of(static_layout.guides, 0)},
+    {"unlikeness of guides", one_of(static_layout.guides, 1)},
+    {"weight of the first guide", one_of(static_layout.guides, 2)},
+    {"spacing of guides", one_of(static_layout.guides, 3)},
+    {"stiffness", one_of(static_layout.fibre, 0)},
+    {"softening by water", one_of(static_layout.fibre, 1)},
+    {"mass of water", one_of(static_layout.fibre, 2)},
+    {"drag when dry", one_of(static_layout.fibre, 3)},
+    {"drag when wet", one_of(static_layout.fibre, 4)},
+    {"step of the low-resolution run", one_of(static_layout.fibre, 5)},
+    {"base", in_input(dynamic_layout.base)},
+    {"gravity", in_input(dynamic_layout.gravity)},
+    {"turning", in_input(dynamic_layout.turning)},
+    {"acceleration", in_input(dynamic_layout.acceleration)},
+    {"doubt", in_input(dynamic_layout.doubt)},
+    {"history", in_input(dynamic_layout.history)},
+}};
+
 // ---- codec root ----
 
 inline constexpr int colour_channels = 3;  // x, y, z (Eq 14)

@@ -58,6 +58,12 @@ struct RunFrame {
     std::vector<float> expected_error;
     std::vector<double> water;  // held, taken, dripped, dried so far [kg]; empty without flow
     double seconds = 0;         // run time of this frame, file output left out
+    // Of the piece that a particle lies in; only where a network said so.
+    float expected_at(int strand, int particle) const {
+        const size_t pieces = expected_error.size() / size_t(positions.count);
+        return expected_error[size_t(strand) * pieces +
+                              size_t(particle) * pieces / size_t(positions.particles)];
+    }
     // What is seen: p^w where there is one, p elsewhere.
     const Strands& seen() const { return displayed.count ? displayed : positions; }
     // (strand, particle) now; empty without wetness.

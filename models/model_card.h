@@ -25,8 +25,9 @@ struct ModelCard {
     long parameters = 0;
     std::map<std::string, double> numbers;  // validation error, steps…
     // Codec strand: input_mean, input_std (input_channels), output_scale (output_channels), applied inside
-    // the network; the mean of a saturation channel is the profile to fall back on. Codec root: b_min, b_max
-    // (3) [m].
+    // the network; the mean of a saturation channel is the profile to fall back on; input_low, input_high
+    // (input_channels), the range of what it learned from, and all there is of what it does not look at;
+    // models of earlier versions have none. Codec root: b_min, b_max (3) [m].
     std::map<std::string, std::vector<float>> arrays;
     std::string recipe;  // the resolved recipe, TOML
     std::string inputs;  // "file hash" of what it was trained on, one a line

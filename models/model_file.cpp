@@ -32,10 +32,16 @@ int count_in(const H5Reader& file, const std::string& name, int minimum, int max
 void require_arrays(const H5Reader& file, const ModelCard& card) {
     if (card.codec != "strand") return;
     const size_t inputs = size_t(card.input_channels), outputs = size_t(card.output_channels);
-    const std::pair<const char*, size_t> needed[] = {
-        {"input_mean", inputs}, {"input_std", inputs}, {"output_scale", outputs}};
-    for (const auto& [name, size] : needed) {
+    struct Array {
+        const char* name;
+        size_t size;
+        bool needed = true;
+    };
+    for (const auto& [name, size, needed] :
+         {Array{"input_mean", inputs}, Array{"input_std", inputs}, Array{"output_scale", outputs},
+          Array{"input_low", inputs, false}, Array{"input_high", inputs, false}}) {
         const auto found = card.arrays.find(name);
+        if (found == card.arrays.end() && !needed) continue;
         if (found == card.arrays.end())
             throw Error(file.path() + ": array '" + name + "' is missing, needed are " +
                         std::to_string(size) + " values (train the model again)");

@@ -35,6 +35,7 @@ void save_checkpoint(const std::string& path, const TrainingState& state) {
     for (const auto& [name, member] : counts) file.attribute(name, double(state.*member));
     file.attribute("loss_sum", state.loss_sum);
     file.attribute("best_loss", state.best_loss);
+    file.attribute("begun_with", state.begun_with);
     file.attribute("recipe", state.recipe);
     file.attribute("inputs", state.inputs);
     file.commit();
@@ -50,6 +51,7 @@ TrainingState load_checkpoint(const std::string& path, long n) {
     for (const auto& [name, member] : counts) state.*member = long(file.number(name));
     state.loss_sum = file.number("loss_sum");
     state.best_loss = file.number("best_loss");
+    if (file.has_attribute("begun_with")) state.begun_with = file.number("begun_with");
     state.recipe = file.text("recipe");
     state.inputs = file.text("inputs");
     return state;

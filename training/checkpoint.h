@@ -19,7 +19,8 @@ struct TrainingState {
     long epoch = 0, step = 0;    // the next step to be done
     double loss_sum = 0;         // of this epoch's steps so far
     double best_loss = 0;        // of `best`
-    long best_epoch = -1;        // -1: none yet
+    long best_epoch = -1;        // epochs done then; -1: none yet
+    double begun_with = -1;      // held-out error [m] of the weights of another model; below 0: none
     long log_position = 0;       // [bytes]
     std::string recipe, inputs;  // what it was made with: another one cannot go on from here
 };

@@ -105,6 +105,8 @@ class StrandData : public TrainingData {
         card.input_channels = int(mean_.size(0));
         card.arrays["input_mean"] = values(mean_);
         card.arrays["input_std"] = values(deviation_);
+        card.arrays["input_low"] = values(low_);
+        card.arrays["input_high"] = values(high_);
         card.arrays["output_scale"] = values(scale_);
         card.target = recipe_.target;
     }
@@ -215,18 +217,20 @@ class StrandData : public TrainingData {
         frames_.push_back(run.frames);
     }
 
-    // Per channel over the frames that training sees, in double: mean and deviation of the inputs, size of
-    // the target.
+    // Per channel over the frames that training sees, in double: mean, deviation and range of the inputs,
+    // size of the target.
     void find_statistics() {
         const auto exact = torch::dtype(torch::kDouble).device(device_);
         Tensor sum = torch::zeros({channels()}, exact), squares = sum.clone();
         Tensor targets = torch::zeros({strand_coefficients}, exact);
+        Tensor low = torch::full({channels()}, mute, exact), high = -low;
         double rows = 0;
         for (const auto& place : train_) {
             const Tensor x = inputs_of(place).to(torch::kDouble),
                          y = runs_[place.run].target[place.frame].to(torch::kDouble);
             sum += x.sum(0);
             squares += x.square().sum(0);
+            low = torch::minimum(low, x.amin(0)), high = torch::maximum(high, x.amax(0));
             targets += y.square().sum(0);
             rows += double(x.size(0));
         }
@@ -235,8 +239,8 @@ class StrandData : public TrainingData {
         const Tensor deviation = (squares / rows - mean.square()).clamp_min(0).sqrt();
         // A channel that never changes taught nothing: it comes in as zero, also where it differs at run
         // time.
-        constexpr double mute = 1e30;
         const Tensor constant = deviation <= 1e-5 * mean.abs() + 1e-9;
+        low_ = low.cpu().to(torch::kFloat), high_ = high.cpu().to(torch::kFloat);
         mean_ = mean.to(torch::kFloat);
         deviation_ = torch::where(constant, torch::full_like(deviation, mute), deviation).to(torch::kFloat);
         if (!recipe_.leave_out.empty() && channels() != strand_channels)
@@ -245,8 +249,13 @@ class StrandData : public TrainingData {
         std::istringstream left_out(recipe_.leave_out);
         for (std::string name; left_out >> name;)
             for (const InputGroup& group : strand_inputs)
-                if (name == group.name)
-                    deviation_.narrow(0, group.channels.first, group.channels.count).fill_(mute);
+                if (name == group.name) {
+                    auto of_group = [&](Tensor& t) {
+                        return t.narrow(0, group.channels.first, group.channels.count);
+                    };
+                    of_group(deviation_).fill_(mute);
+                    of_group(low_).fill_(-mute), of_group(high_).fill_(mute);
+                }
         const Tensor size = (targets / rows).sqrt();
         // Amplitudes that hardly move keep a thousandth of the largest, so that none is out of reach.
         scale_ = torch::cat({torch::maximum(size, 1e-3 * size.max()).clamp_min(1e-9).to(torch::kFloat),
@@ -311,7 +320,8 @@ class StrandData : public TrainingData {
     vector<Run> runs_;
     vector<long> frames_, trained_, order_;
     vector<Place> train_, held_, starts_;  // of frames or pairs that an epoch draws
-    Tensor mean_, deviation_, scale_;
+    static constexpr double mute = 1e30;   // a deviation by which an input is as good as 0
+    Tensor mean_, deviation_, low_, high_, scale_;
     long strands_ = 0;
     double length_sum_ = 0, unit_ = 0;
 };

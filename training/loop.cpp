@@ -75,6 +75,17 @@ struct Validation {
                 {"validation_nrmse_in_contact", std::sqrt(contact_loss)},
                 {"base_nrmse_in_contact", std::sqrt(contact_base_loss)}};
     }
+    // For the log.
+    std::vector<std::pair<std::string, double>> line() const {
+        std::vector<std::pair<std::string, double>> out = {{"validation_loss", loss},
+                                                           {"base_loss", base_loss}};
+        if (positions) {
+            out.insert(out.end(), {{"validation_mm", 1e3 * distance}, {"base_mm", 1e3 * base_distance}});
+        } else {
+            for (const auto& value : nrmse()) out.push_back(value);
+        }
+        return out;
+    }
     static double mean(double sum, double count) { return sum / std::max(count, 1.0); }
 };
 
@@ -94,6 +105,7 @@ class Trainer {
         if (ranks_.first())
             log_ = std::make_unique<MetricsLog>(request_.output + ".jsonl", state_.log_position);
         InterruptGuard interrupt;
+        if (!request_.from.empty() && optimiser_->steps == 0) look_at_start();
         Stopwatch since_checkpoint;
         for (; state_.epoch < epochs_; ++state_.epoch) {
             data_->begin_epoch(state_.epoch);
@@ -217,8 +229,23 @@ class Trainer {
         require_same("low-resolution strands", card.low, card_.low);
         if (codec_ == Codec::root && card.arrays != card_.arrays)
             throw Misuse("train --from " + path + ": its colours are of another box than these pairs'");
-        card_.arrays = card.arrays;
+        std::swap(card_.arrays, card.arrays);
+        widen_ranges(card.arrays);
         return model;
+    }
+
+    // What was learned from is both: what the network begun with did, and these pairs.
+    void widen_ranges(const std::map<std::string, std::vector<float>>& own) {
+        for (const bool low : {true, false}) {
+            const char* const name = low ? "input_low" : "input_high";
+            const auto before = card_.arrays.find(name);
+            const auto now = own.find(name);
+            if (before == card_.arrays.end() || now == own.end()) continue;
+            for (size_t c = 0; c < now->second.size(); ++c) {
+                float& end = before->second[c];
+                end = low ? std::min(end, now->second[c]) : std::max(end, now->second[c]);
+            }
+        }
     }
 
     // What all processes must agree on.
@@ -379,6 +406,24 @@ class Trainer {
         return sums.distance / std::max(sums.samples, 1.0);
     }
 
+    // What training begins with is the best there is yet, where held-out data say how good.
+    void look_at_start() {
+        if (!data_->validation_batches()) return;
+        const Validation found = validate();
+        state_.best_loss = found.loss, state_.best_epoch = 0;
+        if (found.positions) {
+            state_.begun_with = found.distance;
+            std::ostringstream text;
+            text.precision(3);
+            text << request_.from << ": held out " << 1e3 * found.distance << " mm (base "
+                 << 1e3 * found.base_distance << ")";
+            say(text.str());
+        }
+        std::vector<std::pair<std::string, double>> line = {{"epoch", 0}, {"step", 0}, {"loss", found.loss}};
+        for (const auto& value : found.line()) line.push_back(value);
+        if (log_) log_->line(line);
+    }
+
     // The end of an epoch: its line in the log, a validation where one is due, the best kept.
     void finish_epoch() {
         const double mean_loss = state_.loss_sum / double(data_->steps());
@@ -393,17 +438,14 @@ class Trainer {
             if (const auto distance = training_distance()) line.emplace_back("training_mm", 1e3 * *distance);
         if (due && data_->validation_batches() > 0) {
             const Validation found = validate();
-            line.insert(line.end(), {{"validation_loss", found.loss}, {"base_loss", found.base_loss}});
+            for (const auto& value : found.line()) line.push_back(value);
             std::ostringstream note;
             note.precision(3);
             if (found.positions) {
-                line.insert(line.end(), {{"validation_mm", 1e3 * found.distance},
-                                         {"base_mm", 1e3 * found.base_distance}});
-                note << ", held out " << 1e3 * found.distance << " mm (base " << 1e3 * found.base_distance
-                     << ")";
+                note << ", held out " << 1e3 * found.distance << " mm (";
+                if (state_.begun_with >= 0) note << "begun with " << 1e3 * state_.begun_with << ", ";
+                note << "base " << 1e3 * found.base_distance << ")";
             } else {
-                const auto nrmse = found.nrmse();
-                line.insert(line.end(), nrmse.begin(), nrmse.end());
                 note << ", held out nRMSE " << std::sqrt(found.loss) << " (force of the step before "
                      << std::sqrt(found.base_loss) << "), in contact " << std::sqrt(found.contact_loss)
                      << " (" << std::sqrt(found.contact_base_loss) << ")";
@@ -422,7 +464,7 @@ class Trainer {
         if (state_.best_epoch >= 0 && !(loss < state_.best_loss)) return;
         state_.best = optimiser_->as_on_cpu(optimiser_->weights);
         state_.best_loss = loss;
-        state_.best_epoch = state_.epoch;
+        state_.best_epoch = state_.epoch + 1;
     }
 
     void checkpoint() {
@@ -446,7 +488,8 @@ class Trainer {
     void finish() {
         optimiser_->take(optimiser_->weights, state_.best);
         const Validation found = validate();
-        card_.numbers["best_epoch"] = double(state_.best_epoch + 1);
+        card_.numbers["best_epoch"] = double(state_.best_epoch);
+        if (state_.begun_with >= 0) card_.numbers["begun_with_mm"] = 1e3 * state_.begun_with;
         card_.numbers["best_loss"] = state_.best_loss;
         if (found.positions) {
             card_.numbers["validation_mm"] = 1e3 * found.distance;
@@ -465,8 +508,8 @@ class Trainer {
         fs::remove(checkpoint_path());
         std::ostringstream text;
         text.precision(4);
-        text << request_.output << ": best at epoch " << state_.best_epoch + 1 << " of " << epochs_
-             << ", loss " << state_.best_loss << best_note_ << ", " << watch_.seconds() << " s";
+        text << request_.output << ": best at epoch " << state_.best_epoch << " of " << epochs_ << ", loss "
+             << state_.best_loss << best_note_ << ", " << watch_.seconds() << " s";
         say(text.str());
     }
 

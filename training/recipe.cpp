@@ -81,6 +81,7 @@ Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<s
     config.require_all_used();
 
     if (!request.architecture.empty()) recipe.architecture = request.architecture;
+    if (!request.target.empty() && !root.has("target")) recipe.target = request.target;
     if (!request.device.empty()) recipe.device = request.device;
     if (codec == Codec::strand && recipe.position + recipe.edge + recipe.curvature + recipe.length == 0)
         throw Misuse("recipe: all weights of [loss] are 0, one above 0 is needed");

@@ -26,6 +26,7 @@
 #include "base/log.h"
 #include "base/provenance.h"
 #include "learn/codec/core_detail.h"
+#include "learn/codec/input_ranges.h"
 #include "learn/codec/network_module.h"
 #include "learn/codec/pairs.h"
 #include "solver/chain/scene_checks.h"
@@ -269,6 +270,8 @@ Json model_json(const InspectOptions& o) {
         weights.push_back({{"name", name}, {"shape", file.shape("weights/" + name)}});
         hash.add(file.read<float>("weights/" + name));
     }
+    Json ranges = Json::object();
+    for (const InputRange& range : input_ranges(card)) ranges[range.name] = {range.low, range.high};
     return {{"codec", card.codec},
             {"architecture", card.architecture},
             {"width", card.width},
@@ -280,6 +283,7 @@ Json model_json(const InspectOptions& o) {
             {"low", card.low},
             {"low_substeps", card.low_substeps ? Json(card.low_substeps) : Json()},
             {"numbers", card.numbers},
+            {"input_ranges", ranges.empty() ? Json() : ranges},
             {"trained_on", card.inputs},
             {"recipe", card.recipe},
             {"hash", hash.text()},

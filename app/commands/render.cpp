@@ -50,12 +50,18 @@ class RunReel final : public Reel {
 
     int frames() const override { return frames_; }
     double fps() const override { return runs_[0]->header().fps; }
-    void settle(int first, int last) override { fit_camera(first, last, 9); }
+    void settle(int first, int last) override {
+        fit_camera(first, last, 9);
+        if (options_.expected_error) find_largest_error(first, last, 9);
+    }
 
     Image draw(int f) override {
         std::vector<Image> panels;
         for (size_t k = 0; k < runs_.size(); ++k) panels.push_back(draw_run(k, f));
-        if (options_.saturation) draw_saturation_legend(panels.back());
+        if (options_.saturation) draw_rainbow_legend(panels.back(), "1", "saturation");
+        if (options_.expected_error)
+            draw_rainbow_legend(panels.back(), fmt::format("{:g} mm", 1e3 * largest_error_),
+                                "expected error");
         return side_by_side(panels);
     }
 
@@ -65,7 +71,7 @@ class RunReel final : public Reel {
         Extent extent;
         count = std::min(count, last - first + 1);
         for (int k = 0; k < count; ++k) {
-            const int f = count == 1 ? first : first + int(long(last - first) * k / (count - 1));
+            const int f = frame_of(k, count, first, last);
             for (const auto& run : runs_) {
                 const RunFrame frame = run->frame(f);
                 extent.add(frame.seen());
@@ -77,6 +83,26 @@ class RunReel final : public Reel {
         fitted_at_ = runs_[0]->frame(first).head;
     }
 
+    // The end of the scale of expected errors: 1, 2 or 5 times a power of ten that 98 of 100 pieces of
+    // strands, at so many frames, lie below. Throws Error where no run tells its errors.
+    void find_largest_error(int first, int last, int count) {
+        std::vector<float> all;
+        count = std::min(count, last - first + 1);
+        for (int k = 0; k < count; ++k)
+            for (const auto& run : runs_) {
+                const auto expected = run->frame(frame_of(k, count, first, last)).expected_error;
+                all.insert(all.end(), expected.begin(), expected.end());
+            }
+        if (all.empty())
+            throw Error(options_.runs[0] +
+                        ": --expected-error: no run here says what its network expects to err by; `infer` "
+                        "with a model of whole strands writes such runs");
+        const auto most = all.begin() + long(all.size() * 98 / 100);
+        std::nth_element(all.begin(), most, all.end());
+        largest_error_ = 1e-6;
+        for (int k = 0; largest_error_ < double(*most); ++k) largest_error_ *= k % 3 == 1 ? 2.5 : 2;
+    }
+
     Image draw_run(size_t k, int f) const {
         const RunReader& run = *runs_[k];
         const RunHeader& header = run.header();
@@ -85,12 +111,15 @@ class RunReel final : public Reel {
         const bool wet = !header.saturation.empty() &&
                          (options_.saturation || !header.method.starts_with("simulated dry"));
         Panel panel;
-        panel.layers.push_back({&frame.seen(), wet ? &frame.wetness(header) : nullptr});
+        const std::vector<float> shown = shown_of(frame, wet ? frame.wetness(header) : std::vector<float>());
+        StrandLayer layer{.strands = &frame.seen(), .saturation = wet ? &frame.wetness(header) : nullptr};
+        if (!shown.empty()) layer.shown = &shown;
+        panel.layers.push_back(layer);
         panel.solids = solids_of(header, frame, header.time(f));
         if (!options_.light.empty())
             panel.light_yaw = options_.light[0], panel.light_pitch = options_.light[1];
         const Camera camera = options_.follow ? carried(camera_, fitted_at_, frame.head) : camera_;
-        Image image = draw_panel(panel, camera, options_.saturation);
+        Image image = draw_panel(panel, camera);
         if (options_.labels)
             draw_label(image, (options_.label.empty() ? header.method : options_.label[k]) + ", " +
                                   std::to_string(frame.seen().count) + " strands, frame " +
@@ -98,9 +127,28 @@ class RunReel final : public Reel {
         return image;
     }
 
+    // (strand, particle), 0..1: what strands are coloured by; empty: hair's own colour.
+    std::vector<float> shown_of(const RunFrame& frame, const std::vector<float>& saturation) const {
+        const Strands& seen = frame.seen();
+        if (options_.saturation)
+            return saturation.empty() ? std::vector<float>(seen.points.size(), 0.f) : saturation;
+        std::vector<float> out;
+        if (options_.expected_error && !frame.expected_error.empty())
+            for (int s = 0; s < seen.count; ++s)
+                for (int i = 0; i < seen.particles; ++i)
+                    out.push_back(frame.expected_at(s, i) / float(largest_error_));
+        return out;
+    }
+
+    // Frame k of `count` spread evenly over first..last.
+    static int frame_of(int k, int count, int first, int last) {
+        return count == 1 ? first : first + int(long(last - first) * k / (count - 1));
+    }
+
     const RenderOptions& options_;
     std::vector<std::unique_ptr<RunReader>> runs_;
     int frames_ = 0;
+    double largest_error_ = 1;  // [m]: where the scale of expected errors ends
     Camera camera_;
     Pose fitted_at_;  // of the head, where the camera was placed
 };
@@ -151,6 +199,8 @@ void check(const RenderOptions& o, const std::string& extension) {
         throw Misuse("render: found --label " + std::to_string(o.label.size()) +
                      " times, allowed is once for each of " + std::to_string(o.runs.size()) +
                      " runs, in their order");
+    if (o.saturation && o.expected_error)
+        throw Misuse("render: found --saturation and --expected-error, allowed is one of them");
     auto within = [](const char* option, double value, double low, double high) {
         if (!(value >= low && value <= high))
             throw Misuse(fmt::format("render: {} {}: allowed are {} to {}", option, value, low, high));
@@ -184,6 +234,8 @@ void add_options(OptionList& options, RenderOptions& o) {
         options.option("--label", o.label, "of a panel, in place of its run's method (repeatable, one a run)")
             .repeatable(),
         options.flag("--saturation", o.saturation, "colour by saturation (red wet, blue dry)"),
+        options.flag("--expected-error", o.expected_error,
+                     "colour by the error that a network expects of itself (red large, blue none)"),
         options.clears("--no-labels", o.labels, "no text under the panels")};
     OptionRow image = options.flag(
         "--image", o.image,

@@ -17,9 +17,9 @@ struct RenderOptions : CommonOptions {
     int run = 0;         // of a pairs file, for `image`
     int pixels = 400;    // a panel's least side, for `image`
     int width = 720, height = 900;
-    bool saturation = false;
-    View view;            // of the camera around the head
-    bool follow = false;  // the camera moves with the head
+    bool saturation = false, expected_error = false;  // what strands are coloured by
+    View view;                                        // of the camera around the head
+    bool follow = false;                              // the camera moves with the head
     std::vector<double>
         light;  // yaw and pitch of the key light, from the camera [degrees]; empty: as a Panel has it
     bool labels = true;

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "app/drawing/chart.h"
 #include "app/files/run_file.h"
@@ -15,7 +17,9 @@
 #include "app/report/report_page.h"
 #include "app/report/report_player.h"
 #include "base/config.h"
+#include "base/interrupt.h"
 #include "base/log.h"
+#include "base/output_file.h"
 #include "base/run_cache.h"
 #include "solver/scene/scene.h"
 
@@ -40,6 +44,8 @@ void check(const ReportOptions& o) {
         throw Misuse("report: " + o.output + ": allowed is .html");
     if (o.first_frame > 0 && o.runs.empty())
         throw Misuse("--first-frame: there is no run to leave frames out of");
+    if (o.watch && (o.trainings.empty() || o.output.empty() || !o.runs.empty() || !o.table.empty()))
+        throw Misuse("--watch: allowed with --training and -o, without runs or --table, which do not change");
     auto inputs = o.runs;
     inputs.push_back(o.stability);
     inputs.insert(inputs.end(), o.trainings.begin(), o.trainings.end());
@@ -154,16 +160,21 @@ void add_options(OptionList& options, ReportOptions& o) {
         "one training");
     options.option("--stability", o.stability, "what stability --json wrote");
     options.option("--training", o.trainings, "log of a training, MODEL.h5.jsonl (repeatable)").repeatable();
+    options
+        .option("--watch", o.watch,
+                "while the trainings go on, writes the page anew every so many seconds; it shows itself anew")
+        .within(1.0, 3600.0);
     options.option("--first-frame", o.first_frame, "leave out the frames before this one").not_negative();
     options.option("-o,--output", o.output, "o.html");
 }
 
-int report_command(const ReportOptions& given) {
-    ReportOptions o = given;
-    for (auto& path : o.runs) path = run_to_read(path);
-    check(o);
+namespace {
+
+// `refresh` [s]: the page loads itself anew so often; 0: never.
+void write_report(const ReportOptions& o, double refresh) {
     ResultFile html(o.output, o.overwrite), results(o);
     ReportPage page;
+    page.refresh = refresh;
     page.stability = read_stability(o.stability);
     std::vector<std::string> files;
     std::optional<Rows> of_table, of_runs;
@@ -216,9 +227,42 @@ int report_command(const ReportOptions& given) {
         for (const auto& file : files) page.files.emplace_back(file, hash_of_file(file));
         page.rows = rows;
         html.write(html_of(page));
-        log_info("wrote " + o.output);
+        if (refresh == 0) log_info("wrote " + o.output);
     }
     results.write_json(json);
+}
+
+// Writes the page anew as long as a process writes one of the logs, and once after.
+void watch_trainings(ReportOptions o) {
+    const InterruptGuard guard;
+    const auto ready = [&] {
+        return std::all_of(o.trainings.begin(), o.trainings.end(),
+                           [](const auto& log) { return has_two_epochs(log); });
+    };
+    const auto going_on = [&] {
+        return std::any_of(o.trainings.begin(), o.trainings.end(),
+                           [](const auto& log) { return !writer_of(log).empty(); });
+    };
+    bool written = false;
+    while (going_on() && !guard.asked()) {
+        if (ready()) {
+            write_report(o, *o.watch);
+            if (!written) log_info(o.output + ": is written anew every so often; open it in a browser");
+            o.overwrite = written = true;
+        }
+        for (double slept = 0; slept < *o.watch && !guard.asked(); slept += 0.1)
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    write_report(o, 0);
+}
+
+}  // namespace
+
+int report_command(const ReportOptions& given) {
+    ReportOptions o = given;
+    for (auto& path : o.runs) path = run_to_read(path);
+    check(o);
+    o.watch ? watch_trainings(o) : write_report(o, 0);
     return 0;
 }
 

@@ -13,6 +13,7 @@ struct ReportOptions : CommonOptions {
     std::string table, stability, output;  // folder of comparisons, the battery's JSON, the page; "": none
     std::vector<std::string> trainings;    // their logs, MODEL.h5.jsonl
     int first_frame = 0;                   // of the runs, as for compare
+    std::optional<double> watch;           // trainings: writes the page anew every so many seconds
 };
 
 void add_options(OptionList& options, ReportOptions& o);

@@ -74,6 +74,7 @@ class Retraining {
             if (const std::string held_out = split("validation", learned); fs::exists(held_out))
                 train.validation = {held_out};
         }
+        if (is_model(release_.from)) train.from = release_.from;
         if (const auto before = start(); before && !complete) {
             before->train();
             train.from = before->model();
@@ -84,6 +85,7 @@ class Retraining {
 
   private:
     bool is_complete() const { return fs::exists(model()) && !fs::exists(model() + ".checkpoint"); }
+    static bool is_model(const std::string& from) { return fs::path(from).extension() == ".h5"; }
     static std::string stem(const std::string& recipe) { return fs::path(recipe).stem().string(); }
     std::string path(const std::string& name) const {
         return (fs::path(options_.output) / name).lexically_normal().string();
@@ -111,7 +113,7 @@ class Retraining {
 
     // By its own seed, as the recipe has it.
     std::optional<Retraining> start() const {
-        if (release_.from.empty()) return {};
+        if (release_.from.empty() || is_model(release_.from)) return {};
         return Retraining(options_, release_.from, {}, depth_ + 1);
     }
 

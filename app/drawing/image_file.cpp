@@ -90,11 +90,11 @@ void draw_label(Image& image, const std::string& text) {
     draw_text(image, text, image.width / 2, int(0.972 * image.height), height, 0.5);
 }
 
-void draw_saturation_legend(Image& image) {
+void draw_rainbow_legend(Image& image, const std::string& end, const std::string& shows) {
     const int top = int(0.10 * image.height), bottom = int(0.38 * image.height);
     const int right = int(0.965 * image.width), left = right - std::max(6, image.width / 50);
     for (int r = top; r < bottom; ++r) {
-        const Vec3f color = saturation_color(1 - (r - top + 0.5f) / (bottom - top));
+        const Vec3f color = rainbow_color(1 - (r - top + 0.5f) / (bottom - top));
         for (int c = left; c < right; ++c) {
             float* p = image.pixel(c, r);
             p[0] = color.x, p[1] = color.y, p[2] = color.z;
@@ -102,9 +102,9 @@ void draw_saturation_legend(Image& image) {
     }
     const double height = 0.016 * image.height;
     const int middle = (left + right) / 2;
-    draw_text(image, "1", middle, top - int(0.4 * height), height, 0.5);
+    draw_text(image, end, middle, top - int(0.4 * height), height, 0.5);
     draw_text(image, "0", middle, bottom + int(1.3 * height), height, 0.5);
-    draw_text(image, "saturation", middle, bottom + int(2.8 * height), height, 0.5);
+    draw_text(image, shows, middle, bottom + int(2.8 * height), height, 0.5);
 }
 
 struct VideoFile::Body {

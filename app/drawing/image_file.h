@@ -22,8 +22,8 @@ int text_width(const std::string& text, double height);
 // Text centred under the picture, on the last rows of the image.
 void draw_label(Image& image, const std::string& text);
 
-// A bar from 0 to 1 in the colours of `saturation_color`, at the right edge of the image.
-void draw_saturation_legend(Image& image);
+// A bar in the colours of `rainbow_color`, at the right edge of the image: its end, and what it shows.
+void draw_rainbow_legend(Image& image, const std::string& end, const std::string& shows);
 
 // Frames of one size to one file. What was really written may differ from what was asked for: `avc1` in
 // .mp4, else `VP80` in .webm beside it, else a folder of PNGs; each step down is said in the log.

@@ -151,9 +151,9 @@ Camera fitted_camera(const Extent& extent, const View& view, int width, int heig
 
 // ---------------------------------------------------------------- colour
 
-Vec3f saturation_color(float saturation) {
+Vec3f rainbow_color(float share) {
     // Hue from 240 degrees (blue) to 0 (red) at full strength, softened a little for the eye.
-    const float h = 4 * (1 - std::clamp(saturation, 0.f, 1.f));  // sixths of the circle
+    const float h = 4 * (1 - std::clamp(share, 0.f, 1.f));  // sixths of the circle
     auto channel = [&](float centre) { return std::clamp(2 - std::fabs(h - centre), 0.f, 1.f); };
     const float red = std::clamp(2 - h, 0.f, 1.f);
     return lerp({red, channel(2), channel(4)}, {0.5f, 0.5f, 0.5f}, 0.08f);
@@ -271,8 +271,8 @@ float drawn_width(int strands) {
 
 class PanelScene {
   public:
-    PanelScene(const Panel& panel, const Camera& camera, bool rainbow)
-        : camera_(camera), lights_(camera, panel), rainbow_(rainbow), shadows_(make_shadows(panel)) {
+    PanelScene(const Panel& panel, const Camera& camera)
+        : camera_(camera), lights_(camera, panel), shadows_(make_shadows(panel)) {
         for (const PosedMesh& solid : panel.solids) add_solid(solid);
         for (const StrandLayer& layer : panel.layers) add_layer(layer);
     }
@@ -304,7 +304,6 @@ class PanelScene {
 
     const Camera& camera_;
     Lights lights_;
-    bool rainbow_;
     Shadows shadows_;
     std::vector<Triangle> triangles_;
     std::vector<StrandVertex> vertices_;
@@ -432,13 +431,15 @@ void PanelScene::add_triangle(const Triangle& t) {
 }
 
 HairMaterial PanelScene::material(const StrandLayer& layer, int s, float along) const {
-    float wet = 0;
-    if (layer.saturation && !layer.saturation->empty()) {
-        const float* row = layer.saturation->data() + size_t(s) * layer.strands->particles;
+    // Of (strand, particle) numbers; 0 where there are none.
+    auto between = [&](const std::vector<float>* numbers) {
+        if (!numbers || numbers->empty()) return 0.f;
+        const float* row = numbers->data() + size_t(s) * layer.strands->particles;
         const int i = std::min(int(along), layer.strands->particles - 2);
-        wet = std::clamp(row[i] + (along - i) * (row[i + 1] - row[i]), 0.f, 1.f);
-    }
-    if (rainbow_) return {linear_of_srgb(saturation_color(wet)), 0};
+        return std::clamp(row[i] + (along - i) * (row[i + 1] - row[i]), 0.f, 1.f);
+    };
+    if (layer.shown) return {linear_of_srgb(rainbow_color(between(layer.shown))), 0};
+    const float wet = between(layer.saturation);
     // Strands differ by a sixth in brightness and a little in warmth.
     const float bright = 0.84f + 0.32f * unit_random(2 * s), warm = 0.04f * (unit_random(2 * s + 1) - 0.5f);
     const Vec3f dry = times(bright * linear_of_srgb(layer.color), {1 + warm, 1, 1 - warm});
@@ -680,9 +681,7 @@ void PanelScene::draw_tile(int tile, const std::vector<uint32_t>& triangles, std
 
 }  // namespace
 
-Image draw_panel(const Panel& panel, const Camera& camera, bool rainbow) {
-    return PanelScene(panel, camera, rainbow).draw();
-}
+Image draw_panel(const Panel& panel, const Camera& camera) { return PanelScene(panel, camera).draw(); }
 
 Image side_by_side(const std::vector<Image>& images) {
     int width = 0;

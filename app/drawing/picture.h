@@ -22,10 +22,12 @@ struct Image {
 };
 
 // Strands to draw. `saturation` (strand, particle), 0..1, darkens the hair and makes it shine; null: dry.
+// `shown` (strand, particle), 0..1, colours it by rainbow_color in place of hair's colour; null: hair.
 struct StrandLayer {
     const Strands* strands = nullptr;
     const std::vector<float>* saturation = nullptr;
     Vec3f color{0.38f, 0.235f, 0.14f};  // of dry hair, as displayed
+    const std::vector<float>* shown = nullptr;
 };
 
 // Perspective. Pixel (column, row) covers [column, column + 1) x [row, row + 1), row 0 at the top.
@@ -76,11 +78,10 @@ struct Panel {
 };
 
 // One panel without its label. The same bits for any number of threads.
-// `rainbow`: strands coloured by saturation (red 1, blue 0) in place of their colour.
-Image draw_panel(const Panel& panel, const Camera& camera, bool rainbow);
+Image draw_panel(const Panel& panel, const Camera& camera);
 
-// Colour of a saturation in 0..1, from blue (0) through green to red (1).
-Vec3f saturation_color(float saturation);
+// Colour of a number in 0..1, from blue (0) through green to red (1).
+Vec3f rainbow_color(float share);
 
 // Images of the same height, left to right.
 Image side_by_side(const std::vector<Image>& images);

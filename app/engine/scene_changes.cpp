@@ -21,7 +21,7 @@ static void keep_strands(Scene& scene, const std::vector<int>& kept) {
     }
 }
 
-Scene low_resolution_of(const Scene& scene, const LowResolution& resolution) {
+Scene low_resolution_of(const Scene& scene, const LowResolution& resolution, std::vector<int>* which) {
     Scene low = scene;
     std::vector<int> kept;
     if (resolution.guides > 0) {
@@ -33,6 +33,7 @@ Scene low_resolution_of(const Scene& scene, const LowResolution& resolution) {
         low.groom = coarsened(scene.groom, resolution.each, &kept);
     }
     keep_strands(low, kept);
+    if (which) *which = std::move(kept);
     return low;
 }
 

@@ -34,6 +34,7 @@ void train_network(const TrainingRequest& o) {
         const ModelCard card = network_module().card(o.from);
         if (o.architecture.empty()) request.architecture = card.architecture;
         if (!o.width) request.width = card.width;
+        request.target = card.target;
     }
     request.device = o.device == "cpu" ? "" : o.device;  // the recipe may name one
     request.seed = o.seed;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -22,13 +23,18 @@ double TrainingLog::least(const std::string& series_name) const {
     return least;
 }
 
+bool has_two_epochs(const std::string& path) {
+    std::ifstream file(path);
+    return std::count(std::istreambuf_iterator<char>(file), {}, '\n') >= 2;
+}
+
 bool is_training_log(const std::string& path) { return path.ends_with(".jsonl"); }
 
 TrainingLog read_training_log(const std::string& path) {
     std::ifstream file(path);
     if (!file) throw Error(path + ": cannot be read; allowed is what train leaves beside its model");
     std::vector<LogLine> lines;
-    for (std::string line; std::getline(file, line);) {
+    for (std::string line; std::getline(file, line) && !file.eof();) {  // a last line may be half written
         lines.push_back(LogLine::parse(line, nullptr, /*allow_exceptions=*/false));
         const LogLine& l = lines.back();
         if (!l.is_object() || !l.contains("loss") || !l["loss"].is_number())

@@ -22,9 +22,12 @@ struct TrainingLog {
 };
 
 // In mm where the log has distances, in units of the largest adhesion force where it has those (root mean
-// squares), else the loss itself. Throws Error where the file cannot be read, a line is no training's, or
-// there are fewer than two epochs.
+// squares), else the loss itself. A last line that does not end yet is left out. Throws Error where the file
+// cannot be read, a line is no training's, or there are fewer than two epochs.
 TrainingLog read_training_log(const std::string& path);
+
+// Whether it has what a curve needs.
+bool has_two_epochs(const std::string& path);
 
 bool is_training_log(const std::string& path);
 

@@ -10,12 +10,11 @@
 #include "app/engine/device.h"
 #include "app/engine/learned_hair.h"
 #include "app/engine/run_of_scene.h"
-#include "app/engine/scene_changes.h"
 #include "app/files/watch_results.h"
-#include "app/inference/predictor.h"
+#include "app/inference/simulated_strands.h"
 #include "base/log.h"
-#include "base/same_pose.h"
 #include "learn/codec/encode_runs.h"
+#include "learn/codec/input_ranges.h"
 #include "learn/codec/strand_codec.h"
 #include "solver/chain/chain_state.h"
 
@@ -52,6 +51,29 @@ void compare_with_training(const Method& method, const LowRun& low) {
             fmt::format("{}: was simulated with {} substeps a frame; {} learned from runs of {} or more, and "
                         "errs more on others (simulate --set integrator.substeps={})",
                         low.file(), found, model, card.low_substeps, card.low_substeps));
+}
+
+Json json_of(const InputsOutside& outside) {
+    Json kinds = Json::array();
+    for (const auto& kind : outside.kinds())
+        kinds.push_back({{"input", kind.name}, {"share", kind.share}, {"most", kind.most}});
+    return {{"share", outside.share()}, {"inputs", kinds}};
+}
+
+// Of strands and frames outside of what a model learned from.
+constexpr double share_worth_a_warning = 0.01;
+
+// Names the four kinds of input that most strands are outside by.
+std::string warning_of(const InputsOutside& outside, const std::string& output, const std::string& model) {
+    std::string named;
+    const auto kinds = outside.kinds();
+    for (size_t k = 0; k < std::min<size_t>(4, kinds.size()); ++k)
+        named += fmt::format("{}{} (in {:.0f} %, by up to {:.2g} of its range)", k ? ", " : "", kinds[k].name,
+                             100 * kinds[k].share, kinds[k].most);
+    return fmt::format(
+        "{}: {:.0f} % of strands, over the frames, lie outside of what {} learned from: {}; expect larger "
+        "errors there (inspect model says the ranges; train --from adapts it to hair like this)",
+        output, 100 * outside.share(), model, named);
 }
 
 // What the method changes in the scene: water that only the model knows, and Eq 10. Returns whether that
@@ -110,66 +132,19 @@ double moved_mm(const Strands& from, const Strands& to) {
     return 1000 * sum / double(from.points.size());
 }
 
-// Strands that the predictor expects to be off by more than `within` [m], mean over the first `frames`.
-std::vector<int> not_trusted(Predictor& predictor, LowRun& low, int frames, double within,
-                             const InterruptGuard& guard) {
-    FrameWindow window(low.source(), low.header());
-    std::vector<double> sum;
-    Strands p;
-    int seen = 0;
-    for (; seen < frames && window.advance(); ++seen) {
-        if (guard.asked()) throw Interrupted("interrupted before the first frame");
-        predictor.apply(window.index(), window.now(), window.heads(), p);
-        const std::vector<float> expected = predictor.expected_error();
-        sum.resize(size_t(p.count), 0);
-        const size_t pieces = expected.size() / sum.size();
-        for (size_t k = 0; k < expected.size(); ++k) sum[k / pieces] += double(expected[k]) / double(pieces);
-    }
-    std::vector<int> out;
-    for (size_t s = 0; s < sum.size(); ++s)
-        if (sum[s] > within * seen) out.push_back(int(s));
-    return out;
-}
-
-// Strands of a prediction that are simulated in its place, alone.
-class SimulatedStrands {
-  public:
-    // `scene`: all of the hair, wet. Eq 10 draws them together with the others, predicted ones.
-    SimulatedStrands(const Scene& scene, const std::string& file, std::vector<int> strands,
-                     const PredictionRequest& request)
-        : strands_(std::move(strands)),
-          run_(file, before_cohesion(scene, strands_), request.device, request.threads) {}
-    const std::vector<int>& strands() const { return strands_; }
-    // Their next frame into p. Throws Error where the head is elsewhere than at `head`.
-    void put(const Pose& head, Strands& p) {
-        if (!run_.source().next(frame_)) throw Error(run_.file() + ": its simulation has no more frames");
-        if (!same_pose(head, frame_.head, 1e-6))
-            throw Error(run_.file() +
-                        ": its head moves in another way than that of the low-resolution run, " +
-                        "allowed with --within is the same motion");
-        for (size_t k = 0; k < strands_.size(); ++k)
-            std::copy_n(frame_.positions.strand(int(k)), p.particles, p.strand(strands_[k]));
-    }
-
-  private:
-    static Scene before_cohesion(const Scene& scene, const std::vector<int>& strands) {
-        Scene part = part_of_scene(scene, strands);
-        leave_out_display(part);
-        return part;
-    }
-    std::vector<int> strands_;
-    LowRun run_;
-    RunFrame frame_;
-};
-
 // Predicts frame after frame, each with its run times.
 class FramePredictor {
   public:
-    // `display`: null where no Eq 10 follows. `simulated`: null where all strands are predicted; `alone`: Eq
-    // 10 for these where it does not follow.
-    FramePredictor(Predictor& predictor, DisplayOn* display, const LowRun& low, SimulatedStrands* simulated,
-                   DisplayOn* alone)
-        : predictor_(predictor), display_(display), low_(low), simulated_(simulated), alone_(alone) {}
+    // `outside`: null where no strand network is asked. `display`: null where no Eq 10 follows. `simulated`:
+    // null where all strands are predicted; `alone`: Eq 10 for these where it does not follow.
+    FramePredictor(Predictor& predictor, InputsOutside* outside, DisplayOn* display, const LowRun& low,
+                   SimulatedStrands* simulated, DisplayOn* alone)
+        : predictor_(predictor),
+          outside_(outside),
+          display_(display),
+          low_(low),
+          simulated_(simulated),
+          alone_(alone) {}
 
     const RunFrame& predict(int index, const RunFrame& low, const HeadWindow& heads) {
         const double begin = omp_get_wtime();
@@ -182,6 +157,7 @@ class FramePredictor {
         const double applied = omp_get_wtime();
         const Strands plain = predictor_.without_network(low);
         if (plain.count) moved_ += moved_mm(plain, out_.positions);
+        if (outside_) outside_->add(predictor_.inputs());
         const double asked = omp_get_wtime();
         out_.expected_error = predictor_.expected_error();
         if (simulated_) put_simulated(low, index);
@@ -227,6 +203,7 @@ class FramePredictor {
 
   private:
     Predictor& predictor_;
+    InputsOutside* outside_;
     DisplayOn* display_;
     const LowRun& low_;
     SimulatedStrands* simulated_;
@@ -296,8 +273,11 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
     if (!place) place.emplace(request.output, request.overwrite);
     RunWriter writer =
         broken ? RunWriter(std::move(*place), header, broken->frames) : RunWriter(std::move(*place), header);
-    FramePredictor frame_predictor(*predictor, display ? &*display : nullptr, low,
-                                   simulated ? &*simulated : nullptr, alone ? &*alone : nullptr);
+    std::optional<InputsOutside> outside;
+    if (const auto* network = method.as<StrandNetworkMethod>()) outside.emplace(network->card);
+    if (outside && !outside->known()) outside.reset();
+    FramePredictor frame_predictor(*predictor, outside ? &*outside : nullptr, display ? &*display : nullptr,
+                                   low, simulated ? &*simulated : nullptr, alone ? &*alone : nullptr);
     FrameWindow window(low.source(), low.header());
     FrameWatch watch(scene.groom, header.fps);
     if (broken) look_at(*broken, watch);
@@ -341,6 +321,7 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
               {"cohesion_after", clumps},
               {"extremes", json_of(watch)}};
     if (broken) json["resumed_at"] = broken->frames;
+    if (outside) json["outside_of_training"] = json_of(*outside);
     if (request.again) {
         const size_t count = simulated ? simulated->strands().size() : 0;
         json["within_mm"] = 1e3 * request.within, json["simulated_strands"] = count;
@@ -353,6 +334,8 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
                                                                : "network";
     if (!mover.empty()) json["moved_by_" + mover + "_mm"] = frame_predictor.moved();
     results.write_json(json);
+    if (outside && outside->share() >= share_worth_a_warning)
+        log_warning(warning_of(*outside, request.output, method.inputs().at(0)));
     if (const std::string warning = warning_of(watch); !warning.empty())
         log_warning(request.output + ": " + warning);
     log_info(fmt::format("{}: {}, {} strands, {} a frame of which inference {}{}", request.output,

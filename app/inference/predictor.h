@@ -23,6 +23,9 @@ class Predictor {
     virtual int memory() const { return 0; }
     // Of the frame applied last, as RunFrame has it; empty: nothing is known of errors.
     virtual std::vector<float> expected_error() { return {}; }
+    // Of the frame applied last, what a strand network saw: (high strands, strand_channels); empty: no such
+    // network is there.
+    virtual std::vector<float> inputs() { return {}; }
     // What `apply` would have returned without the network, of the frame applied last; empty where there is
     // none.
     virtual Strands without_network(const RunFrame&) { return {}; }

@@ -88,6 +88,7 @@ class NetworkStrands final : public Predictor {
     std::vector<float> expected_error() override {
         return tells_ ? learned_->expected_errors() : std::vector<float>();
     }
+    std::vector<float> inputs() override { return learned_->inputs(); }
     Strands without_network(const RunFrame& low) override { return learned_->base(low.head); }
 
   private:

@@ -1,9 +1,11 @@
 // Learned hair in other programs.
 #include <wetcurl/learned.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "app/engine/learned_hair.h"
+#include "app/engine/scene_changes.h"
 #include "app/library/calls.h"
 #include "base/installed.h"
 
@@ -13,31 +15,56 @@ struct wetcurl_hair {
     int threads;
     Scene scene;
     Groom low;
+    std::vector<int> low_places;
     std::optional<LearnedHair> learned;
     long frames = 0;
+    bool crops = false;
 };
 
+static void check(const wetcurl_low_run& low, const Scene& scene) {
+    const int strands = scene.groom.rest.count;
+    auto require = [](bool holds, const char* what, int found, const std::string& allowed) {
+        if (!holds)
+            throw Error(std::string("wetcurl_open_from: ") + what + ": found " + std::to_string(found) +
+                        ", allowed " + allowed);
+    };
+    require(low.guides >= 0 && low.guides <= strands, "guides", low.guides,
+            "0 to " + std::to_string(strands));
+    require(low.guides > 0 || (low.stride >= 2 && low.stride <= 1000), "stride", low.stride, "2 to 1000");
+    require(low.substeps >= 0 && low.substeps <= 1'000'000, "substeps", low.substeps, "0 to 1000000");
+}
+
 wetcurl_hair* wetcurl_open(const char* scene_file, const char* model, const char* device, int threads) {
+    return wetcurl_open_from(scene_file, model, device, threads, {.stride = 2, .guides = 0, .substeps = 0});
+}
+
+wetcurl_hair* wetcurl_open_from(const char* scene_file, const char* model, const char* device, int threads,
+                                wetcurl_low_run low_run) {
     return guarded<wetcurl_hair*>(nullptr, [&] {
         const std::lock_guard alone(opening());
         const int count = threads_of(threads, "wetcurl_open");
         const Threads own(count);
         Scene scene = load_scene(found_or_installed(given(scene_file, "wetcurl_open", "scene")));
+        check(low_run, scene);
         if (scene.saturation.empty())
             throw Error(std::string(scene_file) +
                         ": has no [wetness], which is what the network predicts for");
         if (scene.flow)
             throw Error(std::string(scene_file) +
                         ": its water moves ([wetness.flow]), allowed is wetness that stays");
-        Groom low = coarsened(scene.groom, 2);
+        std::vector<int> places;
+        Groom low =
+            low_resolution_of(scene, {.each = low_run.stride, .guides = low_run.guides}, &places).groom;
+        const int substeps = low_run.substeps ? low_run.substeps : scene.integrator.substeps;
         auto learned = learned_strands_of(found_or_installed(given(model, "wetcurl_open", "model")), scene,
-                                          scene_file, low, 1 / (scene.fps * scene.integrator.substeps),
+                                          scene_file, low, 1 / (scene.fps * substeps),
                                           given(device, "wetcurl_open", "device"), count);
         const bool clumps = learned->card().target != "displayed" && scene.cohesion;
         if (clumps && scene.has_deforming_solid())
             throw Error(std::string(scene_file) +
                         ": its solids deform, which cohesion after a network cannot follow here");
-        auto hair = std::make_unique<wetcurl_hair>(wetcurl_hair{count, std::move(scene), std::move(low), {}});
+        auto hair = std::make_unique<wetcurl_hair>(
+            wetcurl_hair{count, std::move(scene), std::move(low), std::move(places), {}});
         hair->learned.emplace(std::move(learned), hair->scene, device, clumps);
         return hair.release();
     });
@@ -52,8 +79,15 @@ void wetcurl_low_at_rest(const wetcurl_hair* hair, float* low) {
     for (const Vec3f& p : hair->low.rest.points) *low++ = p.x, *low++ = p.y, *low++ = p.z;
 }
 
+void wetcurl_low_places(const wetcurl_hair* hair, int* places) {
+    std::copy(hair->low_places.begin(), hair->low_places.end(), places);
+}
+
 int wetcurl_crop(wetcurl_hair* hair) {
-    return status_of([&] { hair->learned->strands().crop(wet_strands_of(hair->scene)); });
+    return status_of([&] {
+        hair->learned->strands().crop(wet_strands_of(hair->scene));
+        hair->crops = true;
+    });
 }
 
 int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, int on_device) {
@@ -79,6 +113,19 @@ int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7],
         heads.after = after ? pose_of(after) : heads.now;
         hair->learned->run(heads, double(hair->frames) / hair->scene.fps);
         ++hair->frames;
+    });
+}
+
+int wetcurl_expected_errors(wetcurl_hair* hair, float* errors) {
+    static_assert(WETCURL_ERROR_PIECES == error_pieces);
+    return status_of([&] {
+        if (!errors) throw Error("wetcurl_expected_errors: found NULL, allowed memory for the errors");
+        if (!hair->frames) throw Error("wetcurl_expected_errors: no frame is run; wetcurl_run comes first");
+        if (hair->crops)
+            throw Error(
+                "wetcurl_expected_errors: found a crop, beyond which nothing is known; open the hair anew");
+        const std::vector<float> found = hair->learned->strands().expected_errors();
+        std::copy(found.begin(), found.end(), errors);
     });
 }
 

@@ -302,6 +302,8 @@ std::string player_section(const ReportPage& page) {
             "<figure><canvas tabindex=\"0\" aria-label=\"strands of {0}\"></canvas>"
             "<figcaption><b>{0}</b> {1}</figcaption></figure>\n",
             escaped(run["name"].get<std::string>()), escaped(run["method"].get<std::string>()));
+    const bool expects = std::any_of(page.player["runs"].begin(), page.player["runs"].end(),
+                                     [](const Json& run) { return !run["expected"].is_null(); });
     // Up to four stand in one row.
     const size_t runs = page.player["runs"].size();
     const std::string columns =
@@ -314,7 +316,11 @@ std::string player_section(const ReportPage& page) {
             "<output id=\"when\"></output>"
             "<span class=\"choice\" role=\"group\" aria-label=\"colour by\">"
             "<button type=\"button\" data-mode=\"saturation\" aria-pressed=\"true\">saturation</button>"
-            "<button type=\"button\" data-mode=\"error\" aria-pressed=\"false\">error</button></span>"
+            "<button type=\"button\" data-mode=\"error\" aria-pressed=\"false\">error</button>" +
+            (expects ? "<button type=\"button\" data-mode=\"expected\" aria-pressed=\"false\">"
+                       "expected error</button>"
+                     : "") +
+            "</span>"
             "<span id=\"scale\"><span></span><canvas width=\"120\" "
             "height=\"8\"></canvas><span></span></span></div>\n"
             "<div class=\"panels\"" +
@@ -455,8 +461,11 @@ std::string html_of(const ReportPage& page) {
            // Nothing is fetched, whatever the page holds.
            "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
            "'unsafe-inline'; "
-           "script-src 'unsafe-inline'; img-src data:\">\n<title>" +
-           escaped(page.title) + "</title>\n<style>\n" + report_style +
+           "script-src 'unsafe-inline'; img-src data:\">\n" +
+           (page.refresh > 0
+                ? fmt::format("<meta http-equiv=\"refresh\" content=\"{:.0f}\">\n", std::ceil(page.refresh))
+                : "") +
+           "<title>" + escaped(page.title) + "</title>\n<style>\n" + report_style +
            "</style>\n</head>\n<body>\n<main>\n<header><h1>" + escaped(page.title) + "</h1>\n<p>" +
            escaped(page.compared) + "</p></header>\n" + headline(page.rows) + cost_section(page) +
            metrics_section(page) + error_section(page) + player_section(page) +

@@ -27,7 +27,8 @@ struct ReportPage {
     // What it was made from: a heading, and lines of names and values.
     using Facts = std::vector<std::pair<std::string, std::string>>;
     std::vector<std::pair<std::string, Facts>> sources;
-    Facts files;  // further ones: name, hash
+    Facts files;         // further ones: name, hash
+    double refresh = 0;  // the page loads itself anew every so many seconds; 0: never
 };
 
 // All text of the page's data is escaped.

@@ -32,7 +32,8 @@ function startPlayer(data) {
     const {frames, strands, particles} = data;
     const each = strands * particles, step = data.size.map(s => s / 65535), middle = data.size.map(s => s / 2);
     const runs = data.runs.map(run => ({
-        positions: words(run.positions), saturation: run.saturation === null ? null : bytes(run.saturation)
+        positions: words(run.positions), saturation: run.saturation === null ? null : bytes(run.saturation),
+        expected: run.expected === null ? null : bytes(run.expected)
     }));
     const solids = data.solids.map(words);
     const panels = [...document.querySelectorAll('.panels canvas')];
@@ -145,6 +146,7 @@ function startPlayer(data) {
             const still = run.saturation.length === each;
             return run.saturation[still ? k : frame * each + k] / 255;
         }
+        if (mode === 'expected') return run.expected === null ? 0 : run.expected[frame * each + k] / 255;
         const dx = (run.positions[at] - reference[at]) * step[0], dy = (run.positions[at + 1] - reference[at + 1]) * step[1],
               dz = (run.positions[at + 2] - reference[at + 2]) * step[2];
         return Math.min(1, 1000 * Math.sqrt(dx * dx + dy * dy + dz * dz) / data.error_mm);

@@ -116,18 +116,21 @@ Json player_of(const std::vector<std::string>& paths, const std::vector<std::str
     }
     const RunHeader& header = runs[0]->header();
     const Strands& rest = header.groom.rest;
-    // Water that flows is a seventh byte.
-    const bool flows = std::any_of(runs.begin(), runs.end(), [&](const auto& run) {
-        return !run->frame(first_frame).saturation.empty();
-    });
-    const Kept kept =
-        kept_of(int(runs.size()), frames, rest.count, rest.particles, flows ? 12'000'000 : 14'000'000);
+    // Water that flows is a seventh byte, an expected error one more.
+    int more = 0;
+    for (const auto& run : runs) {
+        const RunFrame frame = run->frame(first_frame);
+        more = std::max(more, int(!frame.saturation.empty()) + int(!frame.expected_error.empty()));
+    }
+    const Kept kept = kept_of(int(runs.size()), frames, rest.count, rest.particles,
+                              size_t(14'000'000 * 6) / size_t(6 + more));
     const auto strands = strands_kept(rest.count, kept.strands),
                particles = particles_kept(rest.particles, kept.particles);
 
     Extremes box;
     std::vector<std::vector<Vec3f>> positions(runs.size()), solids;
-    std::vector<std::vector<uint8_t>> saturation(runs.size());
+    std::vector<std::vector<uint8_t>> saturation(runs.size()), expected(runs.size());
+    const auto byte = [](double share) { return uint8_t(std::lround(255 * std::clamp(share, 0., 1.))); };
     for (int k = 0; k < kept.frames; ++k) {
         const int f = first_frame + k * kept.frame_step;
         for (size_t r = 0; r < runs.size(); ++r) {
@@ -139,9 +142,10 @@ Json player_of(const std::vector<std::string>& paths, const std::vector<std::str
                     positions[r].push_back(frame.seen().at(s, i));
                     box.add(positions[r].back());
                     if (wet)
-                        saturation[r].push_back(uint8_t(std::lround(
-                            255 *
-                            std::clamp(wetness[size_t(s) * size_t(rest.particles) + size_t(i)], 0.f, 1.f))));
+                        saturation[r].push_back(
+                            byte(double(wetness[size_t(s) * size_t(rest.particles) + size_t(i)])));
+                    if (!frame.expected_error.empty())
+                        expected[r].push_back(byte(1e3 * double(frame.expected_at(s, i)) / error_mm));
                 }
             if (r > 0) continue;
             const float hair = box_of(frame.seen().points).diagonal();
@@ -173,11 +177,11 @@ Json player_of(const std::vector<std::string>& paths, const std::vector<std::str
               {"runs", Json::array()},
               {"solids", Json::array()}};
     for (size_t r = 0; r < runs.size(); ++r)
-        json["runs"].push_back(
-            {{"name", names[r]},
-             {"method", runs[r]->header().method},
-             {"positions", quantised(positions[r], box)},
-             {"saturation", saturation[r].empty() ? Json() : Json(base64(saturation[r]))}});
+        json["runs"].push_back({{"name", names[r]},
+                                {"method", runs[r]->header().method},
+                                {"positions", quantised(positions[r], box)},
+                                {"saturation", saturation[r].empty() ? Json() : Json(base64(saturation[r]))},
+                                {"expected", expected[r].empty() ? Json() : Json(base64(expected[r]))}});
     for (const auto& solid : solids)
         // One that is not drawn in every frame has no place in the list.
         if (solid.size() == size_t(kept.frames) * solid_points)

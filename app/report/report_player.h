@@ -29,7 +29,9 @@ std::vector<int> strands_kept(int count, int kept);
 // of {frames, strands, particles},
 //  low [m], size [m] (of the box that 0..65535 spans), error_mm: what the scale of errors ends at, given,
 //  runs [{name, method, positions: (frame, strand, particle, xyz) 16 bit, little endian, base64,
-//         saturation: (1 or frame, strand, particle) 8 bit, base64, or null}],
+//         saturation: (1 or frame, strand, particle) 8 bit, base64, or null,
+//         expected: what a network expects to err by, (frame, strand, particle) 8 bit, 255 error_mm or more,
+//         base64, or null}],
 //  solids [(frame, point, xyz) as positions]: points of the reference's solids that lie outermost}.
 Json player_of(const std::vector<std::string>& paths, const std::vector<std::string>& names, int first_frame,
                double error_mm);

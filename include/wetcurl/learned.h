@@ -14,6 +14,16 @@ extern "C" {
 /** The hair of a scene with its network. One thread at a time may use it. */
 typedef struct wetcurl_hair wetcurl_hair;
 
+/** Which strands of a scene are simulated for the network to follow. */
+typedef struct wetcurl_low_run {
+    int stride;   /**< Every so many roots each way of the scene's grid, 2 or more. Not read with guides. */
+    int guides;   /**< Above 0: so many strands in their place, chosen where hair differs. */
+    int substeps; /**< Of a frame of their simulation. 0: the scene's. */
+} wetcurl_low_run;
+
+/** Equal pieces of a strand, of which each has an expected error. */
+#define WETCURL_ERROR_PIECES 8
+
 /** Makes a hair, or returns NULL where that failed.
  *
  * - scene: a scene file (TOML). It describes the hair to predict, at full resolution, and how wet it is. The
@@ -24,6 +34,9 @@ typedef struct wetcurl_hair wetcurl_hair;
  * - device: "cpu", "cuda" or "cuda:1".
  * - threads: 0 uses all. The network's threads are shared by the process: the hair opened last sets them. */
 WETCURL_API wetcurl_hair* wetcurl_open(const char* scene, const char* model, const char* device, int threads);
+/** The same, from other strands. */
+WETCURL_API wetcurl_hair* wetcurl_open_from(const char* scene, const char* model, const char* device,
+                                            int threads, wetcurl_low_run low);
 /** Frees the hair. NULL is allowed. */
 WETCURL_API void wetcurl_close(wetcurl_hair* hair);
 
@@ -36,6 +49,8 @@ WETCURL_API int wetcurl_particles(const wetcurl_hair* hair);
 /** Writes the strands of low resolution at rest to `low`, float[low strands][particles][3] [m] in the head's
  * frame. */
 WETCURL_API void wetcurl_low_at_rest(const wetcurl_hair* hair, float* low);
+/** Writes which of the scene's strands these are, int[low strands], counted from 0. */
+WETCURL_API void wetcurl_low_places(const wetcurl_hair* hair, int* places);
 
 /** From now on, the network computes only the rectangle of the root grid that holds all wet strands; the
  * others stay where interpolation puts them. This is faster where little is wet, and less accurate for dry
@@ -56,6 +71,10 @@ WETCURL_API int wetcurl_bind(wetcurl_hair* hair, const float* low, float* high, 
  * first frame `before` and `after` are NULL: the head does not move. */
 WETCURL_API int wetcurl_run(wetcurl_hair* hair, const double before[7], const double now[7],
                             const double after[7]);
+/** Writes how far from the simulation the network expects the frame run last to be: float[high
+ * strands][WETCURL_ERROR_PIECES] [m], the mean over each piece of a strand, root first. Fails before a frame
+ * was run, and after wetcurl_crop: of what is not computed nothing is known. */
+WETCURL_API int wetcurl_expected_errors(wetcurl_hair* hair, float* errors);
 /** The next frame is the first of another shot. */
 WETCURL_API void wetcurl_restart(wetcurl_hair* hair);
 

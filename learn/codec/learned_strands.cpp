@@ -123,6 +123,24 @@ class StrandsOnCpu final : public LearnedStrands {
         return in_metres(std::move(out), codec_.pixel_of(), codec_.length());
     }
 
+    std::vector<float> inputs() override {
+        const size_t strands = size_t(codec_.roots().count());
+        std::vector<float> moving(strands * dynamic_channels), out;
+        for (int block = 0; block < lanes().blocks(); ++block) {
+            S features[dynamic_channels];
+            codec_.describe(block, features);
+            lanes().store(block, dynamic_channels, features, moving.data());
+        }
+        out.reserve(strands * strand_channels);
+        for (size_t s = 0; s < strands; ++s) {
+            for (int c = 0; c < static_channels; ++c)
+                out.push_back(codec_.fixed()[size_t(c) * codec_.pixels() + size_t(codec_.pixel_of()[s])]);
+            const auto from = moving.begin() + long(s * dynamic_channels);
+            out.insert(out.end(), from, from + dynamic_channels);
+        }
+        return out;
+    }
+
   private:
     using S = StrandCodec::S;
     const RootLanes& lanes() const { return codec_.lanes(); }

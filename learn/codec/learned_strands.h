@@ -49,6 +49,8 @@ class LearnedStrands {
     // Of the frame run last, how far from the simulation each piece of a strand is expected to be on average,
     // root first: (high strands, error_pieces) [m].
     virtual std::vector<float> expected_errors() = 0;
+    // Of the frame run last, what the network saw: (high strands, strand_channels).
+    virtual std::vector<float> inputs() = 0;
 };
 
 // On the CPU; a network without strand_layers() may run elsewhere. `body`: of those with them; others have

@@ -21,6 +21,7 @@ struct TrainRequest {
     std::string recipe;  // TOML file, "" for the defaults
     std::string from;    // model whose weights are begun with, of the same architecture and width; "": random
     std::vector<std::string> set;  // key.path=value over the recipe
+    std::string target;            // where the recipe names none: "strands" or "displayed"; "": its default
     // These go before the recipe where they are given.
     std::string architecture;  // "" : the recipe's
     std::optional<double> width;

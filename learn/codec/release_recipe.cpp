@@ -9,7 +9,9 @@ namespace {
 
 constexpr double most = 1'000'000'000;
 constexpr KeyRow from_row =
-    KeyRow::path("from", "random weights", "Recipe of the network whose weights the training begins with.");
+    KeyRow::path("from", "random weights",
+                 "What the training begins with: a model (.h5), or the recipe (.toml) of one, which is made "
+                 "first.");
 constexpr KeyRow dataset_row =
     KeyRow::path("dataset", "the scenes below",
                  "Recipe of the data set, whose splits train and validation the network learns from.");

@@ -2,7 +2,8 @@
 // `wetcurl retrain` makes both; `wetcurl train`, which is given pairs and weights, only checks the table.
 //
 //   [release]
-//   from = "strand_m.toml"    recipe of the network whose weights it begins with; absent: random ones
+//   from = "strand_m.toml"    recipe of the network whose weights it begins with, or a model (.h5); absent:
+//                             random ones
 //   dataset = "dry.toml"      recipe of the data set, whose splits train and validation it learns from;
 //                             in its place, scenes that are simulated:
 //   [[release.scene]]

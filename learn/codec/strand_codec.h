@@ -69,7 +69,8 @@ class StrandCodec {
 
     // ---- A frame, block by block ----
     // For every frame of a run, in order: `begin`, then `follow`, by one thread or by all of a team, each
-    // with the same `low` (low strands, particles) world positions [m], then `describe` once for each block.
+    // with the same `low` (low strands, particles) world positions [m], then `describe` for each block, as
+    // often as its features are wanted.
     void begin(const HeadWindow& heads);
     void follow(const Vec3f* low) { carrier_.follow(low, pose_); }
     // out (dynamic_channels): features of a block's strands, whose base it takes up.

@@ -131,6 +131,19 @@ class StrandsOnCuda final : public LearnedStrands {
         return in_metres(std::move(out), pixel_of_, length_);
     }
 
+    std::vector<float> inputs() override {
+        const c10::cuda::CUDAGuard guard(device_);
+        const c10::InferenceMode inference;
+        check_cuda(cudaStreamSynchronize(stream_), "frame");
+        const Tensor image = image_.view({strand_channels, -1}).t().to(torch::kCPU).contiguous();
+        const float* const of_pixel = image.data_ptr<float>();
+        std::vector<float> out;
+        for (const int pixel : pixel_of_)
+            out.insert(out.end(), of_pixel + size_t(pixel) * strand_channels,
+                       of_pixel + size_t(pixel + 1) * strand_channels);
+        return out;
+    }
+
   private:
     void launch(const HeadWindow& heads) {
         const c10::cuda::CUDAStreamGuard on_stream(stream_);

@@ -14,6 +14,7 @@
 #include "app/commands/inspect.h"
 #include "app/commands/render.h"
 #include "app/commands/simulate.h"
+#include "app/commands/train.h"
 #include "app/engine/device.h"
 #include "app/engine/run_of_scene.h"
 #include "app/files/results.h"
@@ -413,6 +414,53 @@ TEST_F(Commands, a_network_says_how_far_it_is_off_and_within_simulates_what_is_f
                          {"--within: found with --interpolate quad", "models of whole"});
 }
 
+// A network that learned from one run alone: in it nothing is new to it; under a head that turns faster, and
+// with other hair, much is.
+TEST_F(Commands, infer_says_how_far_hair_lies_outside_of_what_a_network_learned_from) {
+    SimulateOptions s = simulation("wet.h5", 64);
+    s.scene = scratch.file("wet.toml", wet_scene + "[motion]\nperiod = 1\nangle = 10\n");
+    simulate_command(s);
+    s.output = scratch.path("low.h5"), s.strands = 16, s.dry = true;
+    simulate_command(s);
+    EncodeOptions encode;
+    encode.inputs = {scratch.path("low.h5"), scratch.path("wet.h5")}, encode.codec = "strand";
+    encode.output = scratch.path("pairs.h5"), encode.threads = 1;
+    encode_command(encode);
+    TrainOptions train;
+    train.kind = "sr", train.pairs = {encode.output}, train.architecture = "strand_linear";
+    train.threads = 1, train.output = scratch.path("model.h5"), train.set = {"epochs=1", "validation=0"};
+    train_command(train);
+
+    InferOptions o;
+    o.model = train.output, o.input = s.output, o.threads = 1, o.overwrite = true;
+    o.output = scratch.path("out.h5"), o.json = scratch.path("out.json");
+    auto found = [&] {
+        EXPECT_EQ(infer_command(o), 0);
+        return Json::parse(bytes_of(o.json))["outside_of_training"];
+    };
+    Json outside = found();
+    EXPECT_EQ(outside["share"], 0) << outside;
+    EXPECT_TRUE(outside["inputs"].empty());
+    s.scene =
+        scratch.file("faster.toml", wet_scene + "[motion]\nperiod = 1\nangle = 40\n[stiffness]\ndry = 9\n");
+    s.output = o.input = scratch.path("faster.h5");
+    simulate_command(s);
+    outside = found();
+    EXPECT_EQ(outside["share"], 1) << outside;
+    double drag = 0, turning = 0;
+    for (const Json& kind : outside["inputs"]) {
+        if (kind["input"] == "drag when dry") drag = kind["share"];
+        if (kind["input"] == "turning") turning = kind["most"];
+    }
+    EXPECT_EQ(drag, 1) << outside;
+    EXPECT_GT(turning, 0.5) << outside;  // four times as fast
+    // A network of an earlier version does not know.
+    o.model = WETCURL_SOURCE_DIR "/models/weights/displayed_s.h5";
+    if (network_module().card(o.model).arrays.count("input_low") == 0) {
+        EXPECT_TRUE(found().is_null());
+    }
+}
+
 // Networks of displayed strands run without what would keep hair out of a shoulder.
 TEST_F(Commands, a_displayed_network_refuses_a_solid_that_is_not_the_heads_before_anything_is_simulated) {
     const std::string model = WETCURL_SOURCE_DIR "/models/weights/displayed_s.h5";
@@ -600,7 +648,8 @@ TEST_F(Commands, water_that_nothing_takes_up_is_refused) {
 
 // The low-resolution run of a scene is simulated frame by frame, and no file is left of it.
 TEST_F(Commands, infer_of_a_scene_gives_the_bits_of_infer_of_its_run) {
-    const std::string scene = scratch.file("wet.toml", wet_scene + "[motion]\nangle = 40\nperiod = 0.4\n");
+    const std::string scene =
+        scratch.file("wet.toml", wet_scene + "[motion]\nperiod = 1\nangle = 40\nperiod = 0.4\n");
     SimulateOptions low = simulation("low.h5", 16);
     low.scene = scene, low.dry = true;
     simulate_command(low);

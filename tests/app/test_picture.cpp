@@ -48,7 +48,7 @@ float difference(const float* a, const float* b) {
     return std::max({std::fabs(a[0] - b[0]), std::fabs(a[1] - b[1]), std::fabs(a[2] - b[2])});
 }
 
-Image empty_picture() { return draw_panel({}, front_camera(), false); }
+Image empty_picture() { return draw_panel({}, front_camera()); }
 
 TEST(picture, a_point_lands_at_the_pixel_of_the_pinhole_formula) {
     const Camera camera = camera_at({0, 0, 2}, {0, 0, 0}, 90, 200, 100);
@@ -61,7 +61,7 @@ TEST(picture, a_point_lands_at_the_pixel_of_the_pinhole_formula) {
 
 TEST(picture, a_strand_is_drawn_where_its_points_project) {
     const Strands strand = line({0.04f, 0.05f, 0.02f}, {0.05f, 0.03f, 0.02f});
-    const Image with = draw_panel({{{&strand}}, {}}, front_camera(), false), without = empty_picture();
+    const Image with = draw_panel({{{&strand}}, {}}, front_camera()), without = empty_picture();
     double weight = 0, column = 0, row = 0;
     for (int r = 0; r < with.height; ++r)
         for (int c = 0; c < with.width; ++c) {
@@ -80,10 +80,10 @@ TEST(picture, a_solid_hides_the_strand_behind_it_and_not_the_one_before_it) {
                   behind = line({0, 0.08f, -0.05f}, {0, -0.08f, -0.05f});
     const Camera camera = camera_at({0, 0, 0.3f}, {0, 0, 0}, 20, 160, 160);  // strands are wider than a pixel
     const PosedMesh solid = wall(0.2f, 0);
-    const Image alone = draw_panel({{}, {solid}}, camera, false);
-    const Image shown = draw_panel({{{&before}}, {solid}}, camera, false);
-    const Image hidden = draw_panel({{{&behind}}, {solid}}, camera, false);
-    const Image open = draw_panel({{{&behind}}, {}}, camera, false), nothing = draw_panel({}, camera, false);
+    const Image alone = draw_panel({{}, {solid}}, camera);
+    const Image shown = draw_panel({{{&before}}, {solid}}, camera);
+    const Image hidden = draw_panel({{{&behind}}, {solid}}, camera);
+    const Image open = draw_panel({{{&behind}}, {}}, camera), nothing = draw_panel({}, camera);
     EXPECT_GT(difference(open.pixel(80, 80), nothing.pixel(80, 80)),
               0.1);  // it would be seen without the solid
     EXPECT_GT(difference(shown.pixel(80, 80), alone.pixel(80, 80)), 0.1);
@@ -97,8 +97,7 @@ TEST(picture, of_two_crossing_strands_the_nearer_is_seen_in_either_order) {
     const StrandLayer red{&near, nullptr, {0.9f, 0.1f, 0.1f}}, blue{&far, nullptr, {0.1f, 0.1f, 0.9f}};
     // Close enough for a strand to be several pixels wide.
     const Camera camera = camera_at({0, 0, 0.1f}, {0, 0, 0}, 20, 160, 160);
-    const Image one = draw_panel({{red, blue}, {}}, camera, false),
-                other = draw_panel({{blue, red}, {}}, camera, false);
+    const Image one = draw_panel({{red, blue}, {}}, camera), other = draw_panel({{blue, red}, {}}, camera);
     for (const Image* image : {&one, &other}) {
         const float* p = image->pixel(80, 80);
         EXPECT_GT(p[0], p[2] + 0.1f);
@@ -113,7 +112,7 @@ TEST(picture, a_thin_line_keeps_its_weight_wherever_it_falls_between_pixels) {
     for (int eighth = 0; eighth < 8; ++eighth) {
         const float pixel = 1 / front_camera().focal, x = pixel * eighth / 8;
         const Strands strand = line({x, 0.05f, 0}, {x, -0.05f, 0});
-        const Image with = draw_panel({{{&strand}}, {}}, front_camera(), false);
+        const Image with = draw_panel({{{&strand}}, {}}, front_camera());
         double sum = 0;
         for (size_t i = 0; i < with.rgb.size(); ++i) sum += std::fabs(with.rgb[i] - without.rgb[i]);
         weights.push_back(sum);
@@ -132,7 +131,7 @@ TEST(picture, the_same_bits_for_any_number_of_threads) {
     std::vector<Image> images;
     for (int threads : {1, 2, 3}) {
         omp_set_num_threads(threads);
-        images.push_back(draw_panel(panel, front_camera(), false));
+        images.push_back(draw_panel(panel, front_camera()));
     }
     omp_set_num_threads(before);
     EXPECT_GT(difference(images[0].pixel(80, 85), empty_picture().pixel(80, 85)), 0.05);
@@ -140,8 +139,8 @@ TEST(picture, the_same_bits_for_any_number_of_threads) {
     EXPECT_EQ(images[0].rgb, images[2].rgb);
 }
 
-TEST(picture, saturation_goes_from_blue_to_red) {
-    const Vec3f dry = saturation_color(0), half = saturation_color(0.5f), wet = saturation_color(1);
+TEST(picture, a_rainbow_goes_from_blue_to_red) {
+    const Vec3f dry = rainbow_color(0), half = rainbow_color(0.5f), wet = rainbow_color(1);
     EXPECT_GT(dry.z, dry.x + 0.5f);
     EXPECT_GT(dry.z, dry.y + 0.5f);
     EXPECT_GT(half.y, std::max(half.x, half.z) + 0.5f);
@@ -149,12 +148,12 @@ TEST(picture, saturation_goes_from_blue_to_red) {
     EXPECT_GT(wet.x, wet.z + 0.5f);
 }
 
-TEST(picture, a_strand_shows_the_colour_of_its_own_saturation_where_asked) {
+TEST(picture, a_strand_shows_the_colour_of_a_number_along_it_where_asked) {
     const Strands strand = line({0, 0.05f, 0}, {0, -0.05f, 0});
     std::vector<float> saturation(20);
     for (int i = 0; i < 20; ++i) saturation[i] = i < 10 ? 1.f : 0.f;  // wet root, dry tip
     const Camera camera = camera_at({0, 0, 0.4f}, {0, 0, 0}, 20, 160, 160);
-    const Image image = draw_panel({{{&strand, &saturation}}, {}}, camera, true);
+    const Image image = draw_panel({{{.strands = &strand, .shown = &saturation}}, {}}, camera);
     const float *root = image.pixel(80, 40), *tip = image.pixel(80, 120);
     EXPECT_GT(root[0], root[2] + 0.2f);
     EXPECT_GT(tip[2], tip[0] + 0.2f);
@@ -180,9 +179,9 @@ TEST(picture, wet_hair_is_darker_and_shines_more) {
     const Strands strands = curls(80);
     const std::vector<float> full(strands.points.size(), 1.f);
     const Camera camera = camera_at({0, -0.06f, 0.2f}, {0, -0.06f, 0}, 20, 240, 240);
-    const Image nothing = draw_panel({}, camera, false);
-    const auto dry = brightness(draw_panel({{{&strands}}, {}}, camera, false), nothing);
-    const auto wet = brightness(draw_panel({{{&strands, &full}}, {}}, camera, false), nothing);
+    const Image nothing = draw_panel({}, camera);
+    const auto dry = brightness(draw_panel({{{&strands}}, {}}, camera), nothing);
+    const auto wet = brightness(draw_panel({{{&strands, &full}}, {}}, camera), nothing);
     EXPECT_LT(wet.first, 0.9 * dry.first);
     EXPECT_GT(wet.second / wet.first, 1.1 * dry.second / dry.first);
 }
@@ -194,9 +193,9 @@ TEST(picture, hair_under_other_hair_lies_in_its_shadow) {
     for (int k = 0; k < 1600; ++k)
         for (int i = 0; i < 20; ++i) roof.at(k, i) = {-0.4f + 0.6f * i / 19, 0.15f, -0.4f + 0.8f * k / 1599};
     const Camera camera = camera_at({0, -0.06f, 0.2f}, {0, -0.06f, 0}, 20, 240, 240);
-    const Image nothing = draw_panel({}, camera, false);
-    const auto lit = brightness(draw_panel({{{&strands}}, {}}, camera, false), nothing);
-    const auto shaded = brightness(draw_panel({{{&strands}, {&roof}}, {}}, camera, false), nothing);
+    const Image nothing = draw_panel({}, camera);
+    const auto lit = brightness(draw_panel({{{&strands}}, {}}, camera), nothing);
+    const auto shaded = brightness(draw_panel({{{&strands}, {&roof}}, {}}, camera), nothing);
     EXPECT_LT(shaded.first, 0.9 * lit.first);
 }
 
@@ -235,7 +234,7 @@ TEST(picture, the_fitted_camera_sees_all_hair_large_and_minds_no_floor) {
 TEST(picture, a_floor_that_passes_under_the_eye_is_cut_and_drawn) {
     PosedMesh floor = wall(20, 0);
     floor.pose = {rotation_about({1, 0, 0}, -std::numbers::pi / 2), {0, -0.1, 0}};
-    const Image image = draw_panel({{}, {floor}}, front_camera(), false), nothing = empty_picture();
+    const Image image = draw_panel({{}, {floor}}, front_camera()), nothing = empty_picture();
     EXPECT_GT(difference(image.pixel(80, 155), nothing.pixel(80, 155)), 0.02);
     EXPECT_EQ(difference(image.pixel(80, 40), nothing.pixel(80, 40)), 0);  // sky above the horizon
 }
@@ -243,7 +242,7 @@ TEST(picture, a_floor_that_passes_under_the_eye_is_cut_and_drawn) {
 TEST(picture, positions_that_are_not_finite_are_refused) {
     Strands strands = curls(3);
     strands.at(1, 5).y = NAN;
-    EXPECT_THROW(draw_panel({{{&strands}}, {}}, front_camera(), false), Error);
+    EXPECT_THROW(draw_panel({{{&strands}}, {}}, front_camera()), Error);
 }
 
 TEST(picture, panels_stand_side_by_side) {

@@ -8,6 +8,9 @@
 #include "app/commands/render.h"
 #include "base/error.h"
 #include "base/run_cache.h"
+#ifdef WETCURL_HAVE_OPENCV
+#include <opencv2/imgcodecs.hpp>
+#endif
 
 namespace wetcurl {
 namespace {
@@ -31,7 +34,8 @@ class render : public ::testing::Test {
 
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-    void write_run(const std::string& name, int frames) const {
+    // expected_mm: what a network expects strand s to err by, times s; 0: no network says so.
+    void write_run(const std::string& name, int frames, float expected_mm = 0) const {
         RunHeader header;
         header.scene =
             "[groom]\ngrid = [2, 2]\nparticles = 8\n[[solid]]\nshape = \"sphere\"\nradius = 0.05\nattached = "
@@ -48,6 +52,8 @@ class render : public ::testing::Test {
             RunFrame frame;
             frame.positions = header.groom.rest;
             for (Vec3f& x : frame.positions.points) x.y -= 0.01f * f;
+            for (int piece = 0; expected_mm > 0 && piece < 4 * 2; ++piece)
+                frame.expected_error.push_back(1e-3f * expected_mm * float(piece / 2));
             writer.append(frame);
         }
         writer.commit();
@@ -91,6 +97,36 @@ TEST_F(render, runs_stand_side_by_side_in_one_png) {
     EXPECT_EQ(head[22] * 256 + head[23], 120);
     EXPECT_GT(fs::file_size(options_.output), 2000u);  // more than an even grey
     EXPECT_FALSE(fs::exists(options_.output + ".partial"));
+}
+
+TEST_F(render, strands_show_the_error_that_is_expected_of_them) {
+    options_.output = path("out.png"), options_.expected_error = true;
+    EXPECT_NE(refusal<Error>().find("run.h5: --expected-error: no run here says"), std::string::npos);
+    options_.saturation = true;
+    EXPECT_NE(refusal<Misuse>().find("allowed is one of them"), std::string::npos);
+    options_.saturation = false;
+    // Beside one that says nothing, which keeps hair's colour.
+    write_run("told.h5", 3, 3.3f);
+    options_.runs = {path("run.h5"), path("told.h5")};
+    options_.labels = false;
+#ifdef WETCURL_HAVE_OPENCV
+    EXPECT_TRUE(drawn());
+    const cv::Mat image = cv::imread(options_.output);
+    ASSERT_EQ(image.cols, 2 * 96);
+    int red[2] = {0, 0}, blue[2] = {0, 0};
+    for (int row = image.rows / 2; row < image.rows; ++row)  // below the scale
+        for (int column = 0; column < image.cols; ++column) {
+            const auto pixel = image.at<cv::Vec3b>(row, column);
+            const int b = pixel[0], g = pixel[1], r = pixel[2];
+            red[column / 96] += r > g + 60 && r > b + 60;
+            blue[column / 96] += b > r + 60 && b > g + 60;
+        }
+    EXPECT_EQ(red[0] + blue[0], 0);
+    EXPECT_GT(red[1], 5);   // 9.9 mm of a scale that ends at 10
+    EXPECT_GT(blue[1], 5);  // none
+#else
+    GTEST_SKIP() << "SKIP: built without OpenCV";
+#endif
 }
 
 TEST_F(render, a_video_is_written_in_the_best_format_there_is) {

@@ -290,6 +290,38 @@ TEST(ReportPlayer, strands_that_are_kept_are_spread_and_of_no_grid) {
     EXPECT_EQ(strands_kept(5, 9).size(), 5u);
 }
 
+TEST(ReportPlayer, expected_errors_come_with_the_run_that_tells_them) {
+    const Scratch scratch;
+    RunHeader header;
+    header.scene = "[groom]\ngrid = [3, 1]\nparticles = 4\n", header.scene_folder = ".";
+    header.groom.rest = Strands(3, 4);
+    for (int s = 0; s < 3; ++s)
+        for (int i = 0; i < 4; ++i) header.groom.rest.at(s, i) = {0.01f * float(s), -0.01f * float(i), 0};
+    header.groom.normal.assign(3, {0, 1, 0});
+    header.groom.grid = {3, 1, {0, 1, 2}};
+    std::vector<std::string> paths;
+    for (const bool tells : {false, true}) {
+        paths.push_back(scratch.path(tells ? "tells.h5" : "plain.h5"));
+        RunWriter writer(paths.back(), header, true);
+        for (int f = 0; f < 2; ++f) {
+            RunFrame frame;
+            frame.positions = header.groom.rest;
+            // Of two halves of a strand, in millimetres: 0 1, 2 3, 4 5, and one more in the second frame.
+            for (int k = 0; tells && k < 6; ++k) frame.expected_error.push_back(1e-3f * float(k + f));
+            writer.append(frame);
+        }
+        writer.commit();
+    }
+    const Json player = player_of(paths, {"plain", "tells"}, 0, 5);
+    EXPECT_TRUE(player["runs"][0]["expected"].is_null());
+    const auto bytes = bytes_of_base64(player["runs"][1]["expected"].get<std::string>());
+    ASSERT_EQ(bytes.size(), 2u * 3 * 4);
+    for (int k = 0; k < 24; ++k) {
+        const int f = k / 12, half = k % 12 / 2;
+        EXPECT_EQ(bytes[size_t(k)], std::min(255, (half + f) * 51)) << k;
+    }
+}
+
 // ---------------------------------------------------------------- small parts of the page
 
 TEST(ReportPage, a_row_without_error_or_time_has_its_place_in_the_chart) {

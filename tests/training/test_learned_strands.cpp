@@ -86,6 +86,10 @@ TEST(LearnedStrands, AreWhatCodecAndLibTorchsNetworkGive) {
             learned->run(heads);
             codec.dynamic(hair.in, heads, input.data() + codec.fixed().size());
             network->run(input.data(), {1, inputs, codec.height(), codec.width()}, answer.data());
+            const std::vector<float> seen = learned->inputs();
+            ASSERT_EQ(seen.size(), codec.pixel_of().size() * inputs);
+            for (size_t k = 0; k < seen.size(); ++k)
+                ASSERT_EQ(seen[k], input[k % inputs * codec.pixels() + size_t(codec.pixel_of()[k / inputs])]);
             Strands expected;
             codec.decode(answer.data(), heads.now, expected, most_length_rounds);
             EXPECT_LT(testing::largest_distance(hair.out, expected), 2e-6) << architecture << ' ' << f;

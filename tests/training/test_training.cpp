@@ -324,6 +324,9 @@ TEST(StrandData, NormalisesByTheFramesThatTrainingSees) {
     EXPECT_EQ(x.select(1, 0).abs().max().item<double>(), 0);  // the constant channel
     EXPECT_LT((x.narrow(1, 1, x.size(1) - 1).square().mean(0) - 1).abs().max().item<double>(), 1e-4);
     EXPECT_NEAR(pairs.data->unit(), 0.2, 1e-6);
+    const auto &low = card.arrays.at("input_low"), &high = card.arrays.at("input_high");
+    EXPECT_TRUE(torch::equal(torch::cat(all).amin(0), torch::tensor(low)));
+    EXPECT_TRUE(torch::equal(torch::cat(all).amax(0), torch::tensor(high)));
 }
 
 TEST(StrandData, TakesTheStrandsAfterCohesionWhereAskedTo) {
@@ -425,7 +428,10 @@ TEST(StrandData, InputsThatAreLeftOutAreMute) {
     for (const InputGroup& g : strand_inputs) {
         const bool left_out = std::string(g.name) == "saturation" || std::string(g.name) == "history";
         for (int c = g.channels.first; c < g.channels.end(); ++c)
-            EXPECT_EQ(card.arrays["input_std"].at(size_t(c)) > 1e20f, left_out) << g.name << " " << c;
+            for (const bool mute : {card.arrays["input_std"].at(size_t(c)) > 1e20f,
+                                    card.arrays["input_low"].at(size_t(c)) < -1e20f,
+                                    card.arrays["input_high"].at(size_t(c)) > 1e20f})
+                EXPECT_EQ(mute, left_out) << g.name << " " << c;
     }
     expect_error([&] { OpenPairs(scratch.path("p.h5"), {"leave_out=histroy"}); },
                  {"leave_out", "histroy", "history"});
@@ -842,7 +848,19 @@ TEST(Training, BegunFromAModelGoesOnFromItsWeightsAndScales) {
     train(on.request);
     const auto [before, taught] = load_model(first.request.output);
     const auto [after, same] = load_model(on.request.output);
-    EXPECT_EQ(before.arrays, after.arrays);
+    for (const char* name : {"input_mean", "input_std", "output_scale"})
+        EXPECT_EQ(before.arrays.at(name), after.arrays.at(name)) << name;
+    // It has learned from both.
+    ModelCard own;
+    OpenPairs(on.request.pairs[0]).data->describe(own);
+    int widened = 0;
+    for (size_t c = 0; c < size_t(after.input_channels); ++c) {
+        const auto of = [&](const ModelCard& card, const char* name) { return card.arrays.at(name).at(c); };
+        EXPECT_EQ(of(after, "input_low"), std::min(of(before, "input_low"), of(own, "input_low")));
+        EXPECT_EQ(of(after, "input_high"), std::max(of(before, "input_high"), of(own, "input_high")));
+        widened += of(after, "input_high") > of(before, "input_high");
+    }
+    EXPECT_GT(widened, 0);
     const torch::NoGradGuard no_grad;
     const Tensor x = torch::randn({2, before.input_channels, 4, 4});
     EXPECT_LT((taught->forward(x) - same->forward(x)).abs().max().item<double>(), 1e-5);

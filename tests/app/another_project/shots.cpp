@@ -1,5 +1,6 @@
 // What libwetcurl promises of shots, crops and bad input: shots SCENE.toml MODEL.h5, of a scene that is wet
 // everywhere. Ends with status 1 where a promise is broken; prints what was refused.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <wetcurl/wetcurl.hpp>
@@ -35,6 +36,35 @@ int main(int argc, char** argv) try {
     hair.restart();
     hair.run(still);
     require(high == first, "a crop of hair that is wet everywhere leaves out nothing");
+
+    // From other strands: places and numbers, and what is expected of the network with few of them.
+    wetcurl::Hair few(argv[1], argv[2], wetcurl_low_run{4, 0, 2}),
+        guided(argv[1], argv[2], wetcurl_low_run{0, 9, 0});
+    require(few.low_strands() * 16 == few.high_strands(), "every fourth root each way is read");
+    require(guided.low_strands() == 9, "so many guides are read");
+    for (wetcurl::Hair* from : {&few, &guided}) {
+        const std::vector<float> at_rest = from->low_at_rest();
+        const std::vector<int> places = from->low_places();
+        require(std::is_sorted(places.begin(), places.end()) && places.back() < from->high_strands(),
+                "strands that are read are some of the scene's");
+        require_refused([&] { from->expected_errors(); });
+        std::vector<float> wet(high.size());
+        from->bind(at_rest.data(), wet.data());
+        from->run(still);
+        // Their roots are those of the strands that they are.
+        const size_t strand = 3 * size_t(from->particles());
+        for (size_t k = 0; k < places.size(); ++k)
+            for (size_t axis = 0; axis < 3; ++axis)
+                require(
+                    std::fabs(wet[size_t(places[k]) * strand + axis] - at_rest[k * strand + axis]) < 1e-5f,
+                    "a strand that is read is where it is written");
+        const std::vector<float> errors = from->expected_errors();
+        require(errors.size() == 8 * size_t(from->high_strands()), "each eighth of a strand has an error");
+        for (const float e : errors) require(e > 0 && e < 0.5f, "an expected error is a length");
+    }
+    require_refused([&] { wetcurl::Hair(argv[1], argv[2], wetcurl_low_run{1, 0, 0}); });
+    require_refused([&] { wetcurl::Hair(argv[1], argv[2], wetcurl_low_run{2, 65, 0}); });
+    require_refused([&] { hair.expected_errors(); });  // of a crop
 
     require_refused([&] { hair.run({0, NAN, 0, 1, 0, 0, 0}); });
     require_refused([&] { hair.run({0, 0, 0, 2, 0, 0, 0}); });
