@@ -28,6 +28,9 @@ struct RunHeader {
     Groom groom;     // rest strands, head frame
     int stride = 1;  // of this run's grid in the scene's full grid (2: every second root each way)
     int guides = 0;  // above 0: so many strands of the scene's, chosen, in place of a grid
+    // Of a predicted run: its strands that the low-resolution run had too, rising. Files of earlier versions
+    // do not say it.
+    std::vector<int> followed;
     std::vector<float> saturation;            // (strand, particle) at the start; empty without wetness
     std::vector<std::string> energy_kinds;    // names of the columns of `energy`; empty: not recorded
     std::vector<std::string> stages;          // names of the columns of `stage_seconds`

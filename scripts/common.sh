@@ -31,6 +31,17 @@ particles_of() {
         then ((6.283 * .curl_radius) * (6.283 * .curl_radius) + .pitch * .pitch | sqrt) else 1 end)] | max | ceil' "$1"
 }
 
+# scene_of_groom GROOM [HEAD [UNITS [UP]]]: the tables [groom] and [[solid]] of a groom on its head (m, cm or mm; y or z; else
+# guessed), for a scene's end. KEYS: more keys of [groom].
+scene_of_groom() {
+    printf '[groom]\nfile = "%s"\nparticles = 64\n%s\n' "$(realpath "$1")" "${KEYS:-}"
+    [[ -z ${3:-} ]] || printf 'units = "%s"\n' "$3"
+    [[ -z ${4:-} ]] || printf 'up = "%s"\n' "$4"
+    [[ -n ${2:-} ]] || return 0
+    printf 'scalp = "head"\n[[solid]]\nname = "head"\nshape = "mesh"\nfile = "%s"\nattached = "head"\n' "$(realpath "$2")"
+    [[ -z ${3:-} ]] || printf 'units = "%s"\n' "$3"
+}
+
 # python_with MODULE: the path of the variable PYTHON or of python3, if it has the module.
 python_with() {
     local python

@@ -262,8 +262,8 @@ void add_options(OptionList& options, InferOptions& o) {
         .required();
     options.option("--model", o.model, "trained model (HDF5), in place of the scene's [learned] model")
         .input_file();
-    options.option("--interpolate", o.interpolate, "without a network: nearest | quad | core | rest")
-        .one_of({"nearest", "quad", "core", "rest"});
+    options.option("--interpolate", o.interpolate, "without a network: nearest | quad | core | rest | skin")
+        .one_of({"nearest", "quad", "core", "rest", "skin"});
     options.option(
         "--oracle-colours", o.oracle_colours,
         "in place of a network of the root codec: the colours of this wet run (Eq 16), which a network "

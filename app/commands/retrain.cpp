@@ -36,6 +36,7 @@ class Retraining {
         release_ = read_release(config.root());
         if (!release_.present)
             throw Misuse(recipe + ": has no table [release], which says what the network is trained on");
+        if (depth == 0 && !options.from.empty()) release_.from = options.from;
         for (const auto& assignment : options.set) {
             const bool data = assignment.starts_with(of_data);
             (data ? set_of_data_ : set_)
@@ -93,7 +94,7 @@ class Retraining {
     Codec codec() const {
         if (!release_.scenes.empty())
             return release_.scenes.front().low_strands ? Codec::strand : Codec::adhesion;
-        const DatasetRecipe recipe = read_dataset_recipe(release_.dataset, set_of_data_);
+        const DatasetRecipe recipe = read_dataset_recipe(release_.dataset, dataset().assignments());
         if (recipe.strand && recipe.root)
             throw Misuse(release_.dataset + ": codecs: found both, allowed is one, which is learned");
         return recipe.strand ? Codec::strand : Codec::root;
@@ -119,7 +120,7 @@ class Retraining {
 
     DatasetRequest dataset() const {
         DatasetRequest data = with_common<DatasetRequest>();
-        data.set = set_of_data_, data.resume = true;
+        data.set = set_of_data_, data.scene = options_.scene, data.resume = true;
         data.recipe = release_.dataset, data.output = folder(), data.part = options_.part;
         if (!data.part.empty() && depth_ == 0) data.json = options_.json;
         return data;
@@ -184,6 +185,14 @@ void add_options(OptionList& options, RetrainOptions& o) {
                 "folder of the data set and of the model, NAME.h5, or NAME@SEED.h5 with --seed; what is "
                 "there is gone on with")
         .required();
+    options
+        .option("--scene", o.scene,
+                "scene that all of the data set's start from, in place of its recipe's: hair of one's own")
+        .input_file();
+    options
+        .option("--from", o.from,
+                "what the training begins with, in place of the recipe's: a model (.h5), or a recipe (.toml)")
+        .input_file();
     options.option("--part", o.part,
                    "K/N: makes every N-th scene of the data set and trains nothing, to share the work");
     options.footer(
@@ -200,6 +209,8 @@ int retrain_command(const RetrainOptions& o) {
         throw Misuse(
             "release: found several processes that a launcher started; start one, or share the "
             "work by --part");
+    if (!o.scene.empty() && read_release(Config::load(o.recipe).root()).dataset.empty())
+        throw Misuse("--scene: " + o.recipe + " trains on no data set, whose scene it could replace");
     const Retraining release(o, o.recipe, o.seed);
     release.make_data();
     if (o.part.empty()) release.train();

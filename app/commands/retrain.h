@@ -9,6 +9,7 @@ struct RetrainOptions : CommonOptions {
     static constexpr const char *command = "retrain",
                                 *summary = "make a data set and train a network on it, as its recipe says";
     std::string recipe, output, part;  // part: "K/N"
+    std::string scene, from;           // in place of the data set's scene and of the recipe's network
 };
 
 void add_options(OptionList& options, RetrainOptions& o);

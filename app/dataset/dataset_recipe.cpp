@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "base/parameters.h"
 #include "base/strands.h"
@@ -250,6 +251,10 @@ Config DatasetMember::scene() const {
     for (const auto& [text, where] : replacements) config.replace(text, where);
     for (size_t k = 0; k < set.size(); ++k) config.set(set[k], set_by[k]);
     return config;
+}
+
+std::string assignment_of_scene(const std::string& file) {
+    return "scene=" + nlohmann::json(std::filesystem::absolute(file).lexically_normal().string()).dump();
 }
 
 DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std::string>& set) {

@@ -11,6 +11,7 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "app/dataset/dataset_member.h"
@@ -157,8 +158,14 @@ Ranks part_of(const std::string& text) {
     return part;
 }
 
+std::vector<std::string> DatasetRequest::assignments() const {
+    std::vector<std::string> out = set;
+    if (!scene.empty()) out.push_back(assignment_of_scene(scene));
+    return out;
+}
+
 bool dataset_is_whole(const DatasetRequest& o) {
-    const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.set);
+    const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.assignments());
     const DatasetFolder to(o.output);
     // The list of what is there is written last.
     return fs::exists(to.of("manifest.json")) && text_of(to.of("recipe.toml")) == recipe.text &&
@@ -170,7 +177,7 @@ void make_dataset(const DatasetRequest& o) {
     require_device(o.device);
     if (o.output.empty()) throw Misuse("output: found an empty folder name");
     if (o.seed) throw Misuse("--seed: a recipe's is --set seed=" + std::to_string(*o.seed));
-    const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.set);
+    const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.assignments());
     const DatasetFolder to(o.output);
     for (const auto& file : recipe.files)
         if (fs::exists(file) && fs::exists(to.of("recipe.toml")) &&
@@ -195,6 +202,7 @@ void make_dataset(const DatasetRequest& o) {
     const double begin = omp_get_wtime();
     InterruptGuard guard;
     Progress progress("dataset", long(mine.size()), "scene");
+    std::optional<QuietLog> quiet(std::in_place);  // what scenes say of themselves was said above
     std::atomic<bool> failing = false;
     std::mutex mutex;  // of what follows
     std::exception_ptr failed;
@@ -216,6 +224,7 @@ void make_dataset(const DatasetRequest& o) {
         const std::lock_guard lock(mutex);
         progress.update(++done);
     }
+    quiet.reset();
     if (failed) std::rethrow_exception(failed);
     if (guard.asked())
         throw Interrupted(fmt::format("interrupted: {} of {} scenes are kept in {}; --resume goes on", done,

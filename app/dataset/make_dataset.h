@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "app/options/common_options.h"
 #include "base/ranks.h"
@@ -10,6 +11,9 @@ namespace wetcurl {
 
 struct DatasetRequest : CommonOptions {
     std::string recipe, output, part;  // file, folder, "K/N"
+    // --set, and a scene in place of the recipe's where one is named.
+    std::string scene;
+    std::vector<std::string> assignments() const;
 };
 
 // Which of how many share the work: --part K/N, or "": what a launcher of parallel programs says. Throws

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "app/engine/broken_run.h"
@@ -15,6 +16,7 @@
 #include "base/log.h"
 #include "learn/codec/encode_runs.h"
 #include "learn/codec/input_ranges.h"
+#include "learn/codec/stencil.h"
 #include "learn/codec/strand_codec.h"
 #include "solver/chain/chain_state.h"
 
@@ -114,6 +116,10 @@ RunHeader header_of(const Predictor& predictor, const Method& method, const Scen
     header.method = predictor.name();
     if (header.device != device) header.device += ", then " + device;
     header.groom = scene.groom;
+    header.followed.clear();
+    for (const int s : twins_of(scene.groom, low.header().groom))
+        if (s >= 0) header.followed.push_back(s);
+    std::sort(header.followed.begin(), header.followed.end());
     header.stride = scene.stride, header.guides = scene.guides;
     header.scene = scene.text;
     header.scene_folder = scene.folder;

@@ -21,6 +21,7 @@ constexpr Name names[] = {
     {quad_way, "--interpolate quad"},
     {core_way, "--interpolate core"},
     {rest_way, "--interpolate rest"},
+    {skin_way, "--interpolate skin"},
     {oracle_colours_way, "--oracle-colours"},
     {oracle_weights_way, "--oracle-weights"},
     {model_ways, "models"},
@@ -52,7 +53,7 @@ constexpr Row table[] = {
     {"--colour-units", [](const InferOptions& o) { return !o.colour_units.empty(); }, oracle_colours_way,
      "a model has the colours that it learned, and the other ways have none"},
     {"--roots 3", [](const InferOptions& o) { return o.roots == 3; },
-     quad_way | core_way | rest_way | oracle_ways | root_model_way,
+     quad_way | core_way | rest_way | skin_way | oracle_ways | root_model_way,
      "nearest copies the strand of one root, and models of whole strands learned with four"},
     {"--settled", [](const InferOptions& o) { return o.settled; },
      rest_way | strands_of_wet_way | displayed_of_wet_way,
@@ -83,7 +84,7 @@ constexpr Row table[] = {
 Ways ways_named(const InferOptions& o) {
     if (!o.model.empty() + !o.interpolate.empty() + !o.oracle_colours.empty() + !o.oracle_weights.empty() > 1)
         throw Misuse(
-            "infer needs one of --model MODEL.h5, --interpolate nearest|quad|core|rest, "
+            "infer needs one of --model MODEL.h5, --interpolate nearest|quad|core|rest|skin, "
             "--oracle-colours WET.h5 and --oracle-weights WET.h5; found more than one");
     if (!o.oracle_colours.empty()) return oracle_colours_way;
     if (!o.oracle_weights.empty()) return oracle_weights_way;
@@ -95,6 +96,8 @@ Ways ways_named(const InferOptions& o) {
             return quad_way;
         case Interpolation::core:
             return core_way;
+        case Interpolation::skin:
+            return skin_way;
         case Interpolation::rest:
             break;
     }

@@ -13,18 +13,19 @@ enum Way : unsigned {
     quad_way = 1 << 1,
     core_way = 1 << 2,
     rest_way = 1 << 3,
-    oracle_colours_way = 1 << 4,
-    oracle_weights_way = 1 << 5,
-    strands_of_dry_way = 1 << 6,  // models of whole strands, which learned from dry or wet runs
-    strands_of_wet_way = 1 << 7,
-    displayed_of_dry_way = 1 << 8,  // the same of displayed strands
-    displayed_of_wet_way = 1 << 9,
-    root_model_way = 1 << 10,
-    adhesion_model_way = 1 << 11,
+    skin_way = 1 << 4,
+    oracle_colours_way = 1 << 5,
+    oracle_weights_way = 1 << 6,
+    strands_of_dry_way = 1 << 7,  // models of whole strands, which learned from dry or wet runs
+    strands_of_wet_way = 1 << 8,
+    displayed_of_dry_way = 1 << 9,  // the same of displayed strands
+    displayed_of_wet_way = 1 << 10,
+    root_model_way = 1 << 11,
+    adhesion_model_way = 1 << 12,
 };
 using Ways = unsigned;  // a set of them
 
-inline constexpr Ways interpolation_ways = nearest_way | quad_way | core_way | rest_way,
+inline constexpr Ways interpolation_ways = nearest_way | quad_way | core_way | rest_way | skin_way,
                       oracle_ways = oracle_colours_way | oracle_weights_way,
                       displayed_model_ways = displayed_of_dry_way | displayed_of_wet_way,
                       strand_model_ways = strands_of_dry_way | strands_of_wet_way | displayed_model_ways,

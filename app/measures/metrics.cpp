@@ -264,12 +264,15 @@ class ExpectedError {
 // Equal particles of both runs.
 class PositionError {
   public:
-    explicit PositionError(const Groom& groom) : still_(groom.rest.points.size(), Vec3d{0, 0, 0}) {
+    // `followed`: as of a RunHeader; empty: every second root each way.
+    PositionError(const Groom& groom, const std::vector<int>& followed)
+        : still_(groom.rest.points.size(), Vec3d{0, 0, 0}) {
         const int n = groom.rest.particles;
         for (int s = 0; s < groom.rest.count; ++s)
             length_.push_back(std::max(float(arc_length(groom.rest.strand(s), n)), 1e-9f));
         shared_.assign(size_t(groom.rest.count), 0);
-        for (int row = 0; row < groom.grid.height; row += 2)
+        for (const int s : followed) shared_[size_t(s)] = 1;
+        for (int row = 0; row < groom.grid.height && followed.empty(); row += 2)
             for (int column = 0; column < groom.grid.width; column += 2)
                 if (int s = groom.grid.at(column, row); s >= 0) shared_[size_t(s)] = 1;
     }
@@ -503,7 +506,7 @@ Comparison compare(const RunReader& reference, const RunReader& other, int first
     out.frames = end - first_frame;
 
     RunShape shape_a(reference), shape_b(other);
-    PositionError position(groom);
+    PositionError position(groom, other.header().followed);
     ExpectedError expected;
     SolidError solid_error(solid, groom, other.frame(0).head);
     Mean curvature_error, curvature, velocity, strands;

@@ -15,6 +15,10 @@ DeviceInterpolator::DeviceInterpolator(Interpolation kind, const Stencil& stenci
       low_(low.rest.count),
       high_(high.rest.count),
       width_(stencil.width) {
+    if (kind_ == Interpolation::skin)
+        throw Error(
+            "interpolation: found skin on a CUDA device, allowed there are nearest, quad, core and rest; the "
+            "CPU (--device cpu) takes all");
     if (kind_ == Interpolation::rest) {
         const StrandCodec codec(high, low, {}, shape, low_is_wet, {}, settled);
         if (const int allowed = codec.carrier().around().width; width_ != allowed)

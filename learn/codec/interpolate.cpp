@@ -10,10 +10,10 @@
 namespace wetcurl {
 
 Interpolation interpolation_named(const std::string& name) {
-    static const std::vector<std::string> names{"nearest", "quad", "core", "rest"};
+    static const std::vector<std::string> names{"nearest", "quad", "core", "rest", "skin"};
     for (size_t k = 0; k < names.size(); ++k)
         if (names[k] == name) return Interpolation(k);
-    throw Misuse("interpolation: found '" + name + "', allowed nearest, quad, core, rest" +
+    throw Misuse("interpolation: found '" + name + "', allowed nearest, quad, core, rest, skin" +
                  did_you_mean(name, names));
 }
 
@@ -27,6 +27,10 @@ void require_low_strands(int found, int found_particles, int strands, int partic
 Interpolator::Interpolator(Interpolation kind, Stencil stencil, const Groom& high, const Groom& low,
                            const Strands* shape, bool low_is_wet, const Settled* settled)
     : kind_(kind), particles_(high.rest.particles), stencil_(std::move(stencil)), roots_(root_frames(high)) {
+    if (kind_ == Interpolation::skin) {
+        rest_ = high.rest, low_rest_ = low.rest;
+        turns_.resize(low.rest.points.size());
+    }
     if (kind_ != Interpolation::core && kind_ != Interpolation::rest) return;
     RootLanes lanes(StrandLanes::in_order(high.rest.count), roots_);
     if (kind_ == Interpolation::rest) {
@@ -105,6 +109,38 @@ void Interpolator::place_cores(const Strands& low, const Pose& head, Strands& ou
     }
 }
 
+void Interpolator::place_skin(const Strands& low, const Pose& head, Strands& out) {
+    const int n = low.particles, width = stencil_.width;
+    const Quatf turned = cast<float>(head.rotation);
+#pragma omp parallel
+    {
+#pragma omp for schedule(static)
+        for (int s = 0; s < low.count; ++s) {
+            const Vec3f *rest = low_rest_.strand(s), *p = low.strand(s);
+            CarriedTurn<float> turn{turned};
+            for (int i = 0; i < n; ++i) {  // the tip takes the turn of the last edge
+                if (i + 1 < n) turn.follow(rest[i + 1] - rest[i], p[i + 1] - p[i]);
+                turns_[size_t(s) * n + i] = turn.turn;
+            }
+        }
+#pragma omp for schedule(static)
+        for (int s = 0; s < out.count; ++s) {
+            const Vec3f* rest = rest_.strand(s);
+            Vec3f* const x = out.strand(s);
+            std::fill_n(x, n, Vec3f{0, 0, 0});
+            for (int k = 0; k < width; ++k) {
+                const int from = stencil_.from[size_t(s) * width + k];
+                const float weight = stencil_.weight[size_t(s) * width + k];
+                if (weight == 0) continue;
+                const Vec3f *guide = low.strand(from), *at_rest = low_rest_.strand(from);
+                for (int i = 1; i < n; ++i)
+                    x[i] += weight * (guide[i] + rotate(turns_[size_t(from) * n + i], rest[i] - at_rest[i]));
+            }
+            x[0] = roots_.root_at(s, head);
+        }
+    }
+}
+
 void Interpolator::place_rest(const Strands& low, const Pose& head, Strands& out) {
     const int n = low.particles;
     const RootLanes& lanes = carrier_->lanes();
@@ -132,6 +168,8 @@ void Interpolator::apply(const Strands& low, const Pose& head, Strands& out) {
         place_rest(low, head, out);
     else if (kind_ == Interpolation::core)
         place_cores(low, head, out);
+    else if (kind_ == Interpolation::skin)
+        place_skin(low, head, out);
     else
         place_means(low, head, out);
 }

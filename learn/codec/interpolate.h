@@ -32,6 +32,7 @@ class Interpolator {
     void place_means(const Strands& low, const Pose& head, Strands& out) const;
     void place_cores(const Strands& low, const Pose& head, Strands& out);
     void place_rest(const Strands& low, const Pose& head, Strands& out);
+    void place_skin(const Strands& low, const Pose& head, Strands& out);
 
     Interpolation kind_;
     int particles_;
@@ -43,6 +44,10 @@ class Interpolator {
     std::optional<StrandLanes> low_lanes_;
     Strands cores_;
     ThreadRoom<Vec3<S>> room_;
+    // Used by `skin` alone: both grooms at rest, and how the low-resolution one's particles are turned from
+    // it.
+    Strands rest_, low_rest_;
+    std::vector<Quatf> turns_;
 };
 
 }  // namespace wetcurl

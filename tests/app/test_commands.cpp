@@ -379,6 +379,10 @@ TEST_F(Commands, a_network_says_how_far_it_is_off_and_within_simulates_what_is_f
         };
         const auto plain = infer("plain.h5", {}), trusting = infer("trusting.h5", 1e6),
                    none = infer("none.h5", 0);
+        const std::vector<int>& followed = plain->header().followed;
+        const Strands few = RunReader(o.input).header().groom.rest, all = plain->header().groom.rest;
+        ASSERT_EQ(followed.size(), 16u);
+        for (size_t k = 0; k < 16; ++k) EXPECT_LT(norm(few.at(int(k), 24) - all.at(followed[k], 24)), 1e-6);
         const RunFrame a = plain->frame(2), b = trusting->frame(2);
         ASSERT_EQ(a.expected_error.size(), size_t(64 * 8));
         for (float e : a.expected_error) EXPECT_GT(e, 0);

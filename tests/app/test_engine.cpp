@@ -177,6 +177,7 @@ TEST(Infer, each_way_has_its_options_and_refuses_the_others_with_what_they_go_wi
     EXPECT_EQ(allowed_with(nearest_way), with({}));
     EXPECT_EQ(allowed_with(quad_way), with({"--roots 3"}));
     EXPECT_EQ(allowed_with(core_way), with({"--roots 3"}));
+    EXPECT_EQ(allowed_with(skin_way), with({"--roots 3"}));
     EXPECT_EQ(allowed_with(rest_way), (Options{"--roots 3", "--settled", "--wet-shape", "--cohesion",
                                                "--passes", "--spacing", "--relaxation", "--wetness"}));
     EXPECT_EQ(allowed_with(oracle_weights_way), (Options{"--reconstruct", "--roots 3"}));

@@ -90,6 +90,24 @@ TEST(Compare, shared_and_new_roots_are_told_apart) {
     EXPECT_NEAR(r.position_mm.p95, 2, 1e-2);
 }
 
+TEST(Compare, shared_strands_are_those_that_a_run_names) {
+    Case c;
+    // Strand s is off by s millimetres.
+    c.compared(none, [](int s, int, int) { return Vec3d{1e-3 * s, 0, 0}; });
+    const RunReader other(c.other);
+    RunHeader header = other.header();
+    EXPECT_TRUE(header.followed.empty());
+    header.followed = {3, 5};
+    const std::string named = c.scratch.path("named.h5");
+    RunWriter writer(named, header, false);
+    for (int f = 0; f < frames; ++f) writer.append(other.frame(f));
+    writer.commit();
+    const Comparison r = compare(RunReader(c.reference), RunReader(named), 0, {});
+    EXPECT_NEAR(r.shared_mm.mean, 4, 1e-3);
+    const double others = 0.5 * 63 * 64 - 8;
+    EXPECT_NEAR(r.new_mm.mean, others / 62, 1e-2);
+}
+
 TEST(Compare, strands_are_told_apart_from_what_is_seen_of_them) {
     Case c;
     const auto bend = [](int, int, int) { return Vec3d{0, 0, 2e-3}; };

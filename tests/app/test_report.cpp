@@ -1,9 +1,12 @@
 // `wetcurl report`: rows and how they are judged, what is refused, what the page and its JSON hold.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
 
 #include "app/commands/infer.h"
 #include "app/commands/report.h"
@@ -14,6 +17,7 @@
 #include "app/report/report_page.h"
 #include "app/report/report_player.h"
 #include "app/report/report_rows.h"
+#include "base/output_file.h"
 #include "tests/base/scratch.h"
 
 namespace wetcurl {
@@ -520,6 +524,38 @@ TEST_F(Report, of_a_table_says_every_row_its_seeds_and_other_scenes) {
     EXPECT_EQ(j["rows"][1]["seeds"]["position_mm"], (Json{{"min", 4.0}, {"max", 5.0}}));
     EXPECT_EQ(j["rows"][1]["wins"], true);
     EXPECT_EQ(j["front"], (Json{"quad", "sim", "<i>rest", "net"}));
+}
+
+TEST_F(Report, follows_a_training_until_it_ends) {
+    const std::string log = scratch.path("net.h5.jsonl");
+    const auto line = [](int epoch) {
+        return "{\"epoch\":" + std::to_string(epoch) + ",\"loss\":" + std::to_string(8 >> epoch) + "}\n";
+    };
+    ReportOptions o = options();
+    o.trainings = {log}, o.watch = 1;
+    std::optional<LockedFile> writer;
+    writer.emplace(log, log);  // as the training holds it
+    writer->append(line(0));
+    std::thread report([&] { EXPECT_EQ(report_command(o), 0); });
+    const auto wait_for = [&](const std::string& part) {
+        for (int k = 0; k < 300; ++k, std::this_thread::sleep_for(std::chrono::milliseconds(100)))
+            if (fs::exists(o.output) && page().find(part) != std::string::npos) return true;
+        return false;
+    };
+    // A curve needs two epochs; of a line that is half written nothing is read.
+    writer->append(line(1) + "{\"epoch\":2");
+    EXPECT_TRUE(wait_for("1 epochs"));
+    expect_in(page(), "http-equiv=\"refresh\" content=\"1\"");
+    writer->append(line(2).substr(10));
+    EXPECT_TRUE(wait_for("2 epochs"));
+    writer.reset();
+    report.join();
+    expect_in(page(), "2 epochs");
+    expect_not_in(page(), "http-equiv=\"refresh\"");
+    o.overwrite = true;
+    EXPECT_EQ(report_command(o), 0);  // of one that has ended: once
+    o.runs = {"a.h5", "b.h5"};
+    expect_error<Misuse>([&] { report_command(o); }, {"--watch", "--training"});
 }
 
 TEST_F(Report, shows_trainings_beside_rows_or_alone) {

@@ -7,7 +7,7 @@ namespace wetcurl::testing {
 namespace {
 
 constexpr Interpolation kinds[] = {Interpolation::nearest, Interpolation::quad, Interpolation::core,
-                                   Interpolation::rest};
+                                   Interpolation::rest, Interpolation::skin};
 
 Strands interpolated(Interpolation kind, const Stencil& stencil, const Groom& high, const Strands& low,
                      const Pose& head = {}, const Strands* shape = nullptr) {
@@ -195,6 +195,39 @@ TEST(Interpolation, roots_are_exact_and_all_follows_the_head) {
             for (int s = 0; s < groom.rest.count; ++s)
                 EXPECT_LT(norm(turned.at(s, 0) - turned_rest.at(s, 0)), 1e-7);
         }
+}
+
+TEST(Interpolation, skin_keeps_the_drawn_shape_and_turns_it_as_guides_turn) {
+    const Groom groom = curly_groom({});
+    const Groom low = coarsened(groom, 2);
+    for (const Stencil& stencil : {quad_stencil(groom, low), triangle_stencil(groom, low)})
+        EXPECT_LT(largest_distance(interpolated(Interpolation::skin, stencil, groom, low.rest), groom.rest),
+                  1e-6);
+    // Straight guides that all turn about an axis across them turn a strand about the mean of their roots.
+    Groom straight = low;
+    for (int s = 0; s < straight.rest.count; ++s)
+        for (int i = 0; i < straight.rest.particles; ++i)
+            straight.rest.at(s, i) = straight.rest.at(s, 0) - Vec3f{0, 4e-3f * float(i), 0};
+    Strands turned = straight.rest;
+    const Quatf turn = cast<float>(rotation_about(Vec3d{0.6, 0, -0.8}, 0.5));
+    const auto turned_about = [&](const Vec3f& middle, const Vec3f& x) {
+        return middle + rotate(turn, x - middle);
+    };
+    for (int s = 0; s < turned.count; ++s)
+        for (int i = 0; i < turned.particles; ++i)
+            turned.at(s, i) = turned_about(straight.rest.at(s, 0), straight.rest.at(s, i));
+    Stencil stencil = quad_stencil(groom, low);
+    Strands out;
+    Interpolator(Interpolation::skin, stencil, groom, straight).apply(turned, {}, out);
+    for (int s = 0; s < groom.rest.count; ++s) {
+        Vec3f middle{0, 0, 0};
+        for (int k = 0; k < stencil.width; ++k)
+            middle += stencil.weight[size_t(s * stencil.width + k)] *
+                      straight.rest.at(stencil.from[size_t(s * stencil.width + k)], 0);
+        EXPECT_LT(norm(out.at(s, 0) - groom.rest.at(s, 0)), 1e-7);
+        for (int i = 1; i < groom.rest.particles; ++i)
+            EXPECT_LT(norm(out.at(s, i) - turned_about(middle, groom.rest.at(s, i))), 2e-6) << s << " " << i;
+    }
 }
 
 // The same roots in another order of strands.
@@ -528,7 +561,7 @@ TEST(Interpolation, detail_turns_with_the_core) {
 
 TEST(Interpolation, unknown_names_are_a_misuse) {
     expect_error<Misuse>([] { interpolation_named("quat"); },
-                         {"'quat'", "nearest, quad, core, rest", "did you mean 'quad'"});
+                         {"'quat'", "nearest, quad, core, rest, skin", "did you mean 'quad'"});
 }
 
 }  // namespace
