@@ -652,8 +652,7 @@ TEST_F(Commands, water_that_nothing_takes_up_is_refused) {
 
 // The low-resolution run of a scene is simulated frame by frame, and no file is left of it.
 TEST_F(Commands, infer_of_a_scene_gives_the_bits_of_infer_of_its_run) {
-    const std::string scene =
-        scratch.file("wet.toml", wet_scene + "[motion]\nangle = 40\nperiod = 0.4\n");
+    const std::string scene = scratch.file("wet.toml", wet_scene + "[motion]\nangle = 40\nperiod = 0.4\n");
     SimulateOptions low = simulation("low.h5", 16);
     low.scene = scene, low.dry = true;
     simulate_command(low);
