@@ -15,6 +15,10 @@ static Vec3f edge_of(const Strands& strands, int strand, int i) {
     return strands.at(strand, i + 1) - strands.at(strand, i);
 }
 
+static float length_of(const Vec3f* strand, int n) {
+    return std::max(float(arc_length(strand, n)), tiny_length<float>);
+}
+
 // Of the strands around one those that are drawn as it is count most; a hundredth of its length apart is as
 // good as not.
 void RestCarrier::weigh(const Strands& drawn_cores) {
@@ -40,13 +44,16 @@ void RestCarrier::weigh(const Strands& drawn_cores) {
 // high-resolution strand measures what is lost.
 void RestCarrier::find_own(const Groom& low, const Strands& drawn_cores) {
     own_ = Strands(low.rest.count, particles_);
+    // Of its own length: what is longer is so wherever it hangs.
+    auto edge_at_rest = [&](int strand, int i) {
+        return per_low_length_[size_t(strand)] * edge_of(low_rest_cores_, strand, i);
+    };
     for (int s = 0; s < low.rest.count; ++s) {
         const int* beside = around_.beside[size_t(s)].strand;
         const int count = int(std::count_if(beside, beside + Stencil::widest, [](int b) { return b >= 0; }));
         for (int i = 0; count > 1 && i + 1 < particles_; ++i) {  // one beside it says nothing of a mean
-            Vec3f& own = own_.at(s, i) = edge_of(low_rest_cores_, s, i);
-            for (int k = 0; k < count; ++k)
-                own -= (1.f / float(count)) * edge_of(low_rest_cores_, beside[k], i);
+            Vec3f& own = own_.at(s, i) = edge_at_rest(s, i);
+            for (int k = 0; k < count; ++k) own -= (1.f / float(count)) * edge_at_rest(beside[k], i);
         }
     }
     constexpr float least_turn = 0.03f;  // of edges from those around [rad]; less says nothing
@@ -56,8 +63,7 @@ void RestCarrier::find_own(const Groom& low, const Strands& drawn_cores) {
     for (int s = 0; s < drawn_cores.count; ++s) {
         const int* from = around_.from.data() + size_t(s) * width;
         const float* weight = around_.weight.data() + size_t(s) * width;
-        const float least = least_turn * float(arc_length(drawn_cores.strand(s), n));
-        float all = std::max(least * least / float(n - 1), tiny_length<float>);
+        float all = least_turn * least_turn / float(n - 1);
         for (int k = 0; k < width; ++k)
             for (int i = 0; i + 1 < n; ++i) all += weight[k] * dot(own_.at(from[k], i), own_.at(from[k], i));
         for (int k = 0; k < width; ++k) lost_weight_[size_t(s) * width + k] = weight[k] / all;
@@ -110,12 +116,15 @@ RestCarrier::RestCarrier(RootLanes lanes, Stencil around, const Groom& high, con
         throw Error("interpolation: found " + size(settled->more) +
                     " that have settled, allowed all low-resolution " + size(low.rest));
     const Strands drawn_cores = cores_of(high.rest), curled_cores = cores_of(curled);
+    for (int s = 0; s < low.rest.count; ++s)
+        per_low_length_.push_back(1 / length_of(low.rest.strand(s), particles_));
     weigh(drawn_cores);
     find_own(low, drawn_cores);
     const int n = particles_, width = around_.width, blocks = lanes_.blocks();
     constexpr float longest = 4;  // edges, of the drawn ones
     const Vec3<S> none{S(0), S(0), S(0)};
     rest_.assign(size_t(blocks) * n, {none, S(1), none, none, none});
+    block_length_.assign(size_t(blocks), S(0));
     from_.assign(size_t(blocks) * S::lanes * width, 0);
     weight_.assign(from_.size(), 0), lost_share_.assign(from_.size(), 0);
     auto set = [](Vec3<S>& to, int lane, const Vec3f& x) {
@@ -132,6 +141,8 @@ RestCarrier::RestCarrier(RootLanes lanes, Stencil around, const Groom& high, con
             const size_t first = size_t(s) * width, here = (size_t(block) * S::lanes + lane) * width;
             const int* from = around_.from.data() + first;
             const float* weight = around_.weight.data() + first;
+            const float strand_length = length_of(high.rest.strand(s), n);
+            block_length_[size_t(block)].set(lane, strand_length);
             const int main = int(std::max_element(weight, weight + width) - weight);
             for (int k = 0; k < width; ++k)  // a strand that counts nothing is not read
                 from_[here + size_t(k)] = from[weight[k] != 0 ? k : main];
@@ -143,7 +154,9 @@ RestCarrier::RestCarrier(RootLanes lanes, Stencil around, const Groom& high, con
                 if (i + 1 == n) continue;
                 const Vec3f edge = edge_of(drawn_cores, s, i), along = core[i + 1] - core[i];
                 Vec3f own = edge;
-                for (int k = 0; k < width; ++k) own -= weight[k] * edge_of(low_rest_cores_, from[k], i);
+                for (int k = 0; k < width; ++k)
+                    own -= weight[k] * strand_length * per_low_length_[size_t(from[k])] *
+                           edge_of(low_rest_cores_, from[k], i);
                 // Wet strands come as short as they are. An edge that is drawn as good as nowhere tells
                 // nothing.
                 const float length =
@@ -193,7 +206,8 @@ void RestCarrier::follow(const Vec3f* low, const Pose& head) {
             if (s < 0) continue;
             Vec3f* moved = moved_.strand(s);
             const Vec3f* rest = low_rest_cores_.strand(s);
-            for (int i = 0; i < n; ++i) moved[i] -= rest[i] - rest[0];
+            const float per = per_low_length_[size_t(s)];
+            for (int i = 0; i < n; ++i) moved[i] = per * (moved[i] - (rest[i] - rest[0]));
             for (int i = 0; i < n && !settled_.share.empty(); ++i)
                 low_offsets_.at(s, i) += settled_.more.at(s, i);
         }
@@ -234,7 +248,7 @@ void RestCarrier::carry(int block, Vec3<S>* out, S* doubt) const {
         }
         lost.set(lane, std::clamp(sum, 0.f, 1.f));
     }
-    // `out` holds how far cores have moved until a particle is there.
+    // `out` holds how far cores have moved, by their lengths, until a particle is there.
     weighted_columns(3 * n, width, row, &weight_[first], &out->x);
     if (doubt) {
         for (int place = 0; place < doubt_places; ++place) {
@@ -253,9 +267,11 @@ void RestCarrier::carry(int block, Vec3<S>* out, S* doubt) const {
     }
     const Quat<S> to_root = conjugate(lanes_.rotation(block));
     const RestParticle<S>* rest = &rest_[size_t(block) * n];
+    const S length = block_length_[size_t(block)];
     carry_rest<S>(
         n, lost, [&](int i) -> const RestParticle<S>& { return rest[i]; },
-        [&](int i) { return rotate(to_root, out[i]); }, [&](int i, const Vec3<S>& x) { out[i] = x; });
+        [&](int i) { return length * rotate(to_root, out[i]); },
+        [&](int i, const Vec3<S>& x) { out[i] = x; });
     for (int lane = 0; lane < S::lanes && low_is_wet_; ++lane) {
         const int s = kept_[size_t(block) * S::lanes + lane];
         if (s < 0) continue;

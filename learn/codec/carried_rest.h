@@ -5,7 +5,8 @@
 //
 // Where hair parts, a strand goes with those that are drawn as it is: of the strands around it each counts
 // by the inverse square of how far their cores lie apart at rest (Shepard 1968). What then is its own, it
-// keeps as far as low-resolution strands keep what those beside them do not have.
+// keeps as far as low-resolution strands keep what those beside them do not have. A strand of another length
+// moves as much by its length: a fringe does not go the way of what hangs to the waist.
 #pragma once
 
 #include <vector>
@@ -51,7 +52,8 @@ WETCURL_HD void carry_rest(int n, const S& lost, Rest rest, Moved moved, Store s
 }
 
 // How much an edge of a low-resolution strand has lost of `own`, by which it differs at rest from the mean of
-// those beside it [m^2]. `step(strand)` gives how far that edge of a strand has moved [m]. V: a vector, or
+// those beside it, by its length. `step(strand)` gives how far that edge of a strand has moved, by the
+// strand's length. V: a vector, or
 // numbers of one, of which the results add up.
 WETCURL_HD inline float product(const Vec3f& a, const Vec3f& b) { return dot(a, b); }
 WETCURL_HD inline float product(float a, float b) { return a * b; }
@@ -96,7 +98,7 @@ class RestCarrier {
     void follow(const Vec3f* low, const Pose& head);
     // Of the frame followed last, out (particles): offsets of a block's strands in their root frames [m]. Any
     // threads. `doubt`, where given, receives how differently the strands around have moved, at doubt_places
-    // of the strand [m], and how much they have lost of their own, 0 to 1.
+    // of the strand, by its length, and how much they have lost of their own, 0 to 1.
     void carry(int block, Vec3<S>* out, S* doubt = nullptr) const;
 
     // The strands around each, weighed.
@@ -104,11 +106,12 @@ class RestCarrier {
     bool low_is_wet() const { return low_is_wet_; }
     RestParticle<float> rest(int strand, int particle) const;
     const std::vector<Beside>& beside() const { return around_.beside; }  // (low strand)
-    const Strands& own() const { return own_; }          // (low strand, edge) in the head's frame
+    const Strands& own() const { return own_; }  // (low strand, edge) in the head's frame, by its length
     const Settled& settled() const { return settled_; }  // empty: as they are
-    // (high strand, width) [1/m^2]: what a strand loses of its own is the sum of these by what low-resolution
+    // (high strand, width): what a strand loses of its own is the sum of these by what low-resolution
     // strands lose of theirs, but at least 0 and at most 1.
     const std::vector<float>& lost_weight() const { return lost_weight_; }
+    const std::vector<float>& per_low_length() const { return per_low_length_; }  // (low strand) [1/m]
 
   private:
     void weigh(const Strands& drawn_cores);
@@ -120,9 +123,10 @@ class RestCarrier {
     int particles_;
     bool low_is_wet_;
     Stencil around_;
-    std::vector<float> lost_weight_;
-    std::vector<RestParticle<S>> rest_;  // (block, particle)
-    Strands low_rest_cores_;             // less those of Settled::more
+    std::vector<float> lost_weight_, per_low_length_;  // (low strands) [1/m]
+    std::vector<S> block_length_;                      // (block) [m]
+    std::vector<RestParticle<S>> rest_;                // (block, particle)
+    Strands low_rest_cores_;                           // less those of Settled::more
     Strands own_;
     Settled settled_;
     // As blocks read them, (block, lane, width): the strands around, their weights, those of what is lost;
@@ -134,8 +138,9 @@ class RestCarrier {
     StrandLanes low_lanes_;
     std::vector<Vec3<S>> offsets_, cores_;  // (low block, particle) in the head's frame [m]
     Strands low_offsets_;                   // (low strands), where any is kept
-    Strands moved_;            // (low strands) how far their cores are from rest, in the head's frame [m]
-    std::vector<float> lost_;  // (low strands) of their own [m^2]
+    Strands moved_;            // (low strands) how far their cores are from rest, in the head's frame, by
+                               // their lengths
+    std::vector<float> lost_;  // (low strands) of their own, by the squares of their lengths
 };
 
 }  // namespace wetcurl

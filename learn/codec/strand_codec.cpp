@@ -162,7 +162,6 @@ void StrandCodec::describe(int block, S* out) {
     S* const doubt = out + dynamic_layout.doubt.first;
     carrier_.carry(block, base, doubt);
     const S per = per_length_[size_t(block)], T = swing_[size_t(block)];
-    for (int place = 0; place < doubt_places; ++place) doubt[place] *= per;
     dct_.encode(base, out + dynamic_layout.base.first);
     for (int m = 0; m < dynamic_layout.base.count; ++m) out[dynamic_layout.base.first + m] *= per;
 

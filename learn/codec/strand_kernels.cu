@@ -84,7 +84,8 @@ __global__ void core_kernel(int columns, int n, float beta, const float* __restr
 constexpr int lost_strands = 32, lost_parts = 8;
 
 // What low-resolution strands have lost of their own; a block takes some, in parts.
-__global__ void lost_kernel(int low, int n, const Beside* __restrict__ beside, const float4* __restrict__ own,
+__global__ void lost_kernel(int low, int n, const Beside* __restrict__ beside,
+                            const float* __restrict__ per_length, const float4* __restrict__ own,
                             const float4* __restrict__ moved, float* __restrict__ lost) {
     __shared__ float part[lost_parts][lost_strands];
     const int s = int(blockIdx.x) * lost_strands + int(threadIdx.x), p = int(threadIdx.y);
@@ -93,8 +94,9 @@ __global__ void lost_kernel(int low, int n, const Beside* __restrict__ beside, c
         const Beside near = beside[s];
         for (int i = p; i + 1 < n; i += lost_parts) {
             const float4 *from = moved + size_t(i) * low, *to = from + low;
-            sum += lost_of_edge(vector_of(own[size_t(i) * low + s]), s, near,
-                                [&](int k) { return vector_of(to[k]) - vector_of(from[k]); });
+            sum += lost_of_edge(vector_of(own[size_t(i) * low + s]), s, near, [&](int k) {
+                return per_length[k] * (vector_of(to[k]) - vector_of(from[k]));
+            });
         }
     }
     part[p][threadIdx.x] = sum;
@@ -131,25 +133,28 @@ __global__ void __launch_bounds__(carriers)
                  const RestDetail* __restrict__ details, const int* __restrict__ from,
                  const float* __restrict__ weight, const float* __restrict__ lost_weight,
                  const float* __restrict__ lost, const Quatf* __restrict__ turn,
-                 const float* __restrict__ per_length, const float4* __restrict__ moved, const Kept kept,
-                 const float4* __restrict__ basis, float* __restrict__ base, float* __restrict__ dynamic) {
+                 const float* __restrict__ per_length, const float* __restrict__ per_low_length,
+                 const float4* __restrict__ moved, const Kept kept, const float4* __restrict__ basis,
+                 float* __restrict__ base, float* __restrict__ dynamic) {
     // A device sees the layout's numbers alone.
     constexpr int first_amplitude = dynamic_layout.base.first, first_doubt = dynamic_layout.doubt.first;
     constexpr int most = Stencil::widest;
     const int s = int(blockIdx.x) * carriers + int(threadIdx.x);
     if (s >= pixels || strand[s] < 0) return;
     int neighbour[most];
-    float share[most], lost_here = 0;
+    const float per = per_length[s];
+    // A low-resolution strand moves this one as much as their lengths say.
+    float share[most], scale[most], lost_here = 0;
     for (int k = 0; k < most; ++k) {
         neighbour[k] = k < width ? from[k * pixels + s] : neighbour[0];
         share[k] = k < width ? weight[k * pixels + s] : 0;
+        scale[k] = per_low_length[neighbour[k]] / per;
         if (k < width) lost_here += lost_weight[k * pixels + s] * lost[neighbour[k]];
     }
     const RestUnits unit_of = units[s];
     const Quatf to_root = conjugate(turn[s]);
     const size_t out = size_t(n) * pixels;
     const int twin = kept.low ? kept.low[s] : -1;
-    const float per = per_length[s];
     int doubted[doubt_places];
 #pragma unroll
     for (int place = 0; place < doubt_places; ++place) doubted[place] = doubt_particle(n, place);
@@ -200,14 +205,15 @@ __global__ void __launch_bounds__(carriers)
             __pipeline_wait_prior(stages - 1);
             Vec3f sum{0, 0, 0};
 #pragma unroll
-            for (int k = 0; k < most; ++k) sum += share[k] * vector_of(ring[i % stages].moved[k][lane]);
+            for (int k = 0; k < most; ++k)
+                sum += share[k] * scale[k] * vector_of(ring[i % stages].moved[k][lane]);
 #pragma unroll
             for (int place = 0; place < doubt_places; ++place) {
                 if (i != doubted[place]) continue;
                 float square = 0;
 #pragma unroll
                 for (int k = 0; k < most; ++k) {
-                    const Vec3f apart = vector_of(ring[i % stages].moved[k][lane]) - sum;
+                    const Vec3f apart = scale[k] * vector_of(ring[i % stages].moved[k][lane]) - sum;
                     square += share[k] * dot(apart, apart);
                 }
                 dynamic[size_t(first_doubt + place) * pixels + s] = per * sqrtf(square);
@@ -522,6 +528,7 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
         kept_ = DeviceBuffer<int>(kept);
     }
     weight_ = DeviceBuffer<float>(weight);
+    per_low_length_ = DeviceBuffer<float>(carrier.per_low_length());
     lost_weight_ = DeviceBuffer<float>(lost_weight), beside_ = DeviceBuffer<Beside>(carrier.beside());
     own_ = DeviceBuffer<float4>(by_particles(carrier.own().points)),
     lost_ = DeviceBuffer<float>(size_t(low_));
@@ -656,12 +663,12 @@ void StrandKernels::move_cores(cudaStream_t stream) const {
 
 void StrandKernels::carry(cudaStream_t stream) const {
     lost_kernel<<<blocks_of(low_, lost_strands), dim3(lost_strands, lost_parts), 0, stream>>>(
-        low_, n_, beside_.data(), own_.data(), moved_.data(), lost_.data());
+        low_, n_, beside_.data(), per_low_length_.data(), own_.data(), moved_.data(), lost_.data());
     check_launch("what strands lose of their own");
     carry_kernel<<<blocks_of(pixels_, carriers), carriers, 0, stream>>>(
         pixels_, low_, n_, width_, strand_.data(), units_.data(), edges_.data(), details_.data(),
         from_.data(), weight_.data(), lost_weight_.data(), lost_.data(), turn_.data(), per_length_.data(),
-        moved_.data(), Kept{kept_.data(), low_rest_.data(), departed_.data()},
+        per_low_length_.data(), moved_.data(), Kept{kept_.data(), low_rest_.data(), departed_.data()},
         reinterpret_cast<const float4*>(amplitudes_.data()), base_.data(), dynamic());
     check_launch("rest shapes carried");
 }

@@ -81,6 +81,7 @@ class StrandKernels {
     DeviceBuffer<float> weight_;              // (width, S)
     DeviceBuffer<float> lost_weight_;         // (width, S)
     DeviceBuffer<Beside> beside_;             // (low)
+    DeviceBuffer<float> per_low_length_;      // (low) [1/m]
     DeviceBuffer<float4> own_;                // (n, low): edges in the head's frame
     DeviceBuffer<float> lost_;                // (low)
     DeviceBuffer<Quatf> turn_;                // (S): root frame to the head's
