@@ -199,6 +199,19 @@ TEST(StrandLoss, OfDoubtIsLeastWhereErrorsAreTold) {
         wrong.narrow(1, answered_errors.first, answered_errors.count).add_(off);
         EXPECT_GT(loss->of(wrong, c.batch).item<double>(), least + 0.05);
     }
+    // However wrong, as of hair that is new to a network, it is finite and leads back.
+    for (float off : {-200.f, 200.f}) {
+        Tensor wild = told.detach().clone();
+        wild.narrow(1, answered_errors.first, answered_errors.count).add_(off);
+        wild.requires_grad_();
+        const at::AutoGradMode with_gradients(true);
+        const Tensor value = loss->of(wild, c.batch);
+        value.backward();
+        EXPECT_TRUE(std::isfinite(value.item<double>()));
+        const Tensor led = wild.grad().narrow(1, answered_errors.first, answered_errors.count);
+        EXPECT_TRUE(torch::isfinite(led).all().item<bool>());
+        EXPECT_GT((led * (off > 0 ? 1 : -1)).min().item<double>(), 0);
+    }
 }
 
 TEST(RootLoss, IsTheMeanOverPixelsThatHoldAStrand) {
