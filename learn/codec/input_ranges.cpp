@@ -41,7 +41,6 @@ InputsOutside::InputsOutside(const ModelCard& card) {
 
 void InputsOutside::add(const std::vector<float>& inputs) {
     if (!known()) return;
-    constexpr float rounding = 1e-4f;
     for (size_t row = 0; row + strand_channels <= inputs.size(); row += strand_channels) {
         bool any = false;
         for (size_t k = 0; k < told_inputs.size(); ++k) {
@@ -51,7 +50,7 @@ void InputsOutside::add(const std::vector<float>& inputs) {
                 beyond = std::max(
                     beyond, std::max(low_[size_t(c)] - x, x - high_[size_t(c)]) * per_width_[size_t(c)]);
             }
-            if (beyond <= rounding) continue;
+            if (beyond <= within_reach) continue;
             any = true;
             ++outside_[k];
             most_[k] = std::max(most_[k], beyond);

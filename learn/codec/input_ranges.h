@@ -18,6 +18,9 @@ struct InputRange {
 // Of a card's arrays input_low and input_high; empty where it does not have them.
 std::vector<InputRange> input_ranges(const ModelCard& card);
 
+// An input is outside that lies farther beyond its range than this, in widths of it.
+inline constexpr float within_reach = 0.02f;
+
 class InputsOutside {
   public:
     explicit InputsOutside(const ModelCard& card);

@@ -55,6 +55,7 @@ TEST(InputRanges, of_four_strands_one_is_outside_by_half_a_range_and_one_by_a_co
     for (int s = 0; s < 4; ++s) {
         std::vector<float> row = usual();
         if (s == 1) row[size_t(in_input(dynamic_layout.acceleration).first) + 2] = -0.5f;
+        if (s == 3) row[size_t(static_layout.saturation.first)] = 1.01f;  // as good as within
         if (s == 2) row[size_t(static_layout.fibre.first) + 3] = 3.06f;
         rows.insert(rows.end(), row.begin(), row.end());
     }
