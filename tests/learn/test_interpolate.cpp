@@ -352,12 +352,17 @@ TEST(Interpolation, rest_goes_with_the_strands_that_are_drawn_alike) {
     EXPECT_GT(largest_distance(interpolated(Interpolation::quad, stencil, groom, parted), wanted), 0.05);
 }
 
-// Strands at random angles, of which water takes a share from the low-resolution ones: it does from all.
+// Strands that lean to random sides, of which water takes a share from the low-resolution ones: it does from
+// all.
 TEST(Interpolation, rest_keeps_of_its_own_what_low_resolution_strands_keep) {
     const Groom hanging = straight_groom();
     Random random(5);
     std::vector<Vec3f> lean;
-    for (int s = 0; s < hanging.rest.count; ++s) lean.push_back(cast<float>(random.vector(0.1)));
+    for (int s = 0; s < hanging.rest.count; ++s) {
+        Vec3d side = random.vector(1);
+        side.y = 0;
+        lean.push_back(0.1f * cast<float>(normalized(side, Vec3d{1, 0, 0})));
+    }
     Groom groom = hanging;
     groom.rest = swayed(hanging.rest, [&](int s) { return lean[size_t(s)]; });
     const Groom low = coarsened(groom, 2);
@@ -368,9 +373,32 @@ TEST(Interpolation, rest_keeps_of_its_own_what_low_resolution_strands_keep) {
         for (int s = 0; s < now.count; ++s)
             std::copy_n(wanted.strand(stencil.twin[size_t(s)]), now.particles, now.strand(s));
         const Strands out = interpolated(Interpolation::rest, stencil, groom, now);
-        // Strands lean by up to 0.17 m; a thirtieth of what is lost may be chance.
-        EXPECT_LT(largest_distance(out, wanted), 1e-6 + 0.005 * (1 - kept)) << kept;
+        // Of 0.1 m that they lean, a tenth of what is lost may be chance.
+        EXPECT_LT(largest_distance(out, wanted), 1e-6 + 0.01 * (1 - kept)) << kept;
     }
+}
+
+// A fringe between strands that hang to the waist: it turns as they do, and does not go where their tips go.
+TEST(Interpolation, rest_of_a_short_strand_turns_as_long_ones_around_it) {
+    Groom groom = straight_groom();
+    const auto length = [](int s) { return s / 8 % 2 == 1 ? 0.02f : 1.f; };  // of a row
+    for (int s = 0; s < groom.rest.count; ++s)
+        for (int i = groom.rest.particles - 1; i > 0; --i)
+            groom.rest.at(s, i) =
+                groom.rest.at(s, 0) + length(s) * (groom.rest.at(s, i) - groom.rest.at(s, 0));
+    const Groom low = coarsened(groom, 2);  // long ones alone
+    const Quatf turn = cast<float>(rotation_about(Vec3d{0.6, 0, -0.8}, 0.5));
+    const auto turned = [&](const Strands& strands) {
+        Strands out = strands;
+        for (int s = 0; s < out.count; ++s)
+            for (int i = 1; i < out.particles; ++i)
+                out.at(s, i) = out.at(s, 0) + rotate(turn, out.at(s, i) - out.at(s, 0));
+        return out;
+    };
+    for (const Stencil& stencil : {quad_stencil(groom, low), triangle_stencil(groom, low)})
+        EXPECT_LT(largest_distance(interpolated(Interpolation::rest, stencil, groom, turned(low.rest)),
+                                   turned(groom.rest)),
+                  1e-6);
 }
 
 TEST(Interpolation, rest_of_the_drawn_shape_is_that_of_no_shape) {
@@ -431,7 +459,7 @@ TEST(Interpolation, rest_of_a_shorter_shape_scales_the_edges_of_the_moved_core) 
                   moved(shape, pose)),
               1e-6);
     // A sway in proportion to the particle is one of the core alike, and the detail turns but keeps its
-    // length.
+    // length. Strands sway by their lengths, which differ by some hundred-thousandths.
     const Vec3f sway{0.05f, 0, 0.02f};
     const Strands out = interpolated(Interpolation::rest, stencil, groom,
                                      swayed(low.rest, [&](int) { return sway; }), {}, &shape);
@@ -439,7 +467,7 @@ TEST(Interpolation, rest_of_a_shorter_shape_scales_the_edges_of_the_moved_core) 
     for (int s = 0; s < out.count; ++s)
         for (int i = 0; i < out.particles; ++i)
             EXPECT_NEAR(norm(out.at(s, i) - moved_core.at(s, i)),
-                        part * norm(groom.rest.at(s, i) - core.at(s, i)), 1e-6)
+                        part * norm(groom.rest.at(s, i) - core.at(s, i)), 2e-5)
                 << s << " " << i;
 }
 
