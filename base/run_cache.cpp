@@ -182,8 +182,7 @@ RunWriter::RunWriter(OutputFile place, const RunHeader& h)
     f.write("groom/normal", &h.groom.normal.data()->x, {body_->strands, 3});
     const std::vector<int32_t> grid(h.groom.grid.strand.begin(), h.groom.grid.strand.end());
     f.write("groom/grid", grid.data(), {size_t(h.groom.grid.height), size_t(h.groom.grid.width)});
-    if (!h.followed.empty())
-        f.write("groom/followed", std::vector<int32_t>(h.followed.begin(), h.followed.end()));
+    if (h.followed) f.write("groom/followed", std::vector<int32_t>(h.followed->begin(), h.followed->end()));
     write_origin(f, h.groom);
     if (!h.saturation.empty()) f.write("saturation", h.saturation.data(), {body_->strands, body_->particles});
 }
@@ -270,8 +269,8 @@ RunReader::RunReader(const std::string& named, bool mine)
                         " twice or out of range");
     if (f.has("groom/followed")) {
         const auto followed = f.read<int32_t>("groom/followed", {0});
-        h.followed.assign(followed.begin(), followed.end());
-        for (int s : h.followed)
+        h.followed.emplace(followed.begin(), followed.end());
+        for (int s : *h.followed)
             if (s < 0 || s >= int(points[0]))
                 throw Error(path + ": dataset 'groom/followed' names strand " + std::to_string(s) +
                             ", allowed are 0 to " + std::to_string(points[0] - 1));

@@ -2,6 +2,7 @@
 // HDF5 "wetcurl run", one chunk a frame, uncompressed.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -28,9 +29,9 @@ struct RunHeader {
     Groom groom;     // rest strands, head frame
     int stride = 1;  // of this run's grid in the scene's full grid (2: every second root each way)
     int guides = 0;  // above 0: so many strands of the scene's, chosen, in place of a grid
-    // Of a predicted run: its strands that the low-resolution run had too, rising. Files of earlier versions
-    // do not say it.
-    std::vector<int> followed;
+    // Strands of a predicted run that the low-resolution run had too, rising; nothing: not known, as of files
+    // of earlier versions.
+    std::optional<std::vector<int>> followed;
     std::vector<float> saturation;            // (strand, particle) at the start; empty without wetness
     std::vector<std::string> energy_kinds;    // names of the columns of `energy`; empty: not recorded
     std::vector<std::string> stages;          // names of the columns of `stage_seconds`
@@ -61,11 +62,11 @@ struct RunFrame {
     std::vector<float> expected_error;
     std::vector<double> water;  // held, taken, dripped, dried so far [kg]; empty without flow
     double seconds = 0;         // run time of this frame, file output left out
-    // Of the piece that a particle lies in; only where a network said so.
+    // expected_error of the piece that the edge to a particle lies in; only where a network said so.
     float expected_at(int strand, int particle) const {
-        const size_t pieces = expected_error.size() / size_t(positions.count);
-        return expected_error[size_t(strand) * pieces +
-                              size_t(particle) * pieces / size_t(positions.particles)];
+        const size_t pieces = expected_error.size() / size_t(positions.count),
+                     edges = size_t(positions.particles - 1);
+        return expected_error[size_t(strand) * pieces + size_t(std::max(particle, 1) - 1) * pieces / edges];
     }
     // What is seen: p^w where there is one, p elsewhere.
     const Strands& seen() const { return displayed.count ? displayed : positions; }

@@ -43,6 +43,8 @@ wet = 4.0
 [cohesion]
 TOML
 
+# A network that an earlier run left would be kept as it is.
+rm -rf tuned.h5* own_hair
 # The recipe draws motions of the head, simulates each dry with few strands and wet with all, and goes on training.
 wetcurl retrain scenes/dataset/tuned.toml --scene scene.toml --from "$network" -o . --set epochs="${EPOCHS:-6}"
 

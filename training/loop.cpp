@@ -105,7 +105,7 @@ class Trainer {
         if (ranks_.first())
             log_ = std::make_unique<MetricsLog>(request_.output + ".jsonl", state_.log_position);
         InterruptGuard interrupt;
-        if (!request_.from.empty() && optimiser_->steps == 0) look_at_start();
+        if (!request_.from.empty() && optimiser_->steps == 0 && state_.best_epoch < 0) look_at_start();
         Stopwatch since_checkpoint;
         for (; state_.epoch < epochs_; ++state_.epoch) {
             data_->begin_epoch(state_.epoch);
@@ -227,6 +227,9 @@ class Trainer {
         require_same("width", card.width, card_.width);
         require_same("input channels", card.input_channels, card_.input_channels);
         require_same("low-resolution strands", card.low, card_.low);
+        if (!recipe_.leave_out.empty())
+            throw Misuse("leave_out: found with --from " + path +
+                         ", which looks at what it learned to look at; allowed is one of them");
         if (codec_ == Codec::root && card.arrays != card_.arrays)
             throw Misuse("train --from " + path + ": its colours are of another box than these pairs'");
         std::swap(card_.arrays, card.arrays);
@@ -234,7 +237,7 @@ class Trainer {
         return model;
     }
 
-    // What was learned from is both: what the network begun with did, and these pairs.
+    // It will have learned from both: what the network begun with did, and these pairs.
     void widen_ranges(const std::map<std::string, std::vector<float>>& own) {
         for (const bool low : {true, false}) {
             const char* const name = low ? "input_low" : "input_high";
@@ -410,7 +413,7 @@ class Trainer {
     void look_at_start() {
         if (!data_->validation_batches()) return;
         const Validation found = validate();
-        state_.best_loss = found.loss, state_.best_epoch = 0;
+        if (std::isfinite(found.loss)) state_.best_loss = found.loss, state_.best_epoch = 0;
         if (found.positions) {
             state_.begun_with = found.distance;
             std::ostringstream text;
@@ -419,7 +422,7 @@ class Trainer {
                  << 1e3 * found.base_distance << ")";
             say(text.str());
         }
-        std::vector<std::pair<std::string, double>> line = {{"epoch", 0}, {"step", 0}, {"loss", found.loss}};
+        std::vector<std::pair<std::string, double>> line = {{"epoch", 0}, {"step", 0}};
         for (const auto& value : found.line()) line.push_back(value);
         if (log_) log_->line(line);
     }

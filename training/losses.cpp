@@ -84,11 +84,10 @@ class StrandLoss : public Loss {
     Tensor doubt(const Tensor& rows, const Tensor& error, const Tensor& length) const {
         const Tensor told = rows.narrow(1, answered_errors.first, answered_errors.count),
                      found = norms(error.detach(), positions_).matmul(pieces_) / (usual_error * length);
-        // What is told far below any error there is goes on in a straight line: hair that is new to a network
-        // may be told anything.
+        // Below any error there is, a straight line: hair that is new to a network may be told anything.
         constexpr double least = -10;
         const Tensor below = 1 + (least - told).clamp_min(0);
-        return (found * torch::exp(-told.clamp_min(least)) * below + told).mean();
+        return (found.clamp_min(std::exp(least)) * torch::exp(-told.clamp_min(least)) * below + told).mean();
     }
 
     // What was given for the masked pixels (P, strand_outputs).

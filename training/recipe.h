@@ -153,8 +153,10 @@ inline constexpr RecipeRow recipe_rows[] = {
      1,
      1,
      1},
-    {{KeyRow::one_of("target", recipe_targets, "",
-                     "What the network predicts: strands, which Eq 10 follows, or those that are displayed."),
+    {{KeyRow::one_of(
+          "target", recipe_targets, "",
+          "What the network predicts: strands, which Eq 10 follows, or those that are displayed; with --from "
+          "and without this key, what that network does."),
       &Recipe::target},
      "",
      0,

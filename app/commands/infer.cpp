@@ -39,7 +39,8 @@ void take_learned(InferOptions& o, const Scene& scene, int low_strands) {
         return;
     if (!scene.learned)
         throw Misuse(
-            "infer needs --model MODEL.h5, --interpolate nearest|quad|core|rest, or a scene with [learned] "
+            "infer needs --model MODEL.h5, --interpolate nearest|quad|core|rest|skin, or a scene with "
+            "[learned] "
             "model");
     o.model = scene.learned->model;
     if (o.reconstruct.empty()) o.reconstruct = scene.learned->reconstruct;
@@ -294,8 +295,8 @@ void add_options(OptionList& options, InferOptions& o) {
     options
         .option(
             "--roots", o.roots,
-            "that a new strand is made from, for quad, core and models of the root codec: the grid's 4 or "
-            "the nearest 3")
+            "that a new strand is made from, for interpolations, oracles and models of the root codec: the "
+            "grid's 4 or the nearest 3")
         .within(3, 4)
         .shows_default();
     options.flag(

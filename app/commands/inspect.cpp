@@ -271,7 +271,8 @@ Json model_json(const InspectOptions& o) {
         hash.add(file.read<float>("weights/" + name));
     }
     Json ranges = Json::object();
-    for (const InputRange& range : input_ranges(card)) ranges[range.name] = {range.low, range.high};
+    for (const InputRange& range : input_ranges(card))
+        ranges[range.name] = range.low <= -everything ? Json() : Json{range.low, range.high};
     return {{"codec", card.codec},
             {"architecture", card.architecture},
             {"width", card.width},

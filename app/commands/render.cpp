@@ -111,7 +111,7 @@ class RunReel final : public Reel {
         const bool wet = !header.saturation.empty() &&
                          (options_.saturation || !header.method.starts_with("simulated dry"));
         Panel panel;
-        const std::vector<float> shown = shown_of(frame, wet ? frame.wetness(header) : std::vector<float>());
+        const std::vector<float> shown = shown_of(frame, wet ? &frame.wetness(header) : nullptr);
         StrandLayer layer{.strands = &frame.seen(), .saturation = wet ? &frame.wetness(header) : nullptr};
         if (!shown.empty()) layer.shown = &shown;
         panel.layers.push_back(layer);
@@ -128,10 +128,10 @@ class RunReel final : public Reel {
     }
 
     // (strand, particle), 0..1: what strands are coloured by; empty: hair's own colour.
-    std::vector<float> shown_of(const RunFrame& frame, const std::vector<float>& saturation) const {
+    std::vector<float> shown_of(const RunFrame& frame, const std::vector<float>* saturation) const {
         const Strands& seen = frame.seen();
         if (options_.saturation)
-            return saturation.empty() ? std::vector<float>(seen.points.size(), 0.f) : saturation;
+            return saturation ? *saturation : std::vector<float>(seen.points.size(), 0.f);
         std::vector<float> out;
         if (options_.expected_error && !frame.expected_error.empty())
             for (int s = 0; s < seen.count; ++s)

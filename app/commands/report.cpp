@@ -162,7 +162,7 @@ void add_options(OptionList& options, ReportOptions& o) {
     options.option("--training", o.trainings, "log of a training, MODEL.h5.jsonl (repeatable)").repeatable();
     options
         .option("--watch", o.watch,
-                "while the trainings go on, writes the page anew every so many seconds; it shows itself anew")
+                "while trainings run, rewrite the page every so many seconds; the page reloads itself")
         .within(1.0, 3600.0);
     options.option("--first-frame", o.first_frame, "leave out the frames before this one").not_negative();
     options.option("-o,--output", o.output, "o.html");
@@ -232,7 +232,8 @@ void write_report(const ReportOptions& o, double refresh) {
     results.write_json(json);
 }
 
-// Writes the page anew as long as a process writes one of the logs, and once after.
+// Writes the page anew while a process writes one of the logs, and once after. Where they have no curve yet,
+// it waits for one that does. Throws Interrupted after a signal.
 void watch_trainings(ReportOptions o) {
     const InterruptGuard guard;
     const auto ready = [&] {
@@ -244,12 +245,20 @@ void watch_trainings(ReportOptions o) {
                            [](const auto& log) { return !writer_of(log).empty(); });
     };
     bool written = false;
-    while (going_on() && !guard.asked()) {
-        if (ready()) {
-            write_report(o, *o.watch);
-            if (!written) log_info(o.output + ": is written anew every so often; open it in a browser");
-            o.overwrite = written = true;
+    if (!ready()) log_info(o.trainings[0] + ": waits for the second epoch of a training");
+    while (going_on() || !ready()) {
+        try {
+            if (ready()) {
+                write_report(o, *o.watch);
+                if (!written) log_info(o.output + ": follows the training; open it in a browser");
+                o.overwrite = written = true;
+            }
+        } catch (const Error&) {
+            if (ready()) throw;  // else a training that is gone on with has cut its log meanwhile
         }
+        if (guard.asked())
+            throw Interrupted("interrupted: " + o.output +
+                              (written ? " is as the training was just now" : " is not written"));
         for (double slept = 0; slept < *o.watch && !guard.asked(); slept += 0.1)
             std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }

@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "base/output_file.h"
 #include "base/ranks.h"
+#include "learn/codec/network_module.h"
 #include "learn/codec/pairs.h"
 #include "learn/codec/release_recipe.h"
 
@@ -46,6 +47,23 @@ class Retraining {
 
     std::string model() const {
         return path(stem(recipe_) + (seed_ ? "@" + std::to_string(*seed_) : "") + ".h5");
+    }
+
+    // Throws Misuse where --scene has nothing to replace, and Error where a model that is there was made of
+    // other data or other weights.
+    void require_as_asked() const {
+        if (!options_.scene.empty() && release_.dataset.empty())
+            throw Misuse("--scene: " + recipe_ + " trains on no data set, whose scene it could replace");
+        if (!is_complete()) return;
+        const std::string made_by = path(stem(release_.dataset) + "/recipe.toml");
+        if (!release_.dataset.empty() && fs::exists(made_by) && !is_made_by(made_by, dataset()))
+            throw Error(model() + ": is there, trained on the data set that " + made_by +
+                        " describes; now another is asked for; remove both, or name another folder");
+        if (!is_model(release_.from)) return;
+        const std::string begun_with = release_.from + " " + hash_of_file(release_.from) + " (begun with)";
+        if (network_module().card(model()).inputs.find(begun_with) == std::string::npos)
+            throw Error(model() + ": is there, and did not begin with " + release_.from +
+                        " as it is now; remove it, or name another folder");
     }
 
     // The data set, or this process's part of it, and that of the network which is gone on from.
@@ -120,7 +138,8 @@ class Retraining {
 
     DatasetRequest dataset() const {
         DatasetRequest data = with_common<DatasetRequest>();
-        data.set = set_of_data_, data.scene = options_.scene, data.resume = true;
+        data.set = set_of_data_, data.resume = true;
+        if (depth_ == 0) data.scene = options_.scene;  // a network that is gone on from has its own
         data.recipe = release_.dataset, data.output = folder(), data.part = options_.part;
         if (!data.part.empty() && depth_ == 0) data.json = options_.json;
         return data;
@@ -209,9 +228,8 @@ int retrain_command(const RetrainOptions& o) {
         throw Misuse(
             "release: found several processes that a launcher started; start one, or share the "
             "work by --part");
-    if (!o.scene.empty() && read_release(Config::load(o.recipe).root()).dataset.empty())
-        throw Misuse("--scene: " + o.recipe + " trains on no data set, whose scene it could replace");
     const Retraining release(o, o.recipe, o.seed);
+    release.require_as_asked();
     release.make_data();
     if (o.part.empty()) release.train();
     return 0;

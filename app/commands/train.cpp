@@ -21,7 +21,7 @@ void add_options(OptionList& options, TrainOptions& o) {
         .option(
             "--from", o.from,
             "model (HDF5) whose weights are begun with in place of random ones; architecture and width are "
-            "the model's, not the recipe's, and what it predicts where the recipe says nothing")
+            "the model's, not the recipe's; target too, unless the recipe names it")
         .input_file();
     options.flag("--resume", o.resume, "go on from OUTPUT.checkpoint");
     options.footer(

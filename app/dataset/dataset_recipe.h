@@ -51,10 +51,10 @@ inline const std::vector<std::string> dataset_splits{"train", "validation", "tes
 // Every table and key of a recipe.
 const std::vector<TableRow>& dataset_rows();
 
-// Throws Misuse with file and line.
 // What --set says for a scene, its path as seen from here, in place of the recipe's.
 std::string assignment_of_scene(const std::string& file);
 
+// Throws Misuse with file and line.
 DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std::string>& set);
 
 }  // namespace wetcurl

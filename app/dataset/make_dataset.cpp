@@ -164,6 +164,10 @@ std::vector<std::string> DatasetRequest::assignments() const {
     return out;
 }
 
+bool is_made_by(const std::string& file, const DatasetRequest& o) {
+    return text_of(file) == read_dataset_recipe(o.recipe, o.assignments()).text;
+}
+
 bool dataset_is_whole(const DatasetRequest& o) {
     const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.assignments());
     const DatasetFolder to(o.output);
@@ -202,7 +206,7 @@ void make_dataset(const DatasetRequest& o) {
     const double begin = omp_get_wtime();
     InterruptGuard guard;
     Progress progress("dataset", long(mine.size()), "scene");
-    std::optional<QuietLog> quiet(std::in_place);  // what scenes say of themselves was said above
+    std::optional<QuietLog> quiet(std::in_place);  // a scene of each kind has been looked at
     std::atomic<bool> failing = false;
     std::mutex mutex;  // of what follows
     std::exception_ptr failed;

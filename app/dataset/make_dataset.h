@@ -24,6 +24,8 @@ Ranks part_of(const std::string& text);
 // for a wrong recipe, Error where a scene fails, and Interrupted after a signal.
 void make_dataset(const DatasetRequest& request);
 
+// Whether the file, which lies in a data set, says that it was made by the same recipe.
+bool is_made_by(const std::string& file, const DatasetRequest& request);
 // Whether all of it is there, made by the same recipe.
 bool dataset_is_whole(const DatasetRequest& request);
 

@@ -21,7 +21,7 @@ static void keep_strands(Scene& scene, const std::vector<int>& kept) {
     }
 }
 
-Scene low_resolution_of(const Scene& scene, const LowResolution& resolution, std::vector<int>* which) {
+Scene low_resolution_of(const Scene& scene, const LowResolution& resolution, std::vector<int>* kept_strands) {
     Scene low = scene;
     std::vector<int> kept;
     if (resolution.guides > 0) {
@@ -33,7 +33,7 @@ Scene low_resolution_of(const Scene& scene, const LowResolution& resolution, std
         low.groom = coarsened(scene.groom, resolution.each, &kept);
     }
     keep_strands(low, kept);
-    if (which) *which = std::move(kept);
+    if (kept_strands) *kept_strands = std::move(kept);
     return low;
 }
 

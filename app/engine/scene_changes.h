@@ -11,8 +11,9 @@ struct LowResolution {
     int guides = 0;  // or, above 0, so many, chosen
 };
 // The scene with those alone: what reading its file so returns. The low-resolution runs that networks start
-// from are simulated with it. `kept`: where to say which strands these are.
-Scene low_resolution_of(const Scene& scene, const LowResolution& low = {}, std::vector<int>* kept = nullptr);
+// from are simulated with it. `kept_strands`: where to say which these are.
+Scene low_resolution_of(const Scene& scene, const LowResolution& low = {},
+                        std::vector<int>* kept_strands = nullptr);
 // The scene with those strands alone, in this order.
 Scene part_of_scene(const Scene& scene, const std::vector<int>& kept);
 

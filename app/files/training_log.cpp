@@ -37,7 +37,7 @@ TrainingLog read_training_log(const std::string& path) {
     for (std::string line; std::getline(file, line) && !file.eof();) {  // a last line may be half written
         lines.push_back(LogLine::parse(line, nullptr, /*allow_exceptions=*/false));
         const LogLine& l = lines.back();
-        if (!l.is_object() || !l.contains("loss") || !l["loss"].is_number())
+        if (!l.is_object() || !(l.contains("loss") || l.contains("validation_loss")))
             throw Error(path + ":" + std::to_string(lines.size()) +
                         ": found no line of a training's log, allowed is what train leaves beside its model");
     }

@@ -62,18 +62,19 @@ Json json_of(const InputsOutside& outside) {
     return {{"share", outside.share()}, {"inputs", kinds}};
 }
 
-// Of strands and frames outside of what a model learned from.
+// Of strands and frames outside of what a model learned from; it is looked for in every fourth frame.
 constexpr double share_worth_a_warning = 0.01;
+constexpr int looks_apart = 4;
 
 // Names the four kinds of input that most strands are outside by.
 std::string warning_of(const InputsOutside& outside, const std::string& output, const std::string& model) {
     std::string named;
     const auto kinds = outside.kinds();
     for (size_t k = 0; k < std::min<size_t>(4, kinds.size()); ++k)
-        named += fmt::format("{}{} (in {:.0f} %, by up to {:.2g} of its range)", k ? ", " : "", kinds[k].name,
+        named += fmt::format("{}{} (in {:.2g} %, by up to {:.2g} of its range)", k ? ", " : "", kinds[k].name,
                              100 * kinds[k].share, kinds[k].most);
     return fmt::format(
-        "{}: {:.0f} % of strands, over the frames, lie outside of what {} learned from: {}; expect larger "
+        "{}: {:.2g} % of strands, over the frames, lie outside of what {} learned from: {}; expect larger "
         "errors there (inspect model says the ranges; train --from adapts it to hair like this)",
         output, 100 * outside.share(), model, named);
 }
@@ -116,10 +117,10 @@ RunHeader header_of(const Predictor& predictor, const Method& method, const Scen
     header.method = predictor.name();
     if (header.device != device) header.device += ", then " + device;
     header.groom = scene.groom;
-    header.followed.clear();
+    auto& followed = header.followed.emplace();
     for (const int s : twins_of(scene.groom, low.header().groom))
-        if (s >= 0) header.followed.push_back(s);
-    std::sort(header.followed.begin(), header.followed.end());
+        if (s >= 0) followed.push_back(s);
+    std::sort(followed.begin(), followed.end());
     header.stride = scene.stride, header.guides = scene.guides;
     header.scene = scene.text;
     header.scene_folder = scene.folder;
@@ -163,7 +164,7 @@ class FramePredictor {
         const double applied = omp_get_wtime();
         const Strands plain = predictor_.without_network(low);
         if (plain.count) moved_ += moved_mm(plain, out_.positions);
-        if (outside_) outside_->add(predictor_.inputs());
+        if (outside_ && index % looks_apart == 0) outside_->add(predictor_.inputs());
         const double asked = omp_get_wtime();
         out_.expected_error = predictor_.expected_error();
         if (simulated_) put_simulated(low, index);
@@ -281,7 +282,8 @@ void predict_run(const Method& method, Scene scene, const std::string& scene_fil
         broken ? RunWriter(std::move(*place), header, broken->frames) : RunWriter(std::move(*place), header);
     std::optional<InputsOutside> outside;
     if (const auto* network = method.as<StrandNetworkMethod>()) outside.emplace(network->card);
-    if (outside && !outside->known()) outside.reset();
+    // Of strands that a crop leaves out nothing is asked.
+    if (outside && (!outside->known() || method.as<StrandNetworkMethod>()->crop)) outside.reset();
     FramePredictor frame_predictor(*predictor, outside ? &*outside : nullptr, display ? &*display : nullptr,
                                    low, simulated ? &*simulated : nullptr, alone ? &*alone : nullptr);
     FrameWindow window(low.source(), low.header());

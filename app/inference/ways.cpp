@@ -75,8 +75,8 @@ constexpr Row table[] = {
     {"--wetness", [](const InferOptions& o) { return !o.wetness.empty(); },
      interpolation_ways | strand_model_ways | root_model_way,
      "the run of an oracle and the scene of an adhesion model say themselves how wet the hair is"},
-    {"--device", [](const InferOptions& o) { return o.device != "cpu"; }, interpolation_ways | model_ways,
-     "an oracle runs on the CPU alone"},
+    {"--device", [](const InferOptions& o) { return o.device != "cpu"; },
+     (interpolation_ways & ~skin_way) | model_ways, "skin and oracles run on the CPU alone"},
 };
 
 }  // namespace

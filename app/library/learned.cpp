@@ -25,7 +25,7 @@ static void check(const wetcurl_low_run& low, const Scene& scene) {
     const int strands = scene.groom.rest.count;
     auto require = [](bool holds, const char* what, int found, const std::string& allowed) {
         if (!holds)
-            throw Error(std::string("wetcurl_open_from: ") + what + ": found " + std::to_string(found) +
+            throw Error(std::string("wetcurl_open: ") + what + ": found " + std::to_string(found) +
                         ", allowed " + allowed);
     };
     require(low.guides >= 0 && low.guides <= strands, "guides", low.guides,

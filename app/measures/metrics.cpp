@@ -264,15 +264,16 @@ class ExpectedError {
 // Equal particles of both runs.
 class PositionError {
   public:
-    // `followed`: as of a RunHeader; empty: every second root each way.
-    PositionError(const Groom& groom, const std::vector<int>& followed)
+    // `followed`: as of a RunHeader; where it is not known: every second root each way.
+    PositionError(const Groom& groom, const std::optional<std::vector<int>>& followed)
         : still_(groom.rest.points.size(), Vec3d{0, 0, 0}) {
         const int n = groom.rest.particles;
         for (int s = 0; s < groom.rest.count; ++s)
             length_.push_back(std::max(float(arc_length(groom.rest.strand(s), n)), 1e-9f));
         shared_.assign(size_t(groom.rest.count), 0);
-        for (const int s : followed) shared_[size_t(s)] = 1;
-        for (int row = 0; row < groom.grid.height && followed.empty(); row += 2)
+        if (followed)
+            for (const int s : *followed) shared_[size_t(s)] = 1;
+        for (int row = 0; row < groom.grid.height && !followed; row += 2)
             for (int column = 0; column < groom.grid.width; column += 2)
                 if (int s = groom.grid.at(column, row); s >= 0) shared_[size_t(s)] = 1;
     }

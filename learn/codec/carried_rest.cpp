@@ -44,7 +44,7 @@ void RestCarrier::weigh(const Strands& drawn_cores) {
 // high-resolution strand measures what is lost.
 void RestCarrier::find_own(const Groom& low, const Strands& drawn_cores) {
     own_ = Strands(low.rest.count, particles_);
-    // Of its own length: what is longer is so wherever it hangs.
+    // By its own length: what is longer is so wherever it hangs.
     auto edge_at_rest = [&](int strand, int i) {
         return per_low_length_[size_t(strand)] * edge_of(low_rest_cores_, strand, i);
     };
@@ -116,8 +116,14 @@ RestCarrier::RestCarrier(RootLanes lanes, Stencil around, const Groom& high, con
         throw Error("interpolation: found " + size(settled->more) +
                     " that have settled, allowed all low-resolution " + size(low.rest));
     const Strands drawn_cores = cores_of(high.rest), curled_cores = cores_of(curled);
+    // Stubs tell of long strands no more than their quarter does.
+    constexpr float least_share = 0.25f;
+    float mean = 0;
     for (int s = 0; s < low.rest.count; ++s)
-        per_low_length_.push_back(1 / length_of(low.rest.strand(s), particles_));
+        mean += length_of(low.rest.strand(s), particles_) / float(low.rest.count);
+    for (int s = 0; s < low.rest.count; ++s)
+        per_low_length_.push_back(1 /
+                                  std::max(length_of(low.rest.strand(s), particles_), least_share * mean));
     weigh(drawn_cores);
     find_own(low, drawn_cores);
     const int n = particles_, width = around_.width, blocks = lanes_.blocks();

@@ -33,8 +33,8 @@ InputsOutside::InputsOutside(const ModelCard& card) {
     const auto *low = array_of(card, "input_low"), *high = array_of(card, "input_high");
     if (!low || !high) return;
     low_ = *low, high_ = *high;
-    // Of an input that was the same throughout, a hundredth of it.
-    constexpr float least = 1e-6f, of_a_constant = 0.01f;
+    // An input that was the same throughout is as good as itself within a hundredth, of it or of 1.
+    constexpr float least = 0.01f, of_a_constant = 0.01f;
     for (size_t c = 0; c < low_.size(); ++c)
         per_width_.push_back(1 / std::max({high_[c] - low_[c], of_a_constant * std::fabs(high_[c]), least}));
 }

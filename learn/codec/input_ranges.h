@@ -15,6 +15,8 @@ struct InputRange {
     const char* name;
     float low, high;
 };
+// From -everything to everything goes what a network does not look at.
+inline constexpr float everything = 1e30f;
 // Of a card's arrays input_low and input_high; empty where it does not have them.
 std::vector<InputRange> input_ranges(const ModelCard& card);
 

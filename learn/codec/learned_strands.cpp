@@ -126,6 +126,7 @@ class StrandsOnCpu final : public LearnedStrands {
     std::vector<float> inputs() override {
         const size_t strands = size_t(codec_.roots().count());
         std::vector<float> moving(strands * dynamic_channels), out;
+#pragma omp parallel for schedule(static)
         for (int block = 0; block < lanes().blocks(); ++block) {
             S features[dynamic_channels];
             codec_.describe(block, features);

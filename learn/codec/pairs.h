@@ -29,7 +29,7 @@
 namespace wetcurl {
 
 inline constexpr const char* pairs_format = "wetcurl pairs";
-inline constexpr int pairs_version = 5, oldest_pairs_version = 5;  // before: other channels
+inline constexpr int pairs_version = 6, oldest_pairs_version = 6;  // before: another base
 
 enum class Codec { strand, root, adhesion };
 std::string name_of(Codec codec);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The example fine_tune.sh, small: the installed program finds the released network, imports a hair file, and the network
-# that was trained further errs less than the released one, and than the best way without a network, on frames that
-# training did not see. Follows test_library.sh.
+# that was trained further errs less than the released one, and than the best way without a network, under a
+# motion that training did not see. Follows test_library.sh.
 # Use: test_fine_tune.sh BUILD SOURCE
 set -euo pipefail
 build=$1 source=$2

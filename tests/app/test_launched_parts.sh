@@ -36,7 +36,9 @@ make=("$wetcurl" dataset recipe.toml --scene scene.toml --threads 1 --quiet)
 "${make[@]}" -o one
 if command -v mpirun >/dev/null; then
     echo "by $(mpirun --version | head -n 1)"
-    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun -n 4 --oversubscribe "${make[@]}" -o four
+    more=()
+    [[ $(mpirun --version) != *'Open MPI'* ]] || more=(--oversubscribe)
+    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun -n 4 ${more[@]:+"${more[@]}"} "${make[@]}" -o four
 else
     echo "as mpirun starts them"
     for rank in 0 1 2 3; do

@@ -96,8 +96,8 @@ TEST(Compare, shared_strands_are_those_that_a_run_names) {
     c.compared(none, [](int s, int, int) { return Vec3d{1e-3 * s, 0, 0}; });
     const RunReader other(c.other);
     RunHeader header = other.header();
-    EXPECT_TRUE(header.followed.empty());
-    header.followed = {3, 5};
+    EXPECT_FALSE(header.followed);
+    header.followed = std::vector<int>{3, 5};
     const std::string named = c.scratch.path("named.h5");
     RunWriter writer(named, header, false);
     for (int f = 0; f < frames; ++f) writer.append(other.frame(f));
@@ -106,6 +106,14 @@ TEST(Compare, shared_strands_are_those_that_a_run_names) {
     EXPECT_NEAR(r.shared_mm.mean, 4, 1e-3);
     const double others = 0.5 * 63 * 64 - 8;
     EXPECT_NEAR(r.new_mm.mean, others / 62, 1e-2);
+    // Of guides that are none of the strands, none is shared.
+    header.followed = std::vector<int>{};
+    const std::string none_shared = c.scratch.path("none_shared.h5");
+    RunWriter alone(none_shared, header, false);
+    for (int f = 0; f < frames; ++f) alone.append(other.frame(f));
+    alone.commit();
+    ASSERT_TRUE(RunReader(none_shared).header().followed);
+    EXPECT_NEAR(compare(RunReader(c.reference), RunReader(none_shared), 0, {}).new_mm.mean, 0.5 * 63, 1e-2);
 }
 
 TEST(Compare, strands_are_told_apart_from_what_is_seen_of_them) {

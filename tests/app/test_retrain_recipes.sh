@@ -77,6 +77,14 @@ for part in 1/2 2/2; do "$wetcurl" retrain tuned.toml -o parts --threads 1 --qui
 for set in dry wet; do cmp "out/$set/manifest.json" "parts/$set/manifest.json" || failed "parts of $set are another data set"; done
 [[ -z $(compgen -G 'parts/*.h5') ]] || failed "a part trained"
 
+# One's own scene, and its network beside a model that is there: what it was made of must be the same.
+own=(--set data.splits.train=2 --set data.splits.validation=1 --set 'data.draw.frames=[8,8]' --set data.first=2 --set epochs=1)
+for name in my other; do sed "s/frames = 20/frames = 8/" hair.toml >$name.toml; printf '[wetness]\n[curl]\n' >>$name.toml; done
+"$wetcurl" retrain "$project/scenes/dataset/tuned.toml" --scene my.toml --from "$project/models/weights/displayed_s.h5" -o own --threads 1 --quiet "${own[@]}" >said 2>&1 || failed "one's own scene: $(<said)"
+"$wetcurl" retrain "$project/scenes/dataset/tuned.toml" --scene my.toml --from "$project/models/weights/displayed_s.h5" -o own --threads 1 --quiet "${own[@]}" >said 2>&1 || failed "one's own scene again: $(<said)"
+expect 1 "now another is asked for" "'$wetcurl' retrain '$project/scenes/dataset/tuned.toml' --scene other.toml --from '$project/models/weights/displayed_s.h5' -o own --threads 1 --quiet ${own[*]}"
+expect 1 "did not begin with" "'$wetcurl' retrain '$project/scenes/dataset/tuned.toml' --scene my.toml -o own --threads 1 --quiet ${own[*]}"
+expect 2 "trains on no data set" "'$wetcurl' retrain '$recipes/displayed_scene16.toml' --scene my.toml -o none"
 expect 2 "has no table [release]" "'$wetcurl' retrain '$project/scenes/demo_recipe.toml' -o none"
 expect 2 "did you mean 'dataset'" "printf '[release]\ndatase = \"a.toml\"\n' >wrong.toml; '$wetcurl' retrain wrong.toml -o none"
 expect 2 "found neither of dataset and [[release.scene]]" "printf '[release]\nfrom = \"a.toml\"\n' >wrong.toml; '$wetcurl' retrain wrong.toml -o none"

@@ -140,6 +140,19 @@ TEST(Recipe, UnknownKeysNameFileLineAndTheNearestName) {
     expect_error([&] { read_recipe(request, Codec::strand, names); }, {"absent.toml"});
 }
 
+TEST(Recipe, PredictsWhatItBeganWithDoesUnlessItSays) {
+    Scratch scratch;
+    TrainRequest request;
+    EXPECT_EQ(read_recipe(request, Codec::strand, names).target, "strands");
+    request.target = "displayed";  // of the model
+    EXPECT_EQ(read_recipe(request, Codec::strand, names).target, "displayed");
+    request.set = {"target=strands"};
+    EXPECT_EQ(read_recipe(request, Codec::strand, names).target, "strands");
+    request.set.clear();
+    request.recipe = scratch.file("my.toml", "target = \"strands\"\n");
+    EXPECT_EQ(read_recipe(request, Codec::strand, names).target, "strands");
+}
+
 TEST(Recipe, ATableReleaseIsCheckedAndChangesNothing) {
     Scratch scratch;
     TrainRequest request;

@@ -880,6 +880,26 @@ TEST(Training, BegunFromAModelGoesOnFromItsWeightsAndScales) {
     EXPECT_NE(after.inputs.find("model.h5"), std::string::npos) << after.inputs;
 }
 
+TEST(Training, KeepsWhatItBeganWithWhereNothingIsBetter) {
+    Job first(Codec::strand, {"epochs=40", "width=0.25"}),
+        on(Codec::strand, {"epochs=2", "width=0.25", "learning_rate=0.03", "schedule=constant"});
+    train(first.request);
+    on.request.from = first.request.output;
+    train(on.request);
+    const auto [before, taught] = load_model(first.request.output);
+    const auto [after, same] = load_model(on.request.output);
+    EXPECT_EQ(after.numbers.at("best_epoch"), 0);
+    EXPECT_NEAR(after.numbers.at("begun_with_mm"), before.numbers.at("validation_mm"), 1e-6);
+    EXPECT_NEAR(after.numbers.at("validation_mm"), before.numbers.at("validation_mm"), 1e-6);
+    for (const auto& p : taught->named_parameters())
+        EXPECT_TRUE(torch::equal(p.value(), same->named_parameters()[p.key()])) << p.key();
+    const auto lines = on.lines();
+    ASSERT_EQ(lines.size(), 3u);
+    EXPECT_EQ(lines[0]["epoch"], 0);
+    EXPECT_FALSE(lines[0].count("loss"));
+    EXPECT_NEAR(lines[0]["validation_mm"], before.numbers.at("validation_mm"), 1e-6);
+}
+
 // ---- what can go wrong ----
 
 TEST(TrainingErrors, AModelToBeginWithMustFit) {
@@ -892,6 +912,10 @@ TEST(TrainingErrors, AModelToBeginWithMustFit) {
                          {"--from", "architecture strand_mlp", "strand_depthwise"});
     job.request.from = job.request.pairs[0];
     expect_error([&] { train(job.request); }, {"pairs.h5", "wetcurl model"});
+    Job blind(Codec::strand, {"epochs=1", "width=0.25"});
+    blind.request.from = wide.request.output;
+    blind.request.set.push_back("leave_out=history");
+    expect_error<std::exception>([&] { train(blind.request); }, {"leave_out"});
     job.request.from = job.scratch.path("absent.h5");
     expect_error([&] { train(job.request); }, {"absent.h5"});
     EXPECT_FALSE(job.has(""));
