@@ -24,8 +24,8 @@ std::vector<float> downloaded(const float* data, size_t count) {
     return out;
 }
 
-// A groom with a hole, whose low-resolution strands, dry, wet or settled, sway under a head that turns and
-// drifts.
+// A groom with a hole, whose low-resolution strands, dry, wet or settled, on a grid or guides of other
+// lengths, sway under a head that turns and drifts.
 class CodecOnDevice : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
@@ -38,14 +38,29 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
         wider.push_back(-1);
     }
     high.grid.strand = wider;
-    const Groom low = coarsened(high, 2);
-    std::vector<float> saturation(high.rest.points.size(), 0.7f);
     const std::string kind = GetParam();
+    const bool guides = kind == "guides";
+    for (int s = 0; guides && s < high.rest.count; ++s)  // every third a third as long
+        for (int i = high.rest.particles - 1; i > 0 && s % 3 == 1; --i)
+            high.rest.at(s, i) = high.rest.at(s, 0) + 0.33f * (high.rest.at(s, i) - high.rest.at(s, 0));
+    const Groom low = guides ? part_of(high, {0, 3, 10, 22, 31, 45, 56, 63}) : coarsened(high, 2);
+    std::vector<float> saturation(high.rest.points.size(), 0.7f);
+    HairTraits traits;
+    if (guides)
+        traits = {.rigidity = 2e-9,
+                  .wet_rigidity = 1e-9,
+                  .density = 6e-6,
+                  .wet_density = 8e-6,
+                  .drag = 4,
+                  .wet_drag = 2,
+                  .reach = 0.01,
+                  .low_step = 1. / 48,
+                  .fps = 48};
     Settled settled{std::vector<float>(size_t(low.rest.count), 0.9f), low.rest};
     for (int s = 0; s < low.rest.count; ++s)
         for (int i = 0; i < low.rest.particles; ++i)
             settled.more.at(s, i) = {1e-3f * float(i), -2e-3f * float(i), 1e-4f * float(i * s)};
-    StrandCodec codec(high, low, saturation, nullptr, /*low_is_wet=*/kind == "wet", /*traits=*/{},
+    StrandCodec codec(high, low, saturation, nullptr, /*low_is_wet=*/kind == "wet", traits,
                       kind == "settled" ? &settled : nullptr);
     StrandKernels kernels(codec, low);
     const size_t n = size_t(codec.particles()), S = codec.pixels();
@@ -58,7 +73,8 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     std::vector<float> by_pixel(answer.size());
     for (size_t k = 0; k < answer.size(); ++k) by_pixel[k % S * strand_outputs + k / S] = answer[k];
     const DeviceBuffer<float> answer_there(by_pixel);
-    for (int f = 0; f < 12; ++f) {
+    const int frames = guides ? 24 : 12;  // more than are remembered, at 48 and 24 a second
+    for (int f = 0; f < frames; ++f) {
         Strands dry = low.rest;
         for (int s = 0; s < dry.count; ++s)
             for (int i = 0; i < dry.particles; ++i)
@@ -108,7 +124,7 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
     kernels.place(answer_there.data(), most_length_rounds, out_there.data(), nullptr);
     out_there.download(inside.points.data());
     kernels.keep_outside(head);
-    const Pose pose = testing::head_at(11);
+    const Pose pose = testing::head_at(frames - 1);
     const ShapeView ball = view_of(head.shapes[0]);
     auto depth_of = [&](int s, int i) { return head.depth[s * n + i]; };
     int moved = 0, led = 0;
@@ -178,7 +194,7 @@ TEST(InterpolationOnDevice, is_that_of_the_host) {
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(Low, CodecOnDevice, ::testing::Values("dry", "wet", "settled"));
+INSTANTIATE_TEST_SUITE_P(Low, CodecOnDevice, ::testing::Values("dry", "wet", "settled", "guides"));
 
 }  // namespace
 }  // namespace wetcurl
