@@ -52,9 +52,8 @@ WETCURL_HD void carry_rest(int n, const S& lost, Rest rest, Moved moved, Store s
 }
 
 // How much an edge of a low-resolution strand has lost of `own`, by which it differs at rest from the mean of
-// those beside it, by its length. `step(strand)` gives how far that edge of a strand has moved, by the
-// strand's length. V: a vector, or
-// numbers of one, of which the results add up.
+// those beside it, both by their lengths. `step(strand)` gives how far that edge of a strand has moved, by
+// the strand's length. V: a vector, or numbers of one, of which the results add up.
 WETCURL_HD inline float product(const Vec3f& a, const Vec3f& b) { return dot(a, b); }
 WETCURL_HD inline float product(float a, float b) { return a * b; }
 inline Pack<float> product(Pack<float> a, Pack<float> b) { return a * b; }
@@ -123,10 +122,11 @@ class RestCarrier {
     int particles_;
     bool low_is_wet_;
     Stencil around_;
-    std::vector<float> lost_weight_, per_low_length_;  // (low strands) [1/m]
-    std::vector<S> block_length_;                      // (block) [m]
-    std::vector<RestParticle<S>> rest_;                // (block, particle)
-    Strands low_rest_cores_;                           // less those of Settled::more
+    std::vector<float> lost_weight_;
+    std::vector<float> per_low_length_;  // (low strands) [1/m], of stubs less
+    std::vector<S> block_length_;        // (block) [m]
+    std::vector<RestParticle<S>> rest_;  // (block, particle)
+    Strands low_rest_cores_;             // less those of Settled::more
     Strands own_;
     Settled settled_;
     // As blocks read them, (block, lane, width): the strands around, their weights, those of what is lost;
