@@ -915,7 +915,7 @@ TEST(TrainingErrors, AModelToBeginWithMustFit) {
     Job blind(Codec::strand, {"epochs=1", "width=0.25"});
     blind.request.from = wide.request.output;
     blind.request.set.push_back("leave_out=history");
-    expect_error<std::exception>([&] { train(blind.request); }, {"leave_out"});
+    expect_error<Misuse>([&] { train(blind.request); }, {"leave_out"});
     job.request.from = job.scratch.path("absent.h5");
     expect_error([&] { train(job.request); }, {"absent.h5"});
     EXPECT_FALSE(job.has(""));
