@@ -11,6 +11,9 @@ namespace wetcurl {
 std::string DatasetFolder::shard(const DatasetMember& m, Codec codec) const {
     return fmt::format("{}/shards/{}_{}.h5", path_, m.name, name_of(codec));
 }
+std::string DatasetFolder::diverged(const DatasetMember& m) const {
+    return fmt::format("{}/shards/{}_diverged.txt", path_, m.name);
+}
 std::string DatasetFolder::whole(const std::string& split, Codec codec) const {
     return fmt::format("{}/{}_{}.h5", path_, split, name_of(codec));
 }
@@ -36,7 +39,8 @@ std::vector<std::string> outputs_of(const DatasetRecipe& recipe, const DatasetMe
 bool is_done(const DatasetRecipe& recipe, const DatasetMember& m, const DatasetFolder& to) {
     const auto outputs = outputs_of(recipe, m, to);
     return std::all_of(outputs.begin(), outputs.end(),
-                       [](const auto& file) { return std::filesystem::exists(file); });
+                       [](const auto& file) { return std::filesystem::exists(file); }) ||
+           std::filesystem::exists(to.diverged(m));
 }
 
 Places secured(const std::vector<std::string>& outputs) {

@@ -17,6 +17,8 @@ class DatasetFolder {
     std::string of(const std::string& name) const { return path_ + "/" + name; }
     // The pairs of a scene.
     std::string shard(const DatasetMember& m, Codec codec) const;
+    // In the place of all that a scene leaves, where a run of it diverged: how.
+    std::string diverged(const DatasetMember& m) const;
     // All pairs of a split.
     std::string whole(const std::string& split, Codec codec) const;
     // A run of a scene, "low" or "wet".
@@ -31,6 +33,7 @@ std::vector<Codec> codecs_of(const DatasetRecipe& recipe);
 // What a scene leaves behind when it is done.
 std::vector<std::string> outputs_of(const DatasetRecipe& recipe, const DatasetMember& m,
                                     const DatasetFolder& to);
+// It left what it leaves, or diverged and is left out.
 bool is_done(const DatasetRecipe& recipe, const DatasetMember& m, const DatasetFolder& to);
 
 // Name -> the file that is to be written there, by this process alone.

@@ -205,12 +205,7 @@ void check_scenes(const DatasetRecipe& recipe) {
 
 bool make_member(const DatasetRecipe& recipe, const DatasetMember& member, const DatasetFolder& to,
                  Places places, const std::string& device, const InterruptGuard& guard) {
-    MemberRun run(recipe, member, to, std::move(places), device);
-    try {
-        return run.compute(guard);
-    } catch (const Diverged& e) {
-        throw Error(member.name + ": " + e.what());
-    }
+    return MemberRun(recipe, member, to, std::move(places), device).compute(guard);
 }
 
 }  // namespace wetcurl

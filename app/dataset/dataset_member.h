@@ -11,7 +11,7 @@ namespace wetcurl {
 void check_scenes(const DatasetRecipe& recipe);
 
 // Simulates the scene and writes what it leaves behind. False: a signal asked to stop, and nothing is left
-// but runs as far as they went (.partial). `device` as of --device.
+// but runs as far as they went (.partial). `device` as of --device. Throws Diverged where a run of it does.
 bool make_member(const DatasetRecipe& recipe, const DatasetMember& member, const DatasetFolder& to,
                  Places places, const std::string& device, const InterruptGuard& guard);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -41,6 +42,7 @@ struct RecipeTable {
     bool low_is_wet, displayed;
     std::vector<double> low_substeps, low_strides, low_guides;
     int first, every, together;
+    double may_diverge;
     Vec3d box_lower, box_upper;
     static constexpr Parameter<RecipeTable> parameters[] = {
         {KeyRow::text("title", "", "Name of the data set."), &RecipeTable::title},
@@ -69,6 +71,10 @@ struct RecipeTable {
         {KeyRow::integer("together", 1, 1, 1 << 20,
                          "Frames in a row that are kept each time; at most every."),
          &RecipeTable::together},
+        {KeyRow::number("may_diverge", "1", 0.01, 0, 1,
+                        "Share of the scenes of a split that are left out, at most, where a run of theirs "
+                        "diverges."),
+         &RecipeTable::may_diverge},
         {KeyRow::one_of("runs", runs_words, "", "Split whose runs are kept whole too."), &RecipeTable::runs},
         {KeyRow::numbers("box_lower", "m", {-0.6, -0.6, -0.6}, -100, 100,
                          "Lower corner of the box of colours."),
@@ -211,7 +217,7 @@ class Members {
 };
 
 KeyRow split_row(const std::string& split) {
-    return KeyRow::integer(split.c_str(), 0, 0, 9999, "Number of scenes of the split.");
+    return KeyRow::integer(split.c_str(), 0, 0, 999999, "Number of scenes of the split.");
 }
 
 std::vector<TableRow> listed_rows() {
@@ -246,6 +252,10 @@ const std::vector<TableRow>& dataset_rows() {
     return rows;
 }
 
+long DatasetRecipe::members_of(const std::string& split) const {
+    return std::count_if(members.begin(), members.end(), [&](const auto& m) { return m.split == split; });
+}
+
 Config DatasetMember::scene() const {
     Config config = base->copy();
     for (const auto& [text, where] : replacements) config.replace(text, where);
@@ -267,6 +277,7 @@ DatasetRecipe read_dataset_recipe(const std::string& path, const std::vector<std
     r.strand = read.codecs != "root", r.root = read.codecs != "strand";
     r.low_is_wet = read.low_is_wet, r.displayed = read.displayed;
     r.first = read.first, r.every = read.every, r.together = read.together, r.runs = read.runs;
+    r.may_diverge = read.may_diverge;
     if (r.together > r.every)
         root.fail("together",
                   fmt::format("found {}, allowed 1 to {}, the value of every", r.together, r.every));

@@ -36,14 +36,21 @@ struct DatasetRecipe {
     bool strand = true, root = false;  // codecs
     bool low_is_wet = false, displayed = true;
     int first = 0, every = 1, together = 1;
-    std::string runs;  // split whose runs are kept
-    ColourBox box;     // of codec root, the same for all
+    std::string runs;        // split whose runs are kept
+    ColourBox box;           // of codec root, the same for all
+    double may_diverge = 0;  // share of a split's scenes
     std::vector<DatasetMember> members;
     std::string folder;              // where the scenes' relative paths start
     std::string text;                // resolved, TOML, and hashes of the base scene and of files named
     std::vector<std::string> files;  // what it was read from
     // "recipe.toml:3: first": where messages about them point.
     std::string scene_line, first_line;
+
+    long members_of(const std::string& split) const;
+    // How many scenes of a split may be left out since they diverged.
+    long may_leave_out(const std::string& split) const {
+        return long(may_diverge * double(members_of(split)));
+    }
 };
 
 inline const std::vector<std::string> dataset_splits{"train", "validation", "test"};

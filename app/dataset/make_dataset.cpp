@@ -16,6 +16,7 @@
 
 #include "app/dataset/dataset_member.h"
 #include "app/engine/device.h"
+#include "app/engine/simulated_frames.h"
 #include "app/files/results.h"
 #include "base/interrupt.h"
 #include "base/log.h"
@@ -86,18 +87,68 @@ std::map<std::string, std::string> hashes_of(const std::vector<std::string>& fil
     return hashes;
 }
 
+// Scenes that are left out since they diverged.
+class LeftOut {
+  public:
+    // Of all parts, as far as they have come.
+    LeftOut(const DatasetRecipe& recipe, const DatasetFolder& to) : recipe_(recipe), to_(to) {
+        for (const auto& m : recipe.members) count_[m.split] += fs::exists(to.diverged(m));
+    }
+    // One more. Throws Error where they are too many.
+    void add(const DatasetMember& m, const std::string& why) {
+        const std::string text = m.name + ": " + why;
+        require(m.split, ++count_[m.split], text + "; ");
+        OutputFile file(to_.diverged(m), true);
+        file.write(text + "\n");
+        file.commit();
+    }
+    // Throws Error where a split has too many, and says how many each has.
+    void tell() const {
+        for (const auto& [split, count] : count_) {
+            require(split, count, to_.of("") + ": ");
+            if (count > 0)
+                log_warning(
+                    fmt::format("{}: {} of the {} scenes of {} diverged and are left out; manifest.json "
+                                "says which and how",
+                                to_.of(""), count, recipe_.members_of(split), split));
+        }
+    }
+
+  private:
+    void require(const std::string& split, long count, const std::string& text) const {
+        const long allowed = recipe_.may_leave_out(split);
+        if (count > allowed)
+            throw Error(
+                fmt::format("{}{} of the {} scenes of {} diverged, allowed is {} (may_diverge in the "
+                            "recipe)",
+                            text, count, recipe_.members_of(split), split, allowed));
+    }
+    const DatasetRecipe& recipe_;
+    const DatasetFolder& to_;
+    std::map<std::string, long> count_;
+};
+
 // One file a split and codec that shows all its shards as one, and the list of what is there.
 Json finish(const DatasetRecipe& recipe, const DatasetFolder& to) {
     // One of those who share the folder at a time.
     const LockedFile turn(to.of("recipe.toml"), to.of(""), LockedFile::Kind::alone, LockedFile::Others::wait);
+    LeftOut(recipe, to).tell();
+    std::vector<const DatasetMember*> whole;
     std::vector<std::string> shards;
-    for (const auto& m : recipe.members)
+    for (const auto& m : recipe.members) {
+        if (fs::exists(to.diverged(m))) continue;
+        whole.push_back(&m);
         for (Codec codec : codecs_of(recipe)) shards.push_back(to.shard(m, codec));
+    }
     const auto hashes = hashes_of(shards);
     Json manifest{{"scenes", Json::array()}};
     for (const auto& m : recipe.members) {
         Json entry{{"name", m.name}, {"split", m.split}, {"picked", m.picked}, {"set", m.set}};
-        for (Codec codec : codecs_of(recipe)) entry["hash_" + name_of(codec)] = hashes.at(to.shard(m, codec));
+        if (const std::string how = text_of(to.diverged(m)); !how.empty())
+            entry["diverged"] = how.substr(0, how.find('\n'));
+        else
+            for (Codec codec : codecs_of(recipe))
+                entry["hash_" + name_of(codec)] = hashes.at(to.shard(m, codec));
         manifest["scenes"].push_back(entry);
     }
     for (Codec codec : codecs_of(recipe))
@@ -108,9 +159,10 @@ Json finish(const DatasetRecipe& recipe, const DatasetFolder& to) {
             double radius = 0;  // of Eq 16
             int substeps = 0;   // of low-resolution runs, the fewest
             long runs = 0;
-            for (const auto& m : recipe.members) {
-                if (m.split != split) continue;
-                const std::string shard = to.shard(m, codec);
+            std::string all_hashes;
+            for (const DatasetMember* m : whole) {
+                if (m->split != split) continue;
+                const std::string shard = to.shard(*m, codec);
                 const PairsReader reader(shard);
                 if (!out)
                     out = std::make_unique<PairsWriter>(to.whole(split, codec), codec, reader.particles(),
@@ -125,11 +177,13 @@ Json finish(const DatasetRecipe& recipe, const DatasetFolder& to) {
                 }
                 const std::string name = "shards/" + fs::path(shard).filename().string();
                 out->link(name);
-                out->attribute(fmt::format("input {:04d}", runs), name + " " + hashes.at(shard));
+                all_hashes += hashes.at(shard);
                 ++runs;
             }
             if (!out) continue;
             out->low(recipe.low_is_wet, substeps);
+            // Links have no bytes of what they lead to.
+            out->attribute("shards", hash_bytes(all_hashes.data(), all_hashes.size()));
             if (codec == Codec::root) {
                 out->box(&recipe.box.lower.x, &recipe.box.upper.x);
                 out->attribute("support_radius", radius);
@@ -210,6 +264,7 @@ void make_dataset(const DatasetRequest& o) {
     std::atomic<bool> failing = false;
     std::mutex mutex;  // of what follows
     std::exception_ptr failed;
+    LeftOut left_out(recipe, to);
     long done = 0;
     // A scene a thread: small scenes keep no more than one busy, and each gives the same bits on any number.
 #pragma omp parallel for schedule(dynamic)
@@ -218,7 +273,12 @@ void make_dataset(const DatasetRequest& o) {
         try {
             Places places = secured(outputs_of(recipe, *mine[k], to));
             if (is_done(recipe, *mine[k], to)) continue;  // by another process, meanwhile
-            if (!make_member(recipe, *mine[k], to, std::move(places), o.device, guard)) continue;
+            try {
+                if (!make_member(recipe, *mine[k], to, std::move(places), o.device, guard)) continue;
+            } catch (const Diverged& e) {
+                const std::lock_guard lock(mutex);
+                left_out.add(*mine[k], e.what());
+            }
         } catch (...) {
             const std::lock_guard lock(mutex);
             if (!failed) failed = std::current_exception();

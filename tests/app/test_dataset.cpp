@@ -178,6 +178,59 @@ class Dataset : public ::testing::Test {
     Scratch scratch;
 };
 
+TEST_F(Dataset, leaves_out_a_scene_that_diverges_and_says_which_but_not_many) {
+    // No edge of the second may be longer than at rest.
+    const std::string text = small_recipe + R"(
+[[pick.care]]
+name = "sound"
+weight = 2
+text = "[integrator]\nsubsteps = 2"
+[[pick.care]]
+name = "torn"
+text = "[integrator]\nsubsteps = 2\nallow_stretch = 1"
+)" + scenes(8, 0, 0);
+    const std::string half = "may_diverge = 0.5\n" + text;
+    const DatasetRecipe recipe = read_dataset_recipe(options(half, "some").recipe, {});
+    std::set<std::string> torn;
+    for (const auto& m : recipe.members)
+        if (m.picked.at("care") == "torn") torn.insert(m.name);
+    ASSERT_GE(torn.size(), 1u);
+    ASSERT_LE(torn.size(), 4u);
+
+    EXPECT_EQ(make(options(half, "some")), std::pair(8, true));
+    const auto manifest = nlohmann::json::parse(bytes_of(scratch.path("some/manifest.json")));
+    ASSERT_EQ(manifest["scenes"].size(), 8u);
+    for (const auto& scene : manifest["scenes"]) {
+        const std::string name = scene["name"];
+        EXPECT_NE(scene.contains("diverged"), scene.contains("hash_strand")) << name;
+        EXPECT_EQ(scene.contains("diverged"), torn.contains(name)) << name;
+        EXPECT_NE(fs::exists(scratch.path("some/shards/" + name + "_strand.h5")), torn.contains(name))
+            << name;
+        if (torn.contains(name)) {
+            const std::string how = scene["diverged"];
+            EXPECT_TRUE(how.starts_with(name + ": ")) << how;
+            EXPECT_NE(how.find("allow_stretch"), std::string::npos) << how;
+        }
+    }
+    EXPECT_EQ(PairsReader(scratch.path("some/train_strand.h5")).runs(), int(8 - torn.size()));
+    DatasetOptions again = options(half, "some");
+    again.resume = true;
+    EXPECT_EQ(make(again), std::pair(0, true));
+
+    for (const char* part : {"1/2", "2/2"}) {
+        DatasetOptions o = options(half, "parts");
+        o.part = part;
+        EXPECT_EQ(make(o), std::pair(4, o.part == "2/2"));
+    }
+    expect_same("some", "parts");
+
+    // One in a hundred by default.
+    expect_error([&] { make(options(text, "none")); },
+                 {"train-000", "diverged at frame", "1 of the 8 scenes of train diverged", "allowed is 0",
+                  "may_diverge"});
+    EXPECT_FALSE(contents("none").contains("manifest.json"));
+}
+
 TEST_F(Dataset, is_the_same_bytes_on_any_threads_in_parts_and_resumed) {
     const std::string text = "codecs = \"both\"\n" + small_recipe + scenes(3, 1, 2);
     const auto [one, three] = testing::with_one_and_three_threads([&, folder = 0]() mutable {
