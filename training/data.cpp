@@ -134,7 +134,6 @@ class StrandData : public TrainingData {
     struct Run {
         Tensor fixed, dynamic, target;  // (P, Cs), (F, P, Cd), (F, P, 72)
         Tensor pixels, length;          // (P), (P, 1) [m]
-        Tensor root, turned, beside;    // as of Batch
         long height, width;
         vector<int> times;  // (F)
     };
@@ -198,15 +197,6 @@ class StrandData : public TrainingData {
         out.pixels = pixels.to(device_), out.height = run.height, out.width = run.width;
         out.times = run.frame;
         out.length = torch::tensor(lengths).unsqueeze(1).to(device_);
-        if (recipe_.locks > 0) {
-            if (run.roots.empty())
-                throw Error(where + ": does not know where roots are, which loss.locks needs");
-            const Tensor roots = masked_rows(run.roots.data(), root_channels, pixels, area).to(device_);
-            require_finite(roots, where + "/roots");
-            out.root = roots.narrow(1, 0, 3).contiguous();
-            out.turned = roots.narrow(1, 3, 9).reshape({count, 3, 3}).contiguous();
-            out.beside = nearest_others(out.root);
-        }
         out.fixed = masked_rows(run.fixed.data(), run.static_channels, pixels, area);
         out.dynamic = torch::empty({run.frames, count, run.dynamic_channels});
         out.target = torch::empty({run.frames, count, strand_coefficients});
@@ -225,21 +215,6 @@ class StrandData : public TrainingData {
         for (Tensor* t : {&out.fixed, &out.dynamic, &out.target}) *t = t->to(device_);
         runs_.push_back(out);
         frames_.push_back(run.frames);
-    }
-
-    // (P, 3) to (P, k): for each, the k closest others, so many as there are up to strands_beside.
-    static Tensor nearest_others(const Tensor& points) {
-        constexpr long chunk = 4096;
-        const long count = points.size(0), k = std::min(strands_beside, count - 1);
-        vector<Tensor> nearest;
-        for (long first = 0; first < count; first += chunk) {
-            const long rows = std::min(chunk, count - first);
-            Tensor apart = torch::cdist(points.narrow(0, first, rows), points);
-            const Tensor own = torch::arange(rows, torch::dtype(torch::kLong).device(points.device()));
-            apart.index_put_({own, own + first}, std::numeric_limits<float>::infinity());
-            nearest.push_back(std::get<1>(apart.topk(k, 1, false)));
-        }
-        return torch::cat(nearest);
     }
 
     // Per channel over the frames that training sees, in double: mean, deviation and range of the inputs,
@@ -301,14 +276,9 @@ class StrandData : public TrainingData {
 
     Batch of(const vector<Place>& places) const {
         if (places.empty()) return {};
-        vector<Tensor> inputs, targets, bases, lengths, roots, turned, beside;
-        long first = 0;
+        vector<Tensor> inputs, targets, bases, lengths;
         for (const Place& place : places) {
             const Run& r = runs_[place.run];
-            if (r.root.defined()) {
-                roots.push_back(r.root), turned.push_back(r.turned), beside.push_back(r.beside + first);
-                first += r.root.size(0);
-            }
             inputs.push_back(inputs_of(place));
             targets.push_back(r.target[place.frame]);
             lengths.push_back(r.length);
@@ -317,8 +287,6 @@ class StrandData : public TrainingData {
         }
         const Tensor rows = torch::cat(inputs);
         Batch out{image(rows), image(torch::cat(targets)), torch::cat(bases), {}, {}, torch::cat(lengths)};
-        if (!roots.empty())
-            out.root = torch::cat(roots), out.turned = torch::cat(turned), out.beside = torch::cat(beside);
         if (neighbours_) lay_out(places, rows, out);
         return out;
     }
@@ -352,8 +320,7 @@ class StrandData : public TrainingData {
     vector<Run> runs_;
     vector<long> frames_, trained_, order_;
     vector<Place> train_, held_, starts_;  // of frames or pairs that an epoch draws
-    static constexpr long strands_beside = 6;
-    static constexpr double mute = 1e30;  // a deviation by which an input is as good as 0
+    static constexpr double mute = 1e30;   // a deviation by which an input is as good as 0
     Tensor mean_, deviation_, low_, high_, scale_;
     long strands_ = 0;
     double length_sum_ = 0, unit_ = 0;
@@ -599,8 +566,7 @@ vector<long> TrainingData::share(long step, double batch, size_t count) const {
 
 Batch Batch::to(torch::Device device) const {
     auto moved = [&](const Tensor& t) { return t.defined() ? t.to(device) : t; };
-    return {moved(input),  moved(target), moved(base),   moved(mask),   moved(pixels),
-            moved(length), moved(root),   moved(turned), moved(beside), in_pairs};
+    return {moved(input), moved(target), moved(base), moved(mask), moved(pixels), moved(length), in_pairs};
 }
 
 std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_t trained,

@@ -26,9 +26,6 @@ struct Batch {
     Tensor mask;
     Tensor pixels;    // strand, whole frames with holes: (P) which of the B H W pixels hold a strand
     Tensor length{};  // strand (P, 1) [m], by which its target, base and answer are told
-    // Strand, where loss.locks asks: (P, 3) [m] and (P, 3, 3), each root in the head's frame and the rotation
-    // from its frame to the head's; (P, beside) rows of strands that grow beside each.
-    Tensor root{}, turned{}, beside{};
     // Strand: whether the second half of the rows are those of the first a frame later.
     bool in_pairs = false;
     Batch to(torch::Device device) const;

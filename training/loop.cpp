@@ -176,6 +176,9 @@ class Trainer {
         set_threads(request_.threads);
         device_ = device_named(device_of(recipe_.device, ranks_));
         if (device_.is_cuda()) device_guard_.reset_device(device_);
+        if (!recipe_.leave_out.empty() && !request_.from.empty())
+            throw Misuse("leave_out: found with --from " + request_.from +
+                         ", which looks at what it learned to look at; allowed is one of them");
         data_ = open_data(pointers, request_.pairs.size(), recipe_, device_, ranks_);
     }
 
@@ -227,9 +230,6 @@ class Trainer {
         require_same("width", card.width, card_.width);
         require_same("input channels", card.input_channels, card_.input_channels);
         require_same("low-resolution strands", card.low, card_.low);
-        if (!recipe_.leave_out.empty())
-            throw Misuse("leave_out: found with --from " + path +
-                         ", which looks at what it learned to look at; allowed is one of them");
         if (codec_ == Codec::root && card.arrays != card_.arrays)
             throw Misuse("train --from " + path + ": its colours are of another box than these pairs'");
         std::swap(card_.arrays, card.arrays);

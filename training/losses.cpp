@@ -14,7 +14,6 @@ class StrandLoss : public Loss {
     StrandLoss(const Recipe& recipe, int particles, double length, torch::Device device)
         : particles_(particles),
           length_weight_(recipe.length),
-          locks_weight_(recipe.locks),
           steady_weight_(recipe.steady),
           doubt_weight_(recipe.doubt) {
         const StrandDct dct(particles);
@@ -27,8 +26,6 @@ class StrandLoss : public Loss {
         positions_ =
             (basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, 1)).contiguous().to(device);  // (n-1, 24)
         edges_ = edges.contiguous().to(device);
-        const long each = std::max(1l, (n - 1) / places_of_locks);
-        places_ = positions_.slice(0, each - 1, n - 1, each).contiguous();
         Tensor pieces = torch::zeros({n - 1, error_pieces});
         for (long i = 0; i + 1 < n; ++i) pieces[i][i * error_pieces / (n - 1)] = 1;
         pieces_ = (pieces / pieces.sum(0).clamp_min(1)).to(device);
@@ -58,11 +55,6 @@ class StrandLoss : public Loss {
             const Tensor found = norms(batch.base * batch.length + given, edges_);
             const Tensor wanted = norms(batch.base * batch.length + target, edges_);
             loss = loss + (found - wanted).abs().mean() * (length_weight_ / segment_);
-        }
-        if (locks_weight_ > 0) {
-            const Tensor apart = gaps(batch.base * batch.length + given, batch) -
-                                 gaps(batch.base * batch.length + target, batch);
-            loss = loss + apart.abs().mean() * (locks_weight_ / length_);
         }
         if (batch.in_pairs) {
             const long half = error.size(0) / 2;
@@ -98,16 +90,6 @@ class StrandLoss : public Loss {
         return (found.clamp_min(std::exp(least)) * torch::exp(-told.clamp_min(least)) * below + told).mean();
     }
 
-    // Amplitudes (P, 72) [m] to how far some particles of each strand are from those of the strands beside
-    // it, at the same share of their lengths (P, beside, places) [m]; smooth at 0.
-    Tensor gaps(const Tensor& amplitudes, const Batch& batch) const {
-        const long places = places_.size(0);
-        const Tensor offsets = linear_rows(amplitudes.reshape({-1, dct_kept}), places_).view({-1, 3, places});
-        const Tensor x = torch::bmm(batch.turned, offsets) + batch.root.unsqueeze(2);
-        const Tensor others = x.index_select(0, batch.beside.flatten()).view({x.size(0), -1, 3, places});
-        return (x.unsqueeze(1) - others).square().sum(2).add(1e-12).sqrt();
-    }
-
     // What was given for the masked pixels (P, strand_outputs).
     static Tensor rows_of(const Tensor& output, const Batch& batch) {
         const Tensor rows = to_rows(output);
@@ -122,11 +104,9 @@ class StrandLoss : public Loss {
     }
 
     int particles_;
-    double length_weight_, locks_weight_, steady_weight_, doubt_weight_, length_, segment_;
+    double length_weight_, steady_weight_, doubt_weight_, length_, segment_;
     Tensor positions_, edges_, rows_, weights_;
     Tensor pieces_;  // (n-1, error_pieces): means over them
-    static constexpr long places_of_locks = 16;
-    Tensor places_;  // (about so many, 24): rows of positions_, the tip's the last but few
 };
 
 class RootLoss : public Loss {

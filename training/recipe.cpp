@@ -83,8 +83,7 @@ Recipe read_recipe(const TrainRequest& request, Codec codec, const std::vector<s
     if (!request.architecture.empty()) recipe.architecture = request.architecture;
     if (!request.target.empty() && !root.has("target")) recipe.target = request.target;
     if (!request.device.empty()) recipe.device = request.device;
-    if (codec == Codec::strand &&
-        recipe.position + recipe.edge + recipe.curvature + recipe.length + recipe.locks == 0)
+    if (codec == Codec::strand && recipe.position + recipe.edge + recipe.curvature + recipe.length == 0)
         throw Misuse("recipe: all weights of [loss] are 0, one above 0 is needed");
     recipe.text = resolved_text(recipe, codec);
     return recipe;

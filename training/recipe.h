@@ -19,8 +19,8 @@ namespace wetcurl {
 struct Recipe {
     double epochs, batch, learning_rate, weight_decay, gradient_clip, patch, epoch_samples, width, seed;
     double validation, validate_every, checkpoint_seconds;
-    double position, edge, curvature, length, locks, steady, doubt;  // weights of the losses
-    double gain;                                                     // kappa of Eq 18, codec root
+    double position, edge, curvature, length, steady, doubt;  // weights of the losses
+    double gain;                                              // kappa of Eq 18, codec root
     std::string architecture, schedule, device, precision;
     bool deterministic;     // on CUDA devices
     std::string target;     // codec strand: "strands", which Eq 10 follows, or "displayed", after it
@@ -194,15 +194,6 @@ inline constexpr RecipeRow recipe_rows[] = {
     {{KeyRow::number("length", "1", 0, 0, 1e6,
                      "Weight of the mean difference of the lengths of edges, by the length of a segment."),
       &Recipe::length},
-     "loss",
-     0,
-     not_there,
-     not_there},
-    {{KeyRow::number(
-          "locks", "1", 0, 0, 1e6,
-          "Weight of the mean difference of distances between strands that grow beside each other, "
-          "by the length of a strand."),
-      &Recipe::locks},
      "loss",
      0,
      not_there,

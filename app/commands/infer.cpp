@@ -309,6 +309,12 @@ void add_options(OptionList& options, InferOptions& o) {
         "wet strands; the others stay where it starts from");
     options
         .option(
+            "--locks", o.locks,
+            "for models of displayed strands, on the CPU: draw their strands into locks, by so many passes "
+            "of Eq 10 on a grid in the place of neighbours")
+        .within(1, 1000);
+    options
+        .option(
             "--within", o.within,
             "for models of whole strands: simulate those strands themselves that the model expects to be off "
             "by more than so many millimetres, mean over the frames, as the run's scene or --wetness says")
@@ -366,6 +372,10 @@ int infer_command(const InferOptions& o) {
                                               : "settled",
                                  o.resume ? "it looks at all frames first"
                                           : "expected errors are of what the network alone predicts"));
+    if (o.locks && o.cohesion)
+        throw Misuse("--locks: found with --cohesion, allowed is one of the two: both are Eq 10");
+    if (o.locks && o.device != "cpu")
+        throw Misuse("--locks: found with --device " + o.device + ", allowed is the CPU");
     require_device(o.device);
     check_files(o, o.output, {o.input, o.model, o.wetness, o.oracle_colours, o.oracle_weights});
     return is_scene(o.input) ? infer_scene(o) : infer_run(o);

@@ -54,6 +54,13 @@ HairTraits traits_of(const Scene& scene, double low_step) {
 
 int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
 
+LockTerms lock_terms_of(Cohesion term, int passes, double fps) {
+    term.passes = passes, term.relaxation = 3.4;
+    LockTerms terms{float(term.h_c), float(term.coherence), float(term.stretch), {}, averaged_frames(fps)};
+    for (int k = 0; k < term.sweeps(); ++k) terms.sweeps.push_back(float(term.of_sweep(k).lambda));
+    return terms;
+}
+
 std::vector<uint8_t> wet_strands_of(const Scene& scene) {
     std::vector<uint8_t> wet(size_t(scene.groom.rest.count), 0);
     const size_t particles = size_t(scene.groom.rest.particles);

@@ -25,6 +25,9 @@ HairTraits traits_of(const Scene& scene, double low_step);
 // the demo.
 int passes_after_displayed(int passes);
 
+// So many passes of Eq 10 as networks of displayed strands are drawn together by.
+LockTerms lock_terms_of(Cohesion term, int passes, double fps);
+
 // Whether there is water on a strand, (strand).
 std::vector<uint8_t> wet_strands_of(const Scene& scene);
 

@@ -23,7 +23,7 @@ Method method_of_model(const InferOptions& o) {
     require_options_that_go_with(o, way, o.model + ", one of the " + text_of(way));
     if (way == adhesion_model_way) return {AdhesionNetworkMethod{o.model}};
     if (way == root_model_way) return {RootNetworkMethod{o.model, card, transform_of(o)}};
-    return {StrandNetworkMethod{o.model, card, o.settled, o.crop},
+    return {StrandNetworkMethod{o.model, card, o.settled, o.crop, o.locks.value_or(0)},
             !(way & displayed_model_ways) || o.cohesion,
             {o.passes, o.spacing, o.relaxation}};
 }

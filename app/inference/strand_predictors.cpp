@@ -69,13 +69,18 @@ class NetworkStrands final : public Predictor {
                                       input.threads, input.settled)),
           name_(method.card.architecture + " " + std::filesystem::path(method.model).stem().string() +
                 (method.settled ? ", settled" : "") + (method.crop ? ", cropped" : "") +
-                (input.clumps ? ", Eq 10" : "")),
+                (method.locks > 0 ? ", locks" : "") + (input.clumps ? ", Eq 10" : "")),
           tells_(!method.crop),
-          memory_(lags_in_frames(input.low.fps).back()),
           low_(input.low.groom.rest),
           high_(input.scene.groom.rest) {
         if (method.crop) learned_->crop(wet_strands_of(input.scene));
-        if (input.clumps) learned_->lead_edges(most_length_rounds);
+        if (method.locks > 0) {
+            if (!input.scene.cohesion)
+                throw Error(input.scene_file + ": has no [cohesion], which --locks needs");
+            learned_->draw_together(lock_terms_of(*input.scene.cohesion, method.locks, input.low.fps),
+                                    input.scene.saturation);
+        }
+        if (input.clumps || method.locks > 0) learned_->lead_edges(most_length_rounds);
     }
     std::string name() const override { return name_; }
     void apply(int, const RunFrame& low, const HeadWindow& heads, Strands& p) override {
@@ -84,7 +89,7 @@ class NetworkStrands final : public Predictor {
         if (p.points.data() != bound_) learned_->bind(low_.points.data(), bound_ = p.points.data());
         learned_->run(heads);
     }
-    int memory() const override { return memory_; }
+    int memory() const override { return learned_->memory(); }
     std::vector<float> expected_error() override {
         return tells_ ? learned_->expected_errors() : std::vector<float>();
     }
@@ -94,8 +99,7 @@ class NetworkStrands final : public Predictor {
   private:
     std::unique_ptr<LearnedStrands> learned_;
     std::string name_;
-    bool tells_;  // of what is not asked for, no error is known
-    int memory_;
+    bool tells_;   // of what is not asked for, no error is known
     Strands low_;  // where the network reads
     const Strands& high_;
     Vec3f* bound_ = nullptr;  // where it writes

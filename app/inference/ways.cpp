@@ -60,6 +60,8 @@ constexpr Row table[] = {
      "it moves dry strands to where wet ones rest, which only these start from"},
     {"--crop", [](const InferOptions& o) { return o.crop; }, strand_model_ways,
      "the other ways use no network, or one that needs the whole image"},
+    {"--locks", [](const InferOptions& o) { return o.locks.has_value(); }, displayed_model_ways,
+     "Eq 10 makes the locks of the other ways itself"},
     {"--within", [](const InferOptions& o) { return o.within.has_value(); }, strand_model_ways,
      "no other way knows how far it is off"},
     {"--wet-shape", [](const InferOptions& o) { return o.wet_shape; }, rest_way,

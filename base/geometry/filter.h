@@ -1,9 +1,10 @@
-// The smoothing filter of Eq 2 on the edges of a strand, and its adjoint.
+// Smoothing along a strand: the filter of Eq 2 on its edges and its adjoint, and an exponential one.
 // Differs: the start is d_{-2} = d_{-1} = e_0 (print drops the minus signs), l is the mean rest length of a
 // segment.
 #pragma once
 
 #include <cmath>
+#include <type_traits>
 
 #include "base/vec3.h"
 
@@ -71,6 +72,29 @@ WETCURL_HD void smooth_edges_adjoint(int n, Plain<S> beta, In in, Store store) {
         store(i, y);
     }
     store(0, rest + in(0));
+}
+
+// u_i, `at(i)`, of a strand's particles smoothed exponentially from the root to the tip and back, twice. The
+// root's stays. `ahead` of them are read before the first is written.
+template <int ahead = 1, class S, class At>
+WETCURL_HD void smooth_along(int n, const S& beta, At at) {
+    std::remove_reference_t<decltype(at(0))> last;
+    // u_i, u_{i + step}, ..., `count` of them.
+    auto sweep = [&](int i, int step, int count) {
+        auto take = [&](auto& u) { u = last = last + beta * (u - last); };
+        for (; count >= ahead; count -= ahead, i += ahead * step) {
+            decltype(last) u[ahead];
+            for (int k = 0; k < ahead; ++k) u[k] = at(i + k * step);
+            for (int k = 0; k < ahead; ++k) take(u[k]);
+            for (int k = 0; k < ahead; ++k) at(i + k * step) = u[k];
+        }
+        for (; count > 0; --count, i += step) take(at(i));
+    };
+    for (int round = 0; round < 2; ++round) {
+        last = at(0);
+        sweep(1, 1, n - 1);
+        sweep(n - 2, -1, n - 2);
+    }
 }
 
 }  // namespace wetcurl

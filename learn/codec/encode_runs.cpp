@@ -79,23 +79,7 @@ StrandPairs StrandEncoder::begin(int frames, bool displayed) const {
     std::vector<int> all(static_cast<size_t>(frames));
     std::iota(all.begin(), all.end(), 0);
     return {frames,         static_channels, dynamic_channels, codec_.height(), codec_.width(),
-            codec_.fixed(), codec_.mask(),   codec_.length(),  displayed,       all,
-            root_images()};
-}
-
-std::vector<float> StrandEncoder::root_images() const {
-    const size_t area = codec_.pixels();
-    std::vector<float> out(size_t(root_channels) * area);
-    for (int s = 0; s < codec_.roots().count(); ++s) {
-        const Vec3f root = codec_.roots().root[size_t(s)];
-        const Quatf& turned = codec_.roots().rotation[size_t(s)];
-        const Vec3f x = rotate(turned, Vec3f{1, 0, 0}), y = rotate(turned, Vec3f{0, 1, 0}),
-                    z = rotate(turned, Vec3f{0, 0, 1});
-        float* at = &out[size_t(codec_.pixel_of()[size_t(s)])];
-        for (const float v : {root.x, root.y, root.z, x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z})
-            *at = v, at += area;
-    }
-    return out;
+            codec_.fixed(), codec_.mask(),   codec_.length(),  displayed,       all};
 }
 
 void StrandEncoder::take_up(const Strands& low, const HeadWindow& heads) {

@@ -43,7 +43,6 @@ class StrandEncoder {
     double encode(const Strands& wet, std::vector<float>& target);
 
   private:
-    std::vector<float> root_images() const;  // as of StrandPairs
     StrandCodec codec_;
     Pose head_;
     std::vector<float> dynamic_;

@@ -9,6 +9,7 @@
 #include "base/thread_room.h"
 #include "learn/codec/crop.h"
 #include "learn/codec/lane_network.h"
+#include "learn/codec/locks.h"
 #include "learn/codec/outside_lanes.h"
 
 namespace wetcurl {
@@ -67,6 +68,7 @@ class StrandsOnCpu final : public LearnedStrands {
           rounds_(length_rounds_of(network_->card())) {
         require_fit(network_->card(), codec_);
         errors_.resize(size_t(lanes().blocks()) * error_pieces);
+        answers_.resize(size_t(codec_.averaged()) * lanes().blocks() * strand_coefficients);
         if (const auto layers = network_->strand_layers()) {
             if (layers->inputs != strand_channels || layers->outputs != strand_outputs)
                 throw Error("network " + card().architecture + ": found layers of " +
@@ -90,6 +92,9 @@ class StrandsOnCpu final : public LearnedStrands {
         outside_.emplace(head, lanes(), codec_.particles(), codec_.edges());
     }
     void lead_edges(int rounds) override { require_rounds(rounds), rounds_ = rounds; }
+    void draw_together(const LockTerms& terms, const std::vector<float>& saturation) override {
+        locks_.emplace(terms, lanes(), codec_.particles(), codec_.edges(), saturation);
+    }
     void crop(const std::vector<uint8_t>& wanted) override {
         crop_ = crop_to(codec_.grid(), wanted, network_->reach(), card().architecture);
         if (in_lanes_) return in_lanes_->crop(*crop_);
@@ -105,6 +110,7 @@ class StrandsOnCpu final : public LearnedStrands {
     void run(const HeadWindow& heads) override {
         require_finite(from_, size_t(codec_.low_strands()) * codec_.particles(), codec_.particles());
         codec_.begin(heads);
+        if (locks_) locks_->begin(codec_.now().first);
         room_.require(size_t(codec_.particles()));
         if (in_lanes_)
             run_in_lanes(heads.now);
@@ -115,6 +121,7 @@ class StrandsOnCpu final : public LearnedStrands {
         throw Error("learned strands: found a frame begun on the CPU, allowed is that on a CUDA device");
     }
     void restart() override { codec_.restart(); }
+    int memory() const override { return codec_.memory() + (locks_ ? codec_.averaged() - 1 : 0); }
     Strands base(const Pose& head) override { return codec_.base(head, rounds_); }
     std::vector<float> expected_errors() override {
         std::vector<float> out(size_t(codec_.roots().count()) * error_pieces);
@@ -168,6 +175,7 @@ class StrandsOnCpu final : public LearnedStrands {
                 for (int b = 0; b < groups[g].count; ++b)
                     place(groups[g].first + b, answer + b * strand_outputs, head);
             }
+            if (locks_) show_locks(head);
         }
     }
     void run_whole_images(const Pose& head) {
@@ -182,17 +190,51 @@ class StrandsOnCpu final : public LearnedStrands {
             }
         }
         ask();
-#pragma omp parallel for schedule(static)
-        for (int block = 0; block < lanes().blocks(); ++block) {
-            S answer[strand_outputs];
-            codec_.read_image(block, strand_outputs, answer_.data(), answer);
-            place(block, answer, head);
+#pragma omp parallel
+        {
+#pragma omp for schedule(static)
+            for (int block = 0; block < lanes().blocks(); ++block) {
+                S answer[strand_outputs];
+                codec_.read_image(block, strand_outputs, answer_.data(), answer);
+                place(block, answer, head);
+            }
+            if (locks_) show_locks(head);
         }
     }
     void place(int block, const S* answer, const Pose& head) {
-        Vec3<S>* const x = room_.mine();
-        codec_.place(block, answer, rounds_, head, x);
+        Vec3<S>* const x = locks_ ? locks_->strands(block) : room_.mine();
+        S mean[strand_coefficients];
+        average(block, answer + answered_amplitudes.first, mean);
+        codec_.place(block, mean, rounds_, head, x);
         std::copy_n(answer + answered_errors.first, error_pieces, &errors_[size_t(block) * error_pieces]);
+        if (locks_)
+            locks_->take(block, head);
+        else
+            finish(block, head, x);
+    }
+    // With the frames before, if there are any.
+    void average(int block, const S* answer, S* mean) {
+        const int frames = codec_.averaged(), slot = codec_.now().slot % frames;
+        const size_t all = size_t(lanes().blocks()) * strand_coefficients;
+        S* const kept = &answers_[size_t(block) * strand_coefficients];
+        for (int k = 0; k < frames; ++k)
+            if (k == slot || codec_.now().first) std::copy_n(answer, strand_coefficients, kept + k * all);
+        for (int c = 0; c < strand_coefficients; ++c) {
+            S sum = kept[c];
+            for (int k = 1; k < frames; ++k) sum += kept[k * all + c];
+            mean[c] = S(1 / float(frames)) * sum;
+        }
+    }
+    // By all of a team, when all strands are placed.
+    void show_locks(const Pose& head) {
+        locks_->draw();
+#pragma omp for schedule(static)
+        for (int block = 0; block < lanes().blocks(); ++block) {
+            locks_->show(block, head);
+            finish(block, head, locks_->strands(block));
+        }
+    }
+    void finish(int block, const Pose& head, Vec3<S>* x) {
         if (outside_) outside_->push(block, head, x);
         lanes().store(block, 3 * codec_.particles(), &x->x, &to_->x);
     }
@@ -221,11 +263,13 @@ class StrandsOnCpu final : public LearnedStrands {
     StrandCodec codec_;
     int rounds_;  // that lead edges
     std::optional<OutsideLanes> outside_;
+    std::optional<Locks> locks_;
     std::optional<Crop> crop_;
     // A residual network for strands runs here; any other by itself, on whole images.
     std::optional<LaneNetwork> in_lanes_;
     std::vector<float> input_, answer_, seen_, answer_of_seen_;
-    std::vector<S> errors_;  // (block, error_pieces), as answered
+    std::vector<S> errors_;   // (block, error_pieces), as answered
+    std::vector<S> answers_;  // (codec_.averaged(), round robin; block, strand_coefficients)
     ThreadRoom<Vec3<S>> room_;
     const Vec3f* from_ = nullptr;
     Vec3f* to_ = nullptr;

@@ -8,6 +8,7 @@
 #include "base/device_stream.h"
 #include "learn/codec/edge_lengths.h"
 #include "learn/codec/head_shapes.h"
+#include "learn/codec/lock_terms.h"
 #include "learn/codec/network.h"
 #include "learn/codec/strand_codec.h"
 
@@ -24,6 +25,10 @@ class LearnedStrands {
     // From now on edges are led toward their lengths at rest in so many rounds (learn/codec/edge_lengths.h),
     // 0 to most_length_rounds; until then in length_rounds_of(card()). Throws Error on other numbers.
     virtual void lead_edges(int rounds) = 0;
+    // From now on strands are drawn together after the network's answer, before they are kept outside:
+    // networks of displayed strands leave them between the locks that they may end in. saturation (high
+    // strand, particle). Throws Error on a CUDA device, and as Locks does.
+    virtual void draw_together(const LockTerms& terms, const std::vector<float>& saturation) = 0;
     // From now on the network is asked for the smallest rectangle of the root grid alone that holds the
     // strands wanted, (high strands) 0 or 1; beyond it strands are `base`. In it nothing changes: it still
     // sees what is around. Throws Error for a network that looks at the whole grid.
@@ -43,6 +48,8 @@ class LearnedStrands {
     virtual DeviceStream begin(const HeadWindow& heads) = 0;
     // The next frame is the first of another run.
     virtual void restart() = 0;
+    // How many frames before one it depends on.
+    virtual int memory() const = 0;
     // The frame run last, had the network said nothing, wherever the head is: (high strands, particles),
     // world [m].
     virtual Strands base(const Pose& head) = 0;

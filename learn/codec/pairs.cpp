@@ -47,7 +47,6 @@ void PairsWriter::begin(const StrandPairs& run) {
     file_.write(group_ + "/mask", run.mask.data(), {h, w});
     file_.write(group_ + "/length", run.length.data(), {h, w});
     if (!run.frame.empty()) file_.write(group_ + "/frame", run.frame);
-    if (!run.roots.empty()) file_.write(group_ + "/roots", run.roots.data(), {size_t(root_channels), h, w});
     inputs_name_ = "/dynamic";
     inputs_shape_ = {size_t(run.dynamic_channels), h, w};
     target_shape_ = {size_t(strand_coefficients), h, w};
@@ -153,8 +152,6 @@ StrandPairs PairsReader::strand(int run) const {
     out.static_channels = int(out.fixed.size() / out.pixels());
     out.mask = file_.read<uint8_t>(group + "/mask", {d[2], d[3]});
     out.length = file_.read<float>(group + "/length", {d[2], d[3]});
-    if (file_.has(group + "/roots"))
-        out.roots = file_.read<float>(group + "/roots", {size_t(root_channels), d[2], d[3]});
     if (file_.has(group + "/frame")) {
         out.frame = file_.read<int>(group + "/frame", {d[0]});
         if (std::adjacent_find(out.frame.begin(), out.frame.end(), std::greater_equal()) != out.frame.end())

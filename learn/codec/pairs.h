@@ -12,9 +12,7 @@
 //   first 72 of `dynamic` are the base; target (F, 72, H, W) f32: wet amplitudes before cohesion, less the
 //   base, by the strand's length;
 //   displayed (F, 72, H, W) f32, where known: the same after cohesion; mask (H, W) u8: 1 where a strand is;
-//   length (H, W) f32 [m]; frame (F) i32, where known: which of the run's frames these are, rising;
-//   roots (12, H, W) f32, where known: each strand's root in the head's frame [m], then the rotation from its
-//   root frame to the head's, row by row.
+//   length (H, W) f32 [m]; frame (F) i32, where known: which of the run's frames these are, rising.
 //   Amplitudes: learn/codec/dct.h.
 // codec root: b_min, b_max (3) f64 [m] at the top, shared by all runs; input (F, 3, h, w) f32 colours of the
 //   dry low-resolution roots, target (F, 3, 2h, 2w) f32 of the wet ones; h, w multiples of 32; mask_low (h,
@@ -38,8 +36,6 @@ std::string name_of(Codec codec);
 // Throws Misuse for another name.
 Codec codec_named(const std::string& name);
 
-inline constexpr int root_channels = 12;  // a place and a rotation
-
 // One run of codec strand, its frames left on disk.
 struct StrandPairs {
     int frames = 0, static_channels = 0, dynamic_channels = 0, height = 0, width = 0;
@@ -48,7 +44,6 @@ struct StrandPairs {
     std::vector<float> length;  // (H, W) [m]
     bool displayed = false;     // whether frames have the strands after cohesion too
     std::vector<int> frame;     // (frames): which of the run's they are, rising; empty: not known
-    std::vector<float> roots;  // (root_channels, H, W): of each strand, in the head's frame; empty: not known
     size_t pixels() const { return size_t(height) * width; }
 };
 

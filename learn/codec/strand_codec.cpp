@@ -78,12 +78,15 @@ std::array<int, history_lags.size()> lags_in_frames(double fps) {
     return out;
 }
 
+int averaged_frames(double fps) { return 1 + int(std::lround(fps / history_fps)); }
+
 StrandCodec::StrandCodec(const Groom& high, const Groom& low, const std::vector<float>& saturation,
                          const Strands* shape, bool low_is_wet, const HairTraits& traits,
                          const Settled* settled)
     : grid_(high.grid),
       pixel_of_(pixels_of_strands(high.grid, high.rest.count)),
       lags_(lags_in_frames(traits.fps)),
+      averaged_(averaged_frames(traits.fps)),
       dct_(high.rest.particles),
       roots_(root_frames(high)),
       carrier_(RootLanes(StrandLanes::on_grid(high.grid, high.rest.count), roots_),

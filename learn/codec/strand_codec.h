@@ -33,6 +33,10 @@ struct HairTraits {
 // Frames before one that a network sees: history_lags at so many frames a second.
 std::array<int, history_lags.size()> lags_in_frames(double fps);
 
+// Frames, one and those before it, over which a network's answers are averaged: those of a twenty-fourth of a
+// second. What is added to the base changes slowly, and an answer errs in each frame for itself.
+int averaged_frames(double fps);
+
 class StrandCodec {
   public:
     using S = Pack<float>;
@@ -60,7 +64,12 @@ class StrandCodec {
     const std::vector<uint8_t>& mask() const { return mask_; }    // (H, W)
     const std::vector<float>& length() const { return length_; }  // (H, W): L [m]
     const std::array<int, history_lags.size()>& lags() const { return lags_; }  // [frames]
-    int slots() const { return lags_.back() + 1; }                              // frames that are kept
+    int averaged() const { return averaged_; }                                  // of averaged_frames
+    // Frames that are kept, a multiple of these.
+    int slots() const { return (lags_.back() / averaged_ + 1) * averaged_; }
+    // How many frames before one it depends on, with a network's answers.
+    int memory() const { return lags_.back() + averaged_ - 1; }
+    const HeadState& now() const { return head_; }  // of the frame begun last
     // (strand): 1 / L [1/m] and T [s].
     float per_length(int strand) const { return 1 / length_[size_t(pixel_of_[size_t(strand)])]; }
     float swing(int strand) const { return std::sqrt(1 / (per_length(strand) * standard_gravity)); }
@@ -102,6 +111,7 @@ class StrandCodec {
     RootGrid grid_;
     std::vector<int> pixel_of_;  // (strand)
     std::array<int, history_lags.size()> lags_;
+    int averaged_;
     StrandDct dct_;
     RootFrames roots_;
     RestCarrier carrier_;

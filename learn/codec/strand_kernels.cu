@@ -313,6 +313,26 @@ constexpr int axes = 3, place_rows = axes * tile_rows, of_four = 4;
 constexpr int held_before = most_length_rounds + 1, held_after = most_length_rounds,
               held = tile + held_before + held_after, turns = (held + place_rows - 1) / place_rows;
 
+// A thread: four amplitudes of a strand, of `frames` frames in a ring.
+__global__ void average_kernel(const HeadState* head, int count, int frames,
+                               const float4* __restrict__ answer, float4* __restrict__ ring,
+                               float4* __restrict__ mean) {
+    constexpr int amplitudes = strand_coefficients / of_four, outputs = strand_outputs / of_four;
+    const int k = int(blockIdx.x * blockDim.x + threadIdx.x);
+    if (k >= count) return;
+    const int at = k / amplitudes * outputs + k % amplitudes, slot = head->slot % frames;
+    const float4 now = answer[at];
+    float4 sum{0, 0, 0, 0};
+    for (int f = 0; f < frames; ++f) {
+        float4* const kept = ring + size_t(f) * count + k;
+        if (head->first || f == slot) *kept = now;
+        const float4 then = *kept;
+        sum.x += then.x, sum.y += then.y, sum.z += then.z, sum.w += then.w;
+    }
+    const float share = 1 / float(frames);
+    mean[at] = {share * sum.x, share * sum.y, share * sum.z, share * sum.w};
+}
+
 // A block: `tile` strands of a row of the grid by up to `tile` particles, turned over in shared memory so
 // that both sides are read and written in order. `offsets` (n, 24): of unit amplitudes. `lengths` (n, S).
 __global__ void __launch_bounds__(tile* place_rows)
@@ -482,7 +502,10 @@ StrandKernels::StrandKernels(const StrandCodec& codec, const Groom& low)
       pixels_(int(codec.pixels())),
       width_(codec.carrier().around().width),
       lags_(codec.lags()),
-      slots_(codec.slots()) {
+      slots_(codec.slots()),
+      averaged_(codec.averaged()),
+      answers_(size_t(averaged_) * pixels_ * strand_coefficients / of_four),
+      mean_(std::vector<float4>(size_t(pixels_) * strand_outputs / of_four, float4{0, 0, 0, 0})) {
     const size_t n = size_t(n_), S = size_t(pixels_), width = size_t(width_);
     head() = {};
     const RestCarrier& carrier = codec.carrier();
@@ -680,6 +703,15 @@ void StrandKernels::describe(cudaStream_t stream) const {
         head_.data(), pixels_, strand_.data(), turn_.data(), root_.data(), swing_.data(), lags, past_.data(),
         dynamic());
     check_launch("features of motion");
+}
+
+const float* StrandKernels::average(const float* answer, cudaStream_t stream) const {
+    const int count = pixels_ * (strand_coefficients / of_four);
+    average_kernel<<<blocks_of(count), threads, 0, stream>>>(head_.data(), count, averaged_,
+                                                             reinterpret_cast<const float4*>(answer),
+                                                             answers_.data(), mean_.data());
+    check_launch("mean of answers");
+    return &mean_.data()->x;
 }
 
 void StrandKernels::place(const float* answer, int rounds, Vec3f* out, cudaStream_t stream,

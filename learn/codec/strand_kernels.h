@@ -46,12 +46,15 @@ class StrandKernels {
 
     // In this order, all on `stream`: the head to the device; X from world positions; M, how far their cores
     // are; the base B, offsets in root frames, and its amplitudes in the image; the other dynamic channels;
-    // (the network); world positions (high, n).
+    // (the network); the mean of its answers and those before; world positions (high, n).
     void take_head(cudaStream_t stream) const;
     void depart(const Vec3f* low, cudaStream_t stream) const;
     void move_cores(cudaStream_t stream) const;
     void carry(cudaStream_t stream) const;
     void describe(cudaStream_t stream) const;
+    // Returns the mean of `answer` and of those of the frames before (StrandCodec::averaged), in memory of
+    // this; both (S, strand_outputs), 16 bytes aligned.
+    const float* average(const float* answer, cudaStream_t stream) const;
     // Of B and what the network answered: (S, strand_outputs), 16 bytes aligned, null: nothing. So many
     // rounds lead edges toward their lengths.
     // `within_shapes`: where they are, even in what is attached to the head.
@@ -67,7 +70,7 @@ class StrandKernels {
 
     int n_, low_, high_, pixels_, width_;
     std::array<int, history_lags.size()> lags_;  // [frames]
-    int slots_;
+    int slots_, averaged_;
     PinnedBuffer<HeadState> head_host_{1};
     DeviceBuffer<HeadState> head_{1};
     DeviceBuffer<Vec3f> low_start_;           // (low, n) offsets at rest from the root, less Settled::more
@@ -95,6 +98,8 @@ class StrandKernels {
     DeviceBuffer<float> length_;              // (n, S): of the edge to a particle at rest
     DeviceBuffer<unsigned char> torn_;        // (S)
     DeviceBuffer<float> past_;                // (slots, past_layout.count, S)
+    DeviceBuffer<float4> answers_;            // (averaged_, S, 18), round robin
+    DeviceBuffer<float4> mean_;               // (S, strand_outputs / 4)
     DeviceBuffer<float> amplitudes_;          // (n, 24): of unit offsets
     DeviceBuffer<float> offsets_;             // (n, 24): of unit amplitudes
     // (n, low): X, how far the low strands are from rest, and M, how far their cores are; the fourth numbers

@@ -31,7 +31,8 @@ class StrandsOnCuda final : public LearnedStrands {
           stream_(c10::cuda::getStreamFromPool(/*isHighPriority=*/true, device_.index())),
           grid_(codec.grid()),
           pixel_of_(codec.pixel_of()),
-          length_(codec.length()) {
+          length_(codec.length()),
+          memory_(codec.memory()) {
         const c10::cuda::CUDAGuard guard(device_);
         kernels_.emplace(codec, low);
         std::tie(card_, model_) = load_model(path);
@@ -57,6 +58,10 @@ class StrandsOnCuda final : public LearnedStrands {
         const c10::cuda::CUDAGuard guard(device_);
         rounds_ = rounds;
         begin_anew();
+    }
+
+    void draw_together(const LockTerms&, const std::vector<float>&) override {
+        throw Error("learned strands: found locks on a CUDA device, allowed on the CPU");
     }
 
     void crop(const std::vector<uint8_t>& wanted) override {
@@ -98,6 +103,7 @@ class StrandsOnCuda final : public LearnedStrands {
     }
 
     void restart() override { first_ = true; }
+    int memory() const override { return memory_; }
 
     Strands base(const Pose& head) override {
         const c10::cuda::CUDAGuard guard(device_);
@@ -185,7 +191,7 @@ class StrandsOnCuda final : public LearnedStrands {
         kernels_->carry(stream_);
         kernels_->describe(stream_);
         ask();
-        kernels_->place(answer_.data_ptr<float>(), rounds_, out_, stream_);
+        kernels_->place(kernels_->average(answer_.data_ptr<float>(), stream_), rounds_, out_, stream_);
     }
 
     // answer_ becomes (S, strand_outputs).
@@ -212,6 +218,7 @@ class StrandsOnCuda final : public LearnedStrands {
     const RootGrid grid_;
     std::vector<int> pixel_of_;  // (strand)
     std::vector<float> length_;  // (pixel) [m]
+    int memory_;
     std::optional<StrandKernels> kernels_;
     ModelCard card_;
     std::shared_ptr<TorchNetwork> model_;

@@ -13,8 +13,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <type_traits>
 
+#include "base/geometry/filter.h"
 #include "base/geometry/kernels.h"
 #include "base/geometry/shapes.h"
 #include "base/parameters.h"
@@ -165,28 +165,5 @@ struct Cohesion {
         return (S(lambda) / (own + s.weight)) * s.pull;
     }
 };
-
-// u_i, `at(i)`, of a strand's particles smoothed exponentially from the root to the tip and back, twice. The
-// root's stays. `ahead` of them are read before the first is written.
-template <int ahead = 1, class S, class At>
-WETCURL_HD void smooth_along(int n, const S& beta, At at) {
-    std::remove_reference_t<decltype(at(0))> last;
-    // u_i, u_{i + step}, ..., `count` of them.
-    auto sweep = [&](int i, int step, int count) {
-        auto take = [&](auto& u) { u = last = last + beta * (u - last); };
-        for (; count >= ahead; count -= ahead, i += ahead * step) {
-            decltype(last) u[ahead];
-            for (int k = 0; k < ahead; ++k) u[k] = at(i + k * step);
-            for (int k = 0; k < ahead; ++k) take(u[k]);
-            for (int k = 0; k < ahead; ++k) at(i + k * step) = u[k];
-        }
-        for (; count > 0; --count, i += step) take(at(i));
-    };
-    for (int round = 0; round < 2; ++round) {
-        last = at(0);
-        sweep(1, 1, n - 1);
-        sweep(n - 2, -1, n - 2);
-    }
-}
 
 }  // namespace wetcurl

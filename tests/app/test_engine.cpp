@@ -140,6 +140,7 @@ const Given givens[] = {
     {"--roots 3", [](InferOptions& o) { o.roots = 3; }},
     {"--settled", [](InferOptions& o) { o.settled = true; }},
     {"--crop", [](InferOptions& o) { o.crop = true; }},
+    {"--locks", [](InferOptions& o) { o.locks = 7; }},
     {"--wet-shape", [](InferOptions& o) { o.wet_shape = true; }},
     {"--cohesion", [](InferOptions& o) { o.cohesion = true; }},
     {"--passes", [](InferOptions& o) { o.passes = 3; }},
@@ -183,9 +184,10 @@ TEST(Infer, each_way_has_its_options_and_refuses_the_others_with_what_they_go_wi
     EXPECT_EQ(allowed_with(oracle_weights_way), (Options{"--reconstruct", "--roots 3"}));
     EXPECT_EQ(allowed_with(oracle_colours_way),
               (Options{"--reconstruct", "--gain", "--units", "--colour-units", "--roots 3"}));
-    for (Way way : {strands_of_dry_way, displayed_of_dry_way}) EXPECT_EQ(allowed_with(way), with({"--crop"}));
-    for (Way way : {strands_of_wet_way, displayed_of_wet_way})
-        EXPECT_EQ(allowed_with(way), with({"--settled", "--crop"}));
+    EXPECT_EQ(allowed_with(strands_of_dry_way), with({"--crop"}));
+    EXPECT_EQ(allowed_with(displayed_of_dry_way), with({"--crop", "--locks"}));
+    EXPECT_EQ(allowed_with(strands_of_wet_way), with({"--settled", "--crop"}));
+    EXPECT_EQ(allowed_with(displayed_of_wet_way), with({"--settled", "--crop", "--locks"}));
     EXPECT_EQ(allowed_with(root_model_way),
               (Options{"--reconstruct", "--gain", "--units", "--roots 3", "--wetness"}));
     EXPECT_EQ(allowed_with(adhesion_model_way), Options{});

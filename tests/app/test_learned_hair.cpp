@@ -9,6 +9,7 @@
 #include "app/commands/infer.h"
 #include "app/commands/simulate.h"
 #include "app/engine/learned_hair.h"
+#include "app/measures/metrics.h"
 #include "base/run_cache.h"
 #include "learn/codec/edge_lengths.h"
 #include "tests/base/scratch.h"
@@ -132,6 +133,26 @@ TEST(Infer, cropped_says_the_same_of_wet_strands_and_nothing_of_others_far_from_
             others += apart > 1e-3;
     }
     EXPECT_GT(others, 4);
+}
+
+TEST(Infer, locks_bring_displayed_strands_together_and_go_on_where_a_run_stopped) {
+    const Scratch scratch;
+    low_run(scratch, true);
+    scratch.file("wet.toml", standing + "[wetness]\n[cohesion]\nradius = 0.02\n");
+    InferOptions o;
+    o.input = scratch.path("dry10.h5"), o.wetness = scratch.path("wet.toml"), o.threads = 1;
+    o.model = WETCURL_SOURCE_DIR "/models/weights/displayed_s.h5", o.output = scratch.path("plain.h5");
+    infer_command(o);
+    o.locks = 7, o.output = scratch.path("locks.h5");
+    infer_command(o);
+    EXPECT_EQ(RunReader(o.output).header().method, "strand_depthwise displayed_s, locks");
+    EXPECT_GT(crowd(first_frame(o.output), 4e-3f), 1.3 * crowd(first_frame(scratch.path("plain.h5")), 4e-3f));
+    o.cohesion = true;
+    expect_error<Misuse>([&] { infer_command(o); }, {"--locks", "--cohesion", "one of the two"});
+    o.cohesion = false, o.device = "cuda";
+    expect_error<Misuse>([&] { infer_command(o); }, {"--locks", "--device cuda", "the CPU"});
+    o.device = "cpu", o.overwrite = true, scratch.file("wet.toml", standing + "[wetness]\n");
+    expect_error([&] { infer_command(o); }, {"wet.toml", "[cohesion]", "--locks"});
 }
 
 // A network that learned from wet runs adds to the rest shape as settled strands carry it.

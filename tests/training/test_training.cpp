@@ -49,13 +49,6 @@ struct StrandCase {
         batch.target = 0.1 * torch::randn({strands, strand_coefficients, 1, 1});
         batch.length = torch::tensor({0.15f, 0.2f, 0.25f}).unsqueeze(1);
         output = 0.1 * torch::randn({strands, strand_outputs, 1, 1});
-        batch.root = 0.02 * torch::randn({strands, 3});
-        // Not at all, by a quarter about z, and about x.
-        batch.turned =
-            torch::tensor({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, -1, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, -1, 0, 1, 0},
-                          torch::kFloat)
-                .view({strands, 3, 3});
-        batch.beside = torch::tensor({1, 2, 0, 2, 1, 0}).view({strands, 2});
     }
     // An answer with those amplitudes.
     static Tensor answer(const Tensor& amplitudes) {
@@ -90,25 +83,6 @@ struct StrandCase {
         return sum / strands;
     }
 };
-
-TEST(StrandLoss, OfLocksIsHowFarStrandsBesideEachOtherAreApart) {
-    const StrandCase c;
-    const auto found = c.decoded(c.output), wanted = c.decoded(c.batch.target);
-    auto at = [&](const std::vector<std::vector<Vec3f>>& strands, int s, size_t i) {
-        const Vec3f x = strands[size_t(s)][i] - strands[size_t(s)][0];
-        const Vec3f turned = s == 0 ? x : s == 1 ? Vec3f{-x.y, x.x, x.z} : Vec3f{x.x, -x.z, x.y};
-        const float* root = c.batch.root[s].data_ptr<float>();
-        return turned + Vec3f{root[0], root[1], root[2]};
-    };
-    double sum = 0;
-    for (const auto& [a, b] : {std::pair{0, 1}, {0, 2}, {1, 2}})
-        for (size_t i = 1; i < size_t(c.particles); ++i)
-            sum +=
-                std::abs(norm(at(found, a, i) - at(found, b, i)) - norm(at(wanted, a, i) - at(wanted, b, i)));
-    const double expected = sum / 3 / (c.particles - 1) / c.length;
-    ASSERT_GT(expected, 0.01);
-    EXPECT_NEAR(c.loss("locks"), expected, 1e-5 * expected);
-}
 
 TEST(StrandLoss, IsTheDistanceOfDecodedStrands) {
     const StrandCase c;
@@ -941,7 +915,7 @@ TEST(TrainingErrors, AModelToBeginWithMustFit) {
     Job blind(Codec::strand, {"epochs=1", "width=0.25"});
     blind.request.from = wide.request.output;
     blind.request.set.push_back("leave_out=history");
-    expect_error<Misuse>([&] { train(blind.request); }, {"leave_out"});
+    expect_error<Misuse>([&] { train(blind.request); }, {"leave_out", "--from"});
     job.request.from = job.scratch.path("absent.h5");
     expect_error([&] { train(job.request); }, {"absent.h5"});
     EXPECT_FALSE(job.has(""));

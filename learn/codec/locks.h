@@ -1,0 +1,82 @@
+// Displayed strands drawn together into locks, on the CPU, a strand a lane. A network answers with the mean
+// of what it cannot know, and so leaves strands between the locks that they may end in; a few passes of Eq 10
+// bring them into one.
+//
+// No neighbours are searched: a grid carries what hair is around (cloud in cell, Birdsall and Fuss 1969).
+// Every so-manieth particle leaves its volume V, its wet volume sigma V, and that times its place, at the
+// corners of its cell by trilinear weights, and is drawn to the mean place of the wet volume that it finds at
+// these by the same weights. A cell is as wide as gives the weights that two particles have for each other in
+// the mean, a product of cubic splines, the variance of Eq 10's kernel. A particle's own strand is part of
+// what it finds. Cells stand in the head's frame, so that hair which moves with it finds the same weights in
+// each frame.
+#pragma once
+
+#include <vector>
+
+#include "learn/codec/lock_terms.h"
+#include "learn/codec/strand_lanes.h"
+
+namespace wetcurl {
+
+class Locks {
+  public:
+    using S = Pack<float>;
+    // edges, saturation (strand, particle): how long the edge to a particle is at rest [m], and its water;
+    // lanes must outlive it. Throws Error where `terms` are not of Eq 10, or its reach is too small for the
+    // hair: a grid of it would not fit the memory.
+    Locks(LockTerms terms, const RootLanes& lanes, int particles, const std::vector<float>& edges,
+          const std::vector<float>& saturation);
+
+    // ---- A frame, in order; `first`: of a run ----
+    void begin(bool first) { slot_ = (slot_ + 1) % terms_.frames, first_ = first; }
+    // Where a block's strands (particle) are to be put in the world [m], for `take`.
+    Vec3<S>* strands(int block) { return &placed_[size_t(block) * particles_]; }
+    void take(int block, const Pose& head);
+    // When all blocks are taken, by one thread or by all of a team.
+    void draw();
+    // Then moves a block's `strands`.
+    void show(int block, const Pose& head);
+
+  private:
+    // Of what lies around a corner: its volume, its wet volume, and that times its place; three are not used.
+    typedef float Sums __attribute__((vector_size(32)));
+    struct Box {  // of whole cells: the lowest corner, and how many corners each way
+        int low[3], size[3];
+        size_t at(int x, int y, int z) const { return (size_t(x) * size[1] + y) * size[2] + z; }
+    };
+    struct Extent {
+        Vec3<float> low, high;  // [cells]
+    };
+    int turn_of(int block) const { return block % every_; }
+    Vec3<S>* asked(std::vector<Vec3<S>>& of, int block) const { return &of[size_t(block) * count_]; }
+    void measure(int block);
+    void lay_out();
+    void leave();
+    void find(int block, float lambda);
+
+    LockTerms terms_;
+    const RootLanes& lanes_;
+    size_t particles_;
+    int every_, count_;            // of a strand's particles every so-manieth is asked, and the tip
+    float cell_;                   // [m]
+    float most_cells_ = 0;         // from the middle of the head
+    std::vector<int> at_;          // (turn, count): which particle
+    std::vector<int> before_;      // (turn, particle): it lies between this one of those and the next,
+    std::vector<float> after_;     // so much of the way
+    std::vector<S> volume_, wet_;  // (block, count): of what each stands for, in lengths of hair [m]
+    std::vector<S> beta_;          // (block)
+    std::vector<Vec3<S>> placed_;  // (block, particle) [m]
+    std::vector<Vec3<S>> from_, now_, by_;  // (block, count) in the head's frame [cells]
+    std::vector<Extent> extent_;            // (block) of now_
+    Box box_{};
+    std::vector<int> slab_;       // (threads + 1): planes of corners that a thread fills
+    std::vector<int> corner_at_;  // (corner of the box): its number, 0: none yet
+    std::vector<Sums> corners_;   // by number
+    std::vector<size_t> place_;   // of a number: its corner of the box
+    std::vector<Vec3<S>> drawn_;  // (terms_.frames, round robin; block, count): displacements [cells]
+    int slot_ = 0;                // of them, this frame's
+    bool first_ = true;
+    int numbered_ = 0;  // numbers that were given out
+};
+
+}  // namespace wetcurl
