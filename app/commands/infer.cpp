@@ -364,11 +364,12 @@ void add_options(OptionList& options, InferOptions& o) {
 
 int infer_command(const InferOptions& o) {
     check_options(o);
-    if (o.within && (o.resume || o.crop || o.cohesion || o.settled))
+    if (o.within && (o.resume || o.crop || o.cohesion || o.locks || o.settled))
         throw Misuse(fmt::format("--within: found with --{}, allowed without: {}",
                                  o.resume     ? "resume"
                                  : o.crop     ? "crop"
                                  : o.cohesion ? "cohesion"
+                                 : o.locks    ? "locks"
                                               : "settled",
                                  o.resume ? "it looks at all frames first"
                                           : "expected errors are of what the network alone predicts"));

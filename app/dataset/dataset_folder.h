@@ -17,7 +17,7 @@ class DatasetFolder {
     std::string of(const std::string& name) const { return path_ + "/" + name; }
     // The pairs of a scene.
     std::string shard(const DatasetMember& m, Codec codec) const;
-    // In the place of all that a scene leaves, where a run of it diverged: how.
+    // Says how a run of the scene diverged; then nothing else of it is there.
     std::string diverged(const DatasetMember& m) const;
     // All pairs of a split.
     std::string whole(const std::string& split, Codec codec) const;

@@ -49,7 +49,7 @@ struct DatasetRecipe {
     long members_of(const std::string& split) const;
     // How many scenes of a split may be left out since they diverged.
     long may_leave_out(const std::string& split) const {
-        return long(may_diverge * double(members_of(split)));
+        return long(may_diverge * double(members_of(split)) + 1e-9);
     }
 };
 

@@ -35,6 +35,15 @@ std::string text_of(const std::string& path) {
     return text.str();
 }
 
+// The text of a recipe but for what changes no scene.
+std::string scenes_of(const std::string& recipe) {
+    std::istringstream lines(recipe);
+    std::string out;
+    for (std::string line; std::getline(lines, line);)
+        if (!line.starts_with("may_diverge = ")) out += line + "\n";
+    return out;
+}
+
 // By the first of several parts; the others find what it wrote.
 void write_once(const std::string& path, const std::string& text) {
     OutputFile file(path, true, "", LockedFile::Others::wait);
@@ -42,7 +51,7 @@ void write_once(const std::string& path, const std::string& text) {
         file.write(text);
         file.commit();
     }
-    if (text_of(path) != text)
+    if (scenes_of(text_of(path)) != scenes_of(text))
         throw Error(path + ": found another recipe, written just now; every part needs the same one");
 }
 
@@ -50,12 +59,11 @@ void write_once(const std::string& path, const std::string& text) {
 void take_folder(const CommonOptions& o, const DatasetFolder& to, const DatasetRecipe& recipe,
                  const Ranks& part) {
     const std::string path = to.of("recipe.toml"), there = text_of(path);
-    const bool shared = !part.alone();
-    if (there == recipe.text && (o.resume || shared)) return;
+    const bool shared = !part.alone(), same = scenes_of(there) == scenes_of(recipe.text);
+    if (same && (o.resume || shared)) return;
     if (!there.empty() && !o.overwrite)
-        throw Error(there == recipe.text
-                        ? path + ": the data set is there already; --resume goes on, --overwrite replaces it"
-                        : path + ": holds another recipe; --overwrite replaces the data set");
+        throw Error(same ? path + ": the data set is there already; --resume goes on, --overwrite replaces it"
+                         : path + ": holds another recipe; --overwrite replaces the data set");
     if (o.overwrite) {
         for (const char* made : {"shards", "runs", "manifest.json", "recipe.toml"})
             fs::remove_all(to.of(made));
@@ -90,7 +98,7 @@ std::map<std::string, std::string> hashes_of(const std::vector<std::string>& fil
 // Scenes that are left out since they diverged.
 class LeftOut {
   public:
-    // Of all parts, as far as they have come.
+    // Counts those of all parts, as far as they have come.
     LeftOut(const DatasetRecipe& recipe, const DatasetFolder& to) : recipe_(recipe), to_(to) {
         for (const auto& m : recipe.members) count_[m.split] += fs::exists(to.diverged(m));
     }
@@ -98,6 +106,7 @@ class LeftOut {
     void add(const DatasetMember& m, const std::string& why) {
         const std::string text = m.name + ": " + why;
         require(m.split, ++count_[m.split], text + "; ");
+        for (const auto& output : outputs_of(recipe_, m, to_)) fs::remove(partial_of(output));
         OutputFile file(to_.diverged(m), true);
         file.write(text + "\n");
         file.commit();
@@ -120,7 +129,7 @@ class LeftOut {
         if (count > allowed)
             throw Error(
                 fmt::format("{}{} of the {} scenes of {} diverged, allowed is {} (may_diverge in the "
-                            "recipe)",
+                            "recipe; after a change of it --resume goes on)",
                             text, count, recipe_.members_of(split), split, allowed));
     }
     const DatasetRecipe& recipe_;
@@ -219,14 +228,15 @@ std::vector<std::string> DatasetRequest::assignments() const {
 }
 
 bool is_made_by(const std::string& file, const DatasetRequest& o) {
-    return text_of(file) == read_dataset_recipe(o.recipe, o.assignments()).text;
+    return scenes_of(text_of(file)) == scenes_of(read_dataset_recipe(o.recipe, o.assignments()).text);
 }
 
 bool dataset_is_whole(const DatasetRequest& o) {
     const DatasetRecipe recipe = read_dataset_recipe(o.recipe, o.assignments());
     const DatasetFolder to(o.output);
     // The list of what is there is written last.
-    return fs::exists(to.of("manifest.json")) && text_of(to.of("recipe.toml")) == recipe.text &&
+    return fs::exists(to.of("manifest.json")) &&
+           scenes_of(text_of(to.of("recipe.toml"))) == scenes_of(recipe.text) &&
            std::all_of(recipe.members.begin(), recipe.members.end(),
                        [&](const auto& m) { return is_done(recipe, m, to); });
 }

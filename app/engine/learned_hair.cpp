@@ -55,7 +55,7 @@ HairTraits traits_of(const Scene& scene, double low_step) {
 int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
 
 LockTerms lock_terms_of(Cohesion term, int passes, double fps) {
-    term.passes = passes, term.relaxation = 3.4;
+    term.passes = passes, term.relaxation = Cohesion::most_relaxation;
     LockTerms terms{float(term.h_c), float(term.coherence), float(term.stretch), {}, averaged_frames(fps)};
     for (int k = 0; k < term.sweeps(); ++k) terms.sweeps.push_back(float(term.of_sweep(k).lambda));
     return terms;

@@ -25,7 +25,8 @@ HairTraits traits_of(const Scene& scene, double low_step);
 // the demo.
 int passes_after_displayed(int passes);
 
-// So many passes of Eq 10 as networks of displayed strands are drawn together by.
+// So many passes of Eq 10, in over-relaxed sweeps whatever the scene says, that draw the strands of networks
+// of displayed ones together; fps: frames a second.
 LockTerms lock_terms_of(Cohesion term, int passes, double fps);
 
 // Whether there is water on a strand, (strand).

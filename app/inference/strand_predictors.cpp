@@ -69,7 +69,8 @@ class NetworkStrands final : public Predictor {
                                       input.threads, input.settled)),
           name_(method.card.architecture + " " + std::filesystem::path(method.model).stem().string() +
                 (method.settled ? ", settled" : "") + (method.crop ? ", cropped" : "") +
-                (method.locks > 0 ? ", locks" : "") + (input.clumps ? ", Eq 10" : "")),
+                (method.locks > 0 ? ", locks of " + std::to_string(method.locks) + " passes" : "") +
+                (input.clumps ? ", Eq 10" : "")),
           tells_(!method.crop),
           low_(input.low.groom.rest),
           high_(input.scene.groom.rest) {

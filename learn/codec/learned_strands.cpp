@@ -9,7 +9,7 @@
 #include "base/thread_room.h"
 #include "learn/codec/crop.h"
 #include "learn/codec/lane_network.h"
-#include "learn/codec/locks.h"
+#include "learn/codec/lock_grid.h"
 #include "learn/codec/outside_lanes.h"
 
 namespace wetcurl {
@@ -212,7 +212,7 @@ class StrandsOnCpu final : public LearnedStrands {
         else
             finish(block, head, x);
     }
-    // With the frames before, if there are any.
+    // The mean of an answer and those of the frames before.
     void average(int block, const S* answer, S* mean) {
         const int frames = codec_.averaged(), slot = codec_.now().slot % frames;
         const size_t all = size_t(lanes().blocks()) * strand_coefficients;
@@ -220,12 +220,13 @@ class StrandsOnCpu final : public LearnedStrands {
         for (int k = 0; k < frames; ++k)
             if (k == slot || codec_.now().first) std::copy_n(answer, strand_coefficients, kept + k * all);
         for (int c = 0; c < strand_coefficients; ++c) {
-            S sum = kept[c];
-            for (int k = 1; k < frames; ++k) sum += kept[k * all + c];
+            S sum = answer[c];  // the oldest last, wherever in the ring it lies
+            for (int back = 1; back < frames; ++back)
+                sum += kept[size_t((slot + frames - back) % frames) * all + size_t(c)];
             mean[c] = S(1 / float(frames)) * sum;
         }
     }
-    // By all of a team, when all strands are placed.
+    // Called by all threads of a team, when all strands are placed.
     void show_locks(const Pose& head) {
         locks_->draw();
 #pragma omp for schedule(static)
@@ -263,7 +264,7 @@ class StrandsOnCpu final : public LearnedStrands {
     StrandCodec codec_;
     int rounds_;  // that lead edges
     std::optional<OutsideLanes> outside_;
-    std::optional<Locks> locks_;
+    std::optional<LockGrid> locks_;
     std::optional<Crop> crop_;
     // A residual network for strands runs here; any other by itself, on whole images.
     std::optional<LaneNetwork> in_lanes_;

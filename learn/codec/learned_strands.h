@@ -27,7 +27,7 @@ class LearnedStrands {
     virtual void lead_edges(int rounds) = 0;
     // From now on strands are drawn together after the network's answer, before they are kept outside:
     // networks of displayed strands leave them between the locks that they may end in. saturation (high
-    // strand, particle). Throws Error on a CUDA device, and as Locks does.
+    // strand, particle). Throws Error on a CUDA device, and as LockGrid does.
     virtual void draw_together(const LockTerms& terms, const std::vector<float>& saturation) = 0;
     // From now on the network is asked for the smallest rectangle of the root grid alone that holds the
     // strands wanted, (high strands) 0 or 1; beyond it strands are `base`. In it nothing changes: it still

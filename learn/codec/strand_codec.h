@@ -34,7 +34,8 @@ struct HairTraits {
 std::array<int, history_lags.size()> lags_in_frames(double fps);
 
 // Frames, one and those before it, over which a network's answers are averaged: those of a twenty-fourth of a
-// second. What is added to the base changes slowly, and an answer errs in each frame for itself.
+// second, in whole frames. What is added to the base changes slowly, and an answer errs in each frame for
+// itself.
 int averaged_frames(double fps);
 
 class StrandCodec {

@@ -322,10 +322,11 @@ __global__ void average_kernel(const HeadState* head, int count, int frames,
     if (k >= count) return;
     const int at = k / amplitudes * outputs + k % amplitudes, slot = head->slot % frames;
     const float4 now = answer[at];
-    float4 sum{0, 0, 0, 0};
-    for (int f = 0; f < frames; ++f) {
-        float4* const kept = ring + size_t(f) * count + k;
-        if (head->first || f == slot) *kept = now;
+    float4 sum = now;  // the oldest last, wherever in the ring it lies
+    ring[size_t(slot) * count + k] = now;
+    for (int back = 1; back < frames; ++back) {
+        float4* const kept = ring + size_t((slot + frames - back) % frames) * count + k;
+        if (head->first) *kept = now;
         const float4 then = *kept;
         sum.x += then.x, sum.y += then.y, sum.z += then.z, sum.w += then.w;
     }

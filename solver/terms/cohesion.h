@@ -14,7 +14,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/geometry/filter.h"
 #include "base/geometry/kernels.h"
 #include "base/geometry/shapes.h"
 #include "base/parameters.h"
@@ -28,6 +27,7 @@ struct Cohesion {
     int passes = 10, neighbours = 0;
     // Measured: width of the hair that a lock gathers, in h; and how far apart particles may be asked, in h.
     static constexpr double width_of_radius = 1.5, spacing_of_radius = 0.6;
+    static constexpr double most_relaxation = 3.4;  // [passes] of a sweep; more would let strands swap places
     static constexpr Parameter<Cohesion> parameters[] = {
         {KeyRow::number(
              "lock_width", "m", 0.012, 1e-6, 1,
@@ -63,7 +63,7 @@ struct Cohesion {
              .without_default("0.6 times the radius; 0 beside [wetness.flow] and strength"),
          &Cohesion::spacing},
         {KeyRow::number(
-             "relaxation", "1", 3.4, 1, 3.4,
+             "relaxation", "1", most_relaxation, 1, most_relaxation,
              "Approximate number of passes that one over-relaxed sweep replaces; 1: no such sweeps.", "ours"),
          &Cohesion::relaxation},
         {KeyRow::integer("passes", 10, 1, 1000, "Passes of Eq 10 in a frame.", "Eq 10"), &Cohesion::passes},

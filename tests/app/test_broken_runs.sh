@@ -137,7 +137,8 @@ declare -A runs=(
 )
 if "$wetcurl" inspect model "$models/strand_m.h5" --json - >/dev/null 2>&1; then
     runs[adhesion_network]="infer $scenes/scene15.toml --frames 40 $small"
-    runs[strand_network]="infer low.h5 --model $models/displayed_s.h5 --locks 7 --threads 1 --quiet"
+    runs[strand_network]="infer low.h5 --model $models/strand_m.h5 --threads 1 --quiet"
+    runs[locks]="infer low.h5 --model $models/displayed_s.h5 --locks 7 --threads 1 --quiet"
 fi
 
 RANDOM=7

@@ -229,6 +229,17 @@ text = "[integrator]\nsubsteps = 2\nallow_stretch = 1"
                  {"train-000", "diverged at frame", "1 of the 8 scenes of train diverged", "allowed is 0",
                   "may_diverge"});
     EXPECT_FALSE(contents("none").contains("manifest.json"));
+    // What it may lose changes no scene: what is there is kept.
+    DatasetOptions more = options(half, "none");
+    more.resume = true;
+    EXPECT_TRUE(make(more).second);
+    EXPECT_EQ(contents("none").at("train_strand.h5"), contents("some").at("train_strand.h5"));
+    // Too many of all parts together, though not of each.
+    const std::string one_less =
+        "may_diverge = " + fmt::format("{}", (double(torn.size()) - 0.5) / 8) + "\n" + text;
+    DatasetOptions first = options(one_less, "many"), second = options(one_less, "many");
+    first.part = "1/2", second.part = "2/2";
+    expect_error([&] { make(first), make(second); }, {"diverged", "may_diverge"});
 }
 
 TEST_F(Dataset, is_the_same_bytes_on_any_threads_in_parts_and_resumed) {

@@ -135,7 +135,7 @@ TEST(Infer, cropped_says_the_same_of_wet_strands_and_nothing_of_others_far_from_
     EXPECT_GT(others, 4);
 }
 
-TEST(Infer, locks_bring_displayed_strands_together_and_go_on_where_a_run_stopped) {
+TEST(Infer, locks_bring_displayed_strands_together) {
     const Scratch scratch;
     low_run(scratch, true);
     scratch.file("wet.toml", standing + "[wetness]\n[cohesion]\nradius = 0.02\n");
@@ -145,7 +145,7 @@ TEST(Infer, locks_bring_displayed_strands_together_and_go_on_where_a_run_stopped
     infer_command(o);
     o.locks = 7, o.output = scratch.path("locks.h5");
     infer_command(o);
-    EXPECT_EQ(RunReader(o.output).header().method, "strand_depthwise displayed_s, locks");
+    EXPECT_EQ(RunReader(o.output).header().method, "strand_depthwise displayed_s, locks of 7 passes");
     EXPECT_GT(crowd(first_frame(o.output), 4e-3f), 1.3 * crowd(first_frame(scratch.path("plain.h5")), 4e-3f));
     o.cohesion = true;
     expect_error<Misuse>([&] { infer_command(o); }, {"--locks", "--cohesion", "one of the two"});

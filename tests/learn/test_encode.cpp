@@ -245,6 +245,22 @@ TEST(StrandCodec, sees_the_same_past_at_any_rate) {
     EXPECT_EQ(lags_in_frames(6), (std::array<int, 4>{1, 1, 1, 2}));
 }
 
+TEST(StrandCodec, averages_answers_over_a_twenty_fourth_of_a_second_in_whole_frames) {
+    const Groom high = curly_groom({}), low = coarsened(high, 2);
+    for (const auto& [fps, frames, last] :
+         {std::tuple{8.0, 1, 3}, {24.0, 2, 8}, {30.0, 2, 10}, {48.0, 3, 16}, {60.0, 4, 20}, {120.0, 6, 40}}) {
+        EXPECT_EQ(averaged_frames(fps), frames) << fps;
+        HairTraits traits;
+        traits.fps = fps;
+        const StrandCodec codec(high, low, {}, nullptr, false, traits);
+        EXPECT_EQ(codec.averaged(), frames) << fps;
+        EXPECT_EQ(codec.memory(), last + frames - 1) << fps;
+        EXPECT_GT(codec.slots(), last) << fps;
+        EXPECT_LE(codec.slots(), last + frames) << fps;
+        EXPECT_EQ(codec.slots() % frames, 0) << fps;
+    }
+}
+
 TEST(StrandCodec, motion_features_are_gravity_turning_and_the_roots_acceleration) {
     const Groom high = curly_groom({}), low = coarsened(high, 2);
     StrandCodec codec(high, low, {});

@@ -1,10 +1,11 @@
-// Locks by a grid.
-#include "learn/codec/locks.h"
+// Eq 10 by cloud in cell: particles deposit at corners, find what is there, and move.
+#include "learn/codec/lock_grid.h"
 
 #include <omp.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "base/error.h"
@@ -12,11 +13,12 @@
 
 namespace wetcurl {
 
-using S = Locks::S;
+using S = LockGrid::S;
 
 namespace {
 
 constexpr int together = 64;  // numbers that a thread takes at a time
+constexpr size_t no_corner = std::numeric_limits<size_t>::max();
 
 // A particle's cell and the weights of its corners.
 struct InCell {
@@ -44,8 +46,8 @@ Vec3f lane_of(const Vec3<S>& x, int lane) { return {x.x[lane], x.y[lane], x.z[la
 
 }  // namespace
 
-Locks::Locks(LockTerms terms, const RootLanes& lanes, int particles, const std::vector<float>& edges,
-             const std::vector<float>& saturation)
+LockGrid::LockGrid(LockTerms terms, const RootLanes& lanes, int particles, const std::vector<float>& edges,
+                   const std::vector<float>& saturation)
     : terms_(std::move(terms)),
       lanes_(lanes),
       particles_(size_t(particles)),
@@ -79,7 +81,7 @@ Locks::Locks(LockTerms terms, const RootLanes& lanes, int particles, const std::
                     std::to_string(2 * double(most_cells_) / std::cbrt(most_corners) * terms_.reach) +
                     " m or more");
 
-    constexpr double asked_of_reach = 1.25;  // how far apart particles are asked
+    constexpr double asked_of_reach = 0.6;  // how far apart particles are asked
     const double edge = sum / (double(lanes.count()) * (particles - 1));
     every_ = edge > 0
                  ? int(std::clamp(std::round(asked_of_reach * terms_.reach / edge), 1.0, particles - 1.0))
@@ -121,7 +123,7 @@ Locks::Locks(LockTerms terms, const RootLanes& lanes, int particles, const std::
     extent_.resize(blocks);
 }
 
-void Locks::take(int block, const Pose& head) {
+void LockGrid::take(int block, const Pose& head) {
     const Quat<S> back = cast<S>(conjugate(cast<float>(head.rotation)));
     const Vec3<S> middle = cast<S>(cast<float>(head.translation));
     const Vec3<S>* const x = strands(block);
@@ -138,7 +140,7 @@ void Locks::take(int block, const Pose& head) {
     measure(block);
 }
 
-void Locks::measure(int block) {
+void LockGrid::measure(int block) {
     const Vec3<S>* const now = asked(now_, block);
     Extent& extent = extent_[size_t(block)];
     extent = {{1e30f, 1e30f, 1e30f}, {-1e30f, -1e30f, -1e30f}};
@@ -158,7 +160,7 @@ void Locks::measure(int block) {
 
 // The box around all that is asked, and which of its planes each thread fills: about as many particles lie in
 // each one's.
-void Locks::lay_out() {
+void LockGrid::lay_out() {
     Extent all = extent_[0];
     for (const Extent& e : extent_) {
         all.low = {std::min(all.low.x, e.low.x), std::min(all.low.y, e.low.y), std::min(all.low.z, e.low.z)};
@@ -168,14 +170,16 @@ void Locks::lay_out() {
     const float low[] = {all.low.x, all.low.y, all.low.z}, high[] = {all.high.x, all.high.y, all.high.z};
     for (int axis = 0; axis < 3; ++axis) {
         box_.low[axis] = int(std::floor(low[axis]));
-        box_.size[axis] = int(std::floor(high[axis])) - box_.low[axis] + 2;
+        // By the same difference as cells are, which may round up.
+        box_.size[axis] = int(high[axis] - float(box_.low[axis])) + 2;
     }
     const size_t corners = size_t(box_.size[0]) * box_.size[1] * box_.size[2];
     if (corner_at_.size() < corners) corner_at_.resize(corners + corners / 4);
     numbered_ = 1;
 
     const int threads = omp_get_num_threads();
-    const size_t most = 1 + 8 * size_t(lanes_.count()) * count_ + size_t(together) * size_t(threads);
+    const size_t most =
+        1 + std::min(corners, 8 * size_t(lanes_.count()) * count_) + size_t(together) * size_t(threads);
     if (corners_.size() < most) corners_.resize(most), place_.resize(most);
     slab_.assign(size_t(threads) + 1, box_.size[0]);
     slab_[0] = 0;
@@ -194,9 +198,9 @@ void Locks::lay_out() {
     }
 }
 
-// What lies in this thread's planes, particle by particle: each corner's sums are added in one order,
-// whatever the number of threads.
-void Locks::leave() {
+// Adds up the corners of this thread's planes, particle by particle: each in one order, whatever the number
+// of threads.
+void LockGrid::deposit() {
     const size_t t = size_t(omp_get_thread_num());
     const int first = slab_[t], end = slab_[t + 1];
     int next = 0, last = 0;  // numbers that are this thread's to give
@@ -227,7 +231,7 @@ void Locks::leave() {
                                         numbered_ += together;
                                     }
                                     last = next + together;
-                                    std::fill_n(place_.begin() + next, together, size_t(0));
+                                    std::fill_n(place_.begin() + next, together, no_corner);
                                 }
                                 number = next++;
                                 place_[size_t(number)] = place;
@@ -241,7 +245,7 @@ void Locks::leave() {
         }
 }
 
-void Locks::find(int block, float lambda) {
+void LockGrid::find(int block, float lambda) {
     Vec3<S>*const now = asked(now_, block), *const by = asked(by_, block);
     by[0] = {S(0), S(0), S(0)};
     for (int j = 1; j < count_; ++j) {
@@ -265,20 +269,21 @@ void Locks::find(int block, float lambda) {
     measure(block);
 }
 
-void Locks::draw() {
+void LockGrid::draw() {
     for (const float lambda : terms_.sweeps) {
 #pragma omp single
         lay_out();
-        leave();
+        deposit();
 #pragma omp barrier
 #pragma omp for schedule(static)
         for (int block = 0; block < lanes_.blocks(); ++block) find(block, lambda);
 #pragma omp for schedule(static)
-        for (int number = 1; number < numbered_; ++number) corner_at_[place_[size_t(number)]] = 0;
+        for (int number = 1; number < numbered_; ++number)
+            if (place_[size_t(number)] != no_corner) corner_at_[place_[size_t(number)]] = 0;
     }
 }
 
-void Locks::show(int block, const Pose& head) {
+void LockGrid::show(int block, const Pose& head) {
     Vec3<S>* const x = strands(block);
     Vec3<S>*const from = asked(from_, block), *const now = asked(now_, block);
     const Quat<S> turned = cast<S>(cast<float>(head.rotation));
@@ -288,8 +293,9 @@ void Locks::show(int block, const Pose& head) {
         const Vec3<S> by = now[j] - from[j];
         for (int slot = 0; slot < terms_.frames; ++slot)
             if (first_ || slot == slot_) drawn[size_t(slot) * all] = by;
-        Vec3<S> sum = drawn[0];
-        for (int slot = 1; slot < terms_.frames; ++slot) sum += drawn[size_t(slot) * all];
+        Vec3<S> sum = by;  // the oldest last, wherever in the ring it lies
+        for (int back = 1; back < terms_.frames; ++back)
+            sum += drawn[size_t((slot_ + terms_.frames - back) % terms_.frames) * all];
         now[j] = S(cell_ / float(terms_.frames)) * rotate(turned, sum);
     }
     const int* const before = &before_[size_t(turn_of(block)) * particles_];

@@ -3,12 +3,13 @@
 // bring them into one.
 //
 // No neighbours are searched: a grid carries what hair is around (cloud in cell, Birdsall and Fuss 1969).
-// Every so-manieth particle leaves its volume V, its wet volume sigma V, and that times its place, at the
-// corners of its cell by trilinear weights, and is drawn to the mean place of the wet volume that it finds at
-// these by the same weights. A cell is as wide as gives the weights that two particles have for each other in
-// the mean, a product of cubic splines, the variance of Eq 10's kernel. A particle's own strand is part of
-// what it finds. Cells stand in the head's frame, so that hair which moves with it finds the same weights in
-// each frame.
+// Some particles of each strand deposit their volume V, their wet volume sigma V, and that times their place,
+// at the corners of their cells by trilinear weights. Each is drawn to the mean place of the wet volume that
+// it finds at its corners by the same weights; its own strand is part of that. Two particles weigh for each
+// other, in the mean over the grid's place, by a product of cubic splines; the size of cells gives it the
+// variance of Eq 10's kernel. The grid stands in the head's frame, so that hair which moves with the head
+// finds the same weights in each frame. Differs from Eq 10 in solver/terms/cohesion.h: a particle's volume
+// goes by the length of hair that it stands for alone, not by the diameter of a fibre.
 #pragma once
 
 #include <vector>
@@ -18,14 +19,14 @@
 
 namespace wetcurl {
 
-class Locks {
+class LockGrid {
   public:
     using S = Pack<float>;
     // edges, saturation (strand, particle): how long the edge to a particle is at rest [m], and its water;
     // lanes must outlive it. Throws Error where `terms` are not of Eq 10, or its reach is too small for the
     // hair: a grid of it would not fit the memory.
-    Locks(LockTerms terms, const RootLanes& lanes, int particles, const std::vector<float>& edges,
-          const std::vector<float>& saturation);
+    LockGrid(LockTerms terms, const RootLanes& lanes, int particles, const std::vector<float>& edges,
+             const std::vector<float>& saturation);
 
     // ---- A frame, in order; `first`: of a run ----
     void begin(bool first) { slot_ = (slot_ + 1) % terms_.frames, first_ = first; }
@@ -38,7 +39,7 @@ class Locks {
     void show(int block, const Pose& head);
 
   private:
-    // Of what lies around a corner: its volume, its wet volume, and that times its place; three are not used.
+    // At a corner: volume, wet volume, and that times its place; three are not used.
     typedef float Sums __attribute__((vector_size(32)));
     struct Box {  // of whole cells: the lowest corner, and how many corners each way
         int low[3], size[3];
@@ -51,7 +52,7 @@ class Locks {
     Vec3<S>* asked(std::vector<Vec3<S>>& of, int block) const { return &of[size_t(block) * count_]; }
     void measure(int block);
     void lay_out();
-    void leave();
+    void deposit();
     void find(int block, float lambda);
 
     LockTerms terms_;
