@@ -115,7 +115,7 @@ class Trainer {
                     checkpoint();
                     since_checkpoint.restart();
                 }
-                state_.loss_sum += optimise(data_->batch(state_.step), interrupt.asked());
+                optimise(data_->batch(state_.step), interrupt.asked());
             }
             finish_epoch();
         }
@@ -297,16 +297,16 @@ class Trainer {
     }
 
     // The loss of a batch, its gradient to the optimiser.
-    double differentiate(const Batch& host) {
+    Tensor differentiate(const Batch& host) {
         const Batch batch = host.to(device_);
         const Tensor loss = loss_->of(output_of(batch), batch);
         loss.backward();
-        return loss.item<double>();
+        return loss.detach();
     }
 
     // The same of a batch that processes share: sums over each one's samples, added up, over the count of
     // all.
-    double differentiate_share(const Batch& host, bool asked_to_stop) {
+    Tensor differentiate_share(const Batch& host, bool asked_to_stop) {
         const Tensor extra = optimiser_->extra();
         if (!host.empty()) {
             const double count = loss_->count(host);
@@ -318,35 +318,52 @@ class Trainer {
         }
         extra[Optimiser::stops].fill_(asked_to_stop ? 1 : 0);
         group_->sum(optimiser_->shared);
-        optimiser_->gradient().div_(extra[Optimiser::samples].clamp_min(1));
-        const Tensor found = extra.cpu();
-        stop_agreed_ = found[Optimiser::stops].item<float>() > 0;
-        return found[Optimiser::loss].item<double>() /
-               std::max(found[Optimiser::samples].item<double>(), 1.0);
+        const Tensor samples = extra[Optimiser::samples].clamp_min(1);
+        optimiser_->gradient().div_(samples);
+        return extra[Optimiser::loss] / samples;
     }
 
-    // One step; the loss before it.
-    double optimise(const Batch& batch, bool asked_to_stop) {
+    // One step. What came of it is looked at now and then: a GPU that is waited for stands idle.
+    void optimise(const Batch& batch, bool asked_to_stop) {
         optimiser_->clear_gradients();
-        const double value =
-            ranks_.alone() ? differentiate(batch) : differentiate_share(batch, asked_to_stop);
+        const Tensor loss = ranks_.alone() ? differentiate(batch) : differentiate_share(batch, asked_to_stop);
         const double rate = learning_rate();
-        const double norm = std::isfinite(value) ? optimiser_->step(rate) : 0;
-        if (!std::isfinite(value) || !std::isfinite(norm)) fail_diverged(value, norm, rate);
+        taken_.push_back({loss, optimiser_->step(rate), rate});
+        const long apart = device_.is_cuda() ? 32 : 1;
+        if ((state_.step + 1) % apart != 0 && state_.step + 1 != data_->steps()) return;
+        const double value = look_at_steps();
+        if (!ranks_.alone()) stop_agreed_ = optimiser_->extra()[Optimiser::stops].item<float>() > 0;
         if (request_.progress) {
             std::ostringstream note;
             note.precision(3);
             note << "loss " << value << best_note_;
             request_.progress(optimiser_->steps - first_step_, total_steps_ - first_step_, note.str());
         }
-        return value;
     }
 
-    [[noreturn]] void fail_diverged(double loss, double gradient, double rate) const {
+    // Adds up the losses of steps since the last look, and returns the last one's.
+    double look_at_steps() {
+        if (taken_.empty()) return 0;
+        std::vector<Tensor> numbers;
+        for (const auto& step : taken_) numbers.insert(numbers.end(), {step.loss, step.norm});
+        const Tensor found = torch::stack(numbers).to(torch::kCPU, torch::kDouble);
+        const double* const value = found.data_ptr<double>();
+        for (size_t k = 0; k < taken_.size(); ++k) {
+            if (!std::isfinite(value[2 * k]) || !std::isfinite(value[2 * k + 1]))
+                fail_diverged(optimiser_->steps - long(taken_.size() - k) + 1, value[2 * k], value[2 * k + 1],
+                              taken_[k].rate);
+            state_.loss_sum += value[2 * k];
+        }
+        const double last = value[2 * (taken_.size() - 1)];
+        taken_.clear();
+        return last;
+    }
+
+    [[noreturn]] void fail_diverged(long step, double loss, double gradient, double rate) const {
         std::ostringstream text;
-        text << request_.output << ": training diverged at step " << optimiser_->steps + 1 << " (epoch "
-             << state_.epoch + 1 << "): loss " << loss << ", norm of the gradient " << gradient
-             << ", learning_rate " << rate << "; a smaller learning_rate or gradient_clip = 1 may help";
+        text << request_.output << ": training diverged at step " << step << " (epoch " << state_.epoch + 1
+             << "): loss " << loss << ", norm of the gradient " << gradient << ", learning_rate " << rate
+             << "; a smaller learning_rate or gradient_clip = 1 may help";
         throw Error(text.str());
     }
 
@@ -472,6 +489,7 @@ class Trainer {
 
     void checkpoint() {
         if (!ranks_.first()) return;
+        look_at_steps();
         state_.weights = optimiser_->as_on_cpu(optimiser_->weights);
         state_.first_moment = optimiser_->as_on_cpu(optimiser_->first_moment);
         state_.second_moment = optimiser_->as_on_cpu(optimiser_->second_moment);
@@ -535,6 +553,11 @@ class Trainer {
     // Of the first process.
     std::optional<OutputFile> place_;  // of the model
     std::unique_ptr<MetricsLog> log_;
+    struct Taken {  // a step; on the device
+        Tensor loss, norm;
+        double rate;
+    };
+    std::vector<Taken> taken_;  // since the last look
     bool stop_agreed_ = false;
     TrainingState state_;
     std::string best_note_;

@@ -57,12 +57,11 @@ void Optimiser::take(Tensor& part, const Tensor& as_on_cpu) const {
     }
 }
 
-double Optimiser::step(double learning_rate) {
+Tensor Optimiser::step(double learning_rate) {
     constexpr double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-8;
     torch::NoGradGuard no_grad;
-    const double norm = gradient_.norm().item<double>();
-    if (!std::isfinite(norm)) return norm;
-    if (clip_ > 0 && norm > clip_) gradient_.mul_(clip_ / norm);
+    const Tensor norm = gradient_.norm();
+    if (clip_ > 0) gradient_.mul_((clip_ / norm).clamp_max(1));
     ++steps;
     first_moment.lerp_(gradient_, 1 - beta1);
     second_moment.mul_(beta2).addcmul_(gradient_, gradient_, 1 - beta2);

@@ -12,9 +12,9 @@ class Optimiser {
     // Moves the model's weights and gradients into flat vectors of which they become views.
     Optimiser(TorchNetwork& model, double weight_decay, double gradient_clip);
     void clear_gradients() { shared.zero_(); }
-    // One step down the gradient, whose norm, before clipping, it returns; one that is not finite changes
-    // nothing.
-    double step(double learning_rate);
+    // One step down the gradient, whose norm, before clipping, it returns: on the device, which nobody waits
+    // for. After one that is not finite no weight is.
+    Tensor step(double learning_rate);
 
     // What processes sum besides the gradient: the loss, how many samples it is of, and how many of them
     // were asked to stop.

@@ -188,9 +188,7 @@ int infer_scene(InferOptions o) {
         throw Misuse(std::string(oracle->by_weights ? "--oracle-weights" : "--oracle-colours") +
                      ": found with " + o.input +
                      ", allowed with a low-resolution run; simulate --dry --strands N makes one");
-    if (const ModelCard* card = method.card()) {
-        require_solids_for(*card, scene, o.input);
-    }
+    if (const ModelCard* card = method.card()) require_solids_for(*card, o.locks.has_value(), scene, o.input);
     Scene low = low_scene_of(o, method, scene);
     if (const ModelCard* card = method.card())
         if (card->low_substeps && !sets(o, "integrator", "substeps")) set_substeps(low, card->low_substeps);
@@ -310,8 +308,9 @@ void add_options(OptionList& options, InferOptions& o) {
     options
         .option(
             "--locks", o.locks,
-            "for models of displayed strands, on the CPU: draw their strands into locks, by so many passes "
-            "of Eq 10 on a grid in the place of neighbours")
+            "for models of whole strands, on the CPU: draw their strands into locks by so many passes of Eq "
+            "10 on a grid, which is faster than neighbours; about as many as the scene has after models of "
+            "strands before Eq 10, half as many after those of displayed ones")
         .within(1, 1000);
     options
         .option(

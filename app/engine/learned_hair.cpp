@@ -17,15 +17,18 @@
 
 namespace wetcurl {
 
-void require_solids_for(const ModelCard& card, const Scene& scene, const std::string& file) {
-    if (card.target != "displayed") return;
+void require_solids_for(const ModelCard& card, bool locks, const Scene& scene, const std::string& file) {
+    const bool displayed = card.target == "displayed";
+    if (!displayed && !locks) return;
     for (const Solid& solid : scene.solids)
         if (!solid.attached || solid.deformation)
-            throw Error(
-                file + ": solid '" + solid.name + "' " +
-                (solid.deformation ? "deforms" : "is not attached to the head") +
-                ", allowed for a network of displayed strands is what moves with the head; one trained "
-                "with target = \"strands\" is kept out of every solid");
+            throw Error(file + ": solid '" + solid.name + "' " +
+                        (solid.deformation ? "deforms" : "is not attached to the head") + ", allowed for " +
+                        (displayed
+                             ? "a network of displayed strands is what moves with the head; one trained "
+                               "with target = \"strands\" is kept out of every solid"
+                             : "--locks is what moves with the head; Eq 10, which follows without it, "
+                               "keeps strands out of every solid"));
 }
 
 void require_rigid_scalp(const Scene& scene, const std::string& file) {
@@ -55,10 +58,28 @@ HairTraits traits_of(const Scene& scene, double low_step) {
 int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
 
 LockTerms lock_terms_of(Cohesion term, int passes, double fps) {
-    term.passes = passes, term.relaxation = Cohesion::most_relaxation;
+    constexpr double relaxation = 3.5;  // 14 passes in four sweeps; of two sweeps, 4 would be the most
+    term.passes = passes, term.relaxation = relaxation;
     LockTerms terms{float(term.h_c), float(term.coherence), float(term.stretch), {}, averaged_frames(fps)};
     for (int k = 0; k < term.sweeps(); ++k) terms.sweeps.push_back(float(term.of_sweep(k).lambda));
     return terms;
+}
+
+static void keep_outside_head(LearnedStrands& learned, const Scene& scene) {
+    if (!scene.has_solid_with_roots()) return;
+    HeadShapes head;
+    for (const Solid& solid : scene.solids) head.shapes.push_back(solid.shape);
+    head.depth = rest_depths_of(scene);
+    learned.keep_outside(head);
+}
+
+void draw_together(LearnedStrands& learned, const Scene& scene, const std::string& scene_file, int passes,
+                   double fps) {
+    if (!scene.cohesion) throw Error(scene_file + ": has no [cohesion], which --locks needs");
+    require_solids_for(learned.card(), true, scene, scene_file);
+    learned.draw_together(lock_terms_of(*scene.cohesion, passes, fps), scene.saturation);
+    learned.lead_edges(most_length_rounds);
+    keep_outside_head(learned, scene);
 }
 
 std::vector<uint8_t> wet_strands_of(const Scene& scene) {
@@ -107,19 +128,14 @@ std::unique_ptr<LearnedStrands> learned_strands_of(const std::string& model, con
     if (card.codec != "strand")
         throw Error(model + ": found a model of codec " + card.codec + ", allowed is one of codec strand");
     require_rigid_scalp(scene, scene_file);
-    require_solids_for(card, scene, scene_file);
+    require_solids_for(card, false, scene, scene_file);
     const Strands shape = shape_at_rest(scene);
     auto learned =
         network_module().load_strands(model,
                                       StrandCodec(scene.groom, low, scene.saturation, &shape,
                                                   card.low == "wet", traits_of(scene, low_step), settled),
                                       low, device, threads);
-    if (card.target == "displayed" && scene.has_solid_with_roots()) {
-        HeadShapes head;
-        for (const Solid& solid : scene.solids) head.shapes.push_back(solid.shape);
-        head.depth = rest_depths_of(scene);
-        learned->keep_outside(head);
-    }
+    if (card.target == "displayed") keep_outside_head(*learned, scene);
     return learned;
 }
 

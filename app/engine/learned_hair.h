@@ -9,9 +9,10 @@
 
 namespace wetcurl {
 
-// Throws Error, naming `file`, where the model (its card) predicts displayed strands, which run without Eq
-// 10, and a solid of the scene is not attached to the head or deforms: nothing would keep strands out of it.
-void require_solids_for(const ModelCard& card, const Scene& scene, const std::string& file);
+// Throws Error, naming `file`, where no Eq 10 by neighbours follows (the model, its card, predicts displayed
+// strands, or `locks` are drawn by a grid) and a solid of the scene is not attached to the head or deforms:
+// nothing would keep strands out of it.
+void require_solids_for(const ModelCard& card, bool locks, const Scene& scene, const std::string& file);
 
 // Throws Error, naming `file`, where roots of the scene ride on a solid that deforms: networks and
 // interpolation place them on a rigid head.
@@ -25,9 +26,13 @@ HairTraits traits_of(const Scene& scene, double low_step);
 // the demo.
 int passes_after_displayed(int passes);
 
-// So many passes of Eq 10, in over-relaxed sweeps whatever the scene says, that draw the strands of networks
-// of displayed ones together; fps: frames a second.
+// So many passes of Eq 10, in over-relaxed sweeps whatever the scene says; fps: frames a second.
 LockTerms lock_terms_of(Cohesion term, int passes, double fps);
+// Strands of the scene are drawn together by so many passes of Eq 10 on a grid, and kept out of what is
+// attached to the head. Throws Error, naming `scene_file`, without [cohesion] and as require_solids_for, and
+// as LearnedStrands::draw_together.
+void draw_together(LearnedStrands& learned, const Scene& scene, const std::string& scene_file, int passes,
+                   double fps);
 
 // Whether there is water on a strand, (strand).
 std::vector<uint8_t> wet_strands_of(const Scene& scene);

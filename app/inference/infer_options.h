@@ -21,7 +21,7 @@ struct InferOptions : CommonOptions {
     bool wet_shape = false;                      // of an interpolation: Eq 9 before it
     bool settled = false;          // the run is dry, and is moved to where wet strands come to rest
     std::optional<double> within;  // strands that are expected to be off by more are simulated [mm]
-    std::optional<int> locks;      // passes of Eq 10 that draw displayed strands together by a grid
+    std::optional<int> locks;      // passes of Eq 10 that draw strands together by a grid
     bool crop = false;             // the network is asked where hair is wet alone
     bool cohesion = false;         // Eq 10 after it
     // Of Eq 10, in place of the scene's.

@@ -24,7 +24,7 @@ Method method_of_model(const InferOptions& o) {
     if (way == adhesion_model_way) return {AdhesionNetworkMethod{o.model}};
     if (way == root_model_way) return {RootNetworkMethod{o.model, card, transform_of(o)}};
     return {StrandNetworkMethod{o.model, card, o.settled, o.crop, o.locks.value_or(0)},
-            !(way & displayed_model_ways) || o.cohesion,
+            o.cohesion || !(o.locks || way & displayed_model_ways),
             {o.passes, o.spacing, o.relaxation}};
 }
 

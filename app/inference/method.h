@@ -38,7 +38,7 @@ struct StrandNetworkMethod {
     std::string model;
     ModelCard card;
     bool settled, crop;
-    int locks;  // passes of Eq 10 that draw its displayed strands together; 0: none
+    int locks;  // passes of Eq 10 that draw its strands together by a grid; 0: none
     bool is_displayed() const { return card.target == "displayed"; }
 };
 struct RootNetworkMethod {

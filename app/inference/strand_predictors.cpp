@@ -75,13 +75,10 @@ class NetworkStrands final : public Predictor {
           low_(input.low.groom.rest),
           high_(input.scene.groom.rest) {
         if (method.crop) learned_->crop(wet_strands_of(input.scene));
-        if (method.locks > 0) {
-            if (!input.scene.cohesion)
-                throw Error(input.scene_file + ": has no [cohesion], which --locks needs");
-            learned_->draw_together(lock_terms_of(*input.scene.cohesion, method.locks, input.low.fps),
-                                    input.scene.saturation);
-        }
-        if (input.clumps || method.locks > 0) learned_->lead_edges(most_length_rounds);
+        if (method.locks > 0)
+            draw_together(*learned_, input.scene, input.scene_file, method.locks, input.low.fps);
+        else if (input.clumps)
+            learned_->lead_edges(most_length_rounds);
     }
     std::string name() const override { return name_; }
     void apply(int, const RunFrame& low, const HeadWindow& heads, Strands& p) override {

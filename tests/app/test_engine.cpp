@@ -184,9 +184,9 @@ TEST(Infer, each_way_has_its_options_and_refuses_the_others_with_what_they_go_wi
     EXPECT_EQ(allowed_with(oracle_weights_way), (Options{"--reconstruct", "--roots 3"}));
     EXPECT_EQ(allowed_with(oracle_colours_way),
               (Options{"--reconstruct", "--gain", "--units", "--colour-units", "--roots 3"}));
-    EXPECT_EQ(allowed_with(strands_of_dry_way), with({"--crop"}));
+    EXPECT_EQ(allowed_with(strands_of_dry_way), with({"--crop", "--locks"}));
     EXPECT_EQ(allowed_with(displayed_of_dry_way), with({"--crop", "--locks"}));
-    EXPECT_EQ(allowed_with(strands_of_wet_way), with({"--settled", "--crop"}));
+    EXPECT_EQ(allowed_with(strands_of_wet_way), with({"--settled", "--crop", "--locks"}));
     EXPECT_EQ(allowed_with(displayed_of_wet_way), with({"--settled", "--crop", "--locks"}));
     EXPECT_EQ(allowed_with(root_model_way),
               (Options{"--reconstruct", "--gain", "--units", "--roots 3", "--wetness"}));
