@@ -201,7 +201,7 @@ void write_png(const std::string&, const Image&, bool) { no_opencv(); }
 void draw_text(Image&, const std::string&, int, int, double, double) { no_opencv(); }
 int text_width(const std::string&, double) { no_opencv(); }
 void draw_label(Image&, const std::string&) { no_opencv(); }
-void draw_saturation_legend(Image&) { no_opencv(); }
+void draw_rainbow_legend(Image&, const std::string&, const std::string&) { no_opencv(); }
 
 #endif
 

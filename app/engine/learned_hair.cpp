@@ -27,8 +27,8 @@ void require_solids_for(const ModelCard& card, bool locks, const Scene& scene, c
                         (displayed
                              ? "a network of displayed strands is what moves with the head; one trained "
                                "with target = \"strands\" is kept out of every solid"
-                             : "--locks is what moves with the head; Eq 10, which follows without it, "
-                               "keeps strands out of every solid"));
+                             : "locks by a grid is what moves with the head; Eq 10 by neighbours, which "
+                               "follows in their place, keeps strands out of every solid"));
 }
 
 void require_rigid_scalp(const Scene& scene, const std::string& file) {
@@ -75,7 +75,7 @@ static void keep_outside_head(LearnedStrands& learned, const Scene& scene) {
 
 void draw_together(LearnedStrands& learned, const Scene& scene, const std::string& scene_file, int passes,
                    double fps) {
-    if (!scene.cohesion) throw Error(scene_file + ": has no [cohesion], which --locks needs");
+    if (!scene.cohesion) throw Error(scene_file + ": has no [cohesion], which locks need");
     require_solids_for(learned.card(), true, scene, scene_file);
     learned.draw_together(lock_terms_of(*scene.cohesion, passes, fps), scene.saturation);
     learned.lead_edges(most_length_rounds);
@@ -145,6 +145,11 @@ LearnedHair::LearnedHair(std::unique_ptr<LearnedStrands> strands, const Scene& s
     if (!clumps) return;
     display_.emplace(device, scene);
     before_ = scene.groom.rest;
+}
+
+void LearnedHair::draw_together(const Scene& scene, const std::string& scene_file, int passes) {
+    wetcurl::draw_together(*strands_, scene, scene_file, passes, scene.fps);
+    display_.reset();
 }
 
 void LearnedHair::bind(const Vec3f* low, Vec3f* displayed, bool on_device) {

@@ -61,6 +61,8 @@ class LearnedHair {
     LearnedHair(std::unique_ptr<LearnedStrands> strands, const Scene& scene, const std::string& device,
                 bool clumps);
     LearnedStrands& strands() { return *strands_; }
+    // As wetcurl::draw_together, in the place of Eq 10, at the scene's frame rate; before anything is bound.
+    void draw_together(const Scene& scene, const std::string& scene_file, int passes);
     // As LearnedStrands::bind; `displayed` (high strands, particles). Throws Error too where they lie on a
     // device and Eq 10 is computed on the host.
     void bind(const Vec3f* low, Vec3f* displayed, bool on_device);

@@ -13,6 +13,7 @@ using namespace wetcurl;
 
 struct wetcurl_hair {
     int threads;
+    std::string scene_file;
     Scene scene;
     Groom low;
     std::vector<int> low_places;
@@ -64,7 +65,7 @@ wetcurl_hair* wetcurl_open_from(const char* scene_file, const char* model, const
             throw Error(std::string(scene_file) +
                         ": its solids deform, which cohesion after a network cannot follow here");
         auto hair = std::make_unique<wetcurl_hair>(
-            wetcurl_hair{count, std::move(scene), std::move(low), std::move(places), {}});
+            wetcurl_hair{count, scene_file, std::move(scene), std::move(low), std::move(places), {}});
         hair->learned.emplace(std::move(learned), hair->scene, device, clumps);
         return hair.release();
     });
@@ -87,6 +88,16 @@ int wetcurl_crop(wetcurl_hair* hair) {
     return status_of([&] {
         hair->learned->strands().crop(wet_strands_of(hair->scene));
         hair->crops = true;
+    });
+}
+
+int wetcurl_locks(wetcurl_hair* hair, int passes) {
+    return status_of([&] {
+        if (passes < 1 || passes > 1000)
+            throw Error("wetcurl_locks: passes: found " + std::to_string(passes) + ", allowed 1 to 1000");
+        if (hair->learned->is_bound())
+            throw Error("wetcurl_locks: the hair is bound; wetcurl_locks comes before wetcurl_bind");
+        hair->learned->draw_together(hair->scene, hair->scene_file, passes);
     });
 }
 

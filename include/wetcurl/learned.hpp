@@ -44,6 +44,8 @@ class Hair {
     }
     /// Computes only where hair is wet, see wetcurl_crop().
     void crop() { detail::check(wetcurl_crop(hair_.get())); }
+    /// Draws strands into locks by a grid, see wetcurl_locks().
+    void locks(int passes) { detail::check(wetcurl_locks(hair_.get(), passes)); }
     /// Sets the memory of the frames, see wetcurl_bind(): low (low strands, particles, 3) and high (high
     /// strands, particles, 3) [m], in world axes.
     void bind(const float* low, float* high, bool on_device = false) {

@@ -152,7 +152,37 @@ TEST(Infer, locks_bring_displayed_strands_together) {
     o.cohesion = false, o.device = "cuda";
     expect_error<Misuse>([&] { infer_command(o); }, {"--locks", "--device cuda", "the CPU"});
     o.device = "cpu", o.overwrite = true, scratch.file("wet.toml", standing + "[wetness]\n");
-    expect_error([&] { infer_command(o); }, {"wet.toml", "[cohesion]", "--locks"});
+    expect_error([&] { infer_command(o); }, {"wet.toml", "[cohesion]", "locks"});
+}
+
+// In the place of neighbours: as many strands come as near, and they stay out of the head.
+TEST(Infer, locks_of_networks_of_strands_are_those_of_neighbours) {
+    const Scratch scratch;
+    low_run(scratch, true);
+    const std::string head = "[[solid]]\nname = 'head'\nshape = 'sphere'\nradius = 0.09\nattached = 'head'\n";
+    const std::string hair = standing + "[wetness]\n[cohesion]\nradius = 0.02\n";
+    scratch.file("wet.toml", hair + head);
+    InferOptions o;
+    o.input = scratch.path("dry10.h5"), o.wetness = scratch.path("wet.toml"), o.threads = 1;
+    o.model = WETCURL_SOURCE_DIR "/models/weights/strand_m.h5", o.output = scratch.path("neighbours.h5");
+    infer_command(o);
+    o.locks = 14, o.output = scratch.path("locks.h5");
+    infer_command(o);
+    EXPECT_EQ(RunReader(o.output).header().method, "strand_depthwise strand_m, locks of 14 passes");
+    const Strands neighbours = first_frame(scratch.path("neighbours.h5")), locks = first_frame(o.output);
+    EXPECT_NEAR(crowd(locks, 4e-3f), crowd(neighbours, 4e-3f), 0.25 * crowd(neighbours, 4e-3f));
+    double apart = 0;
+    for (size_t k = 0; k < locks.points.size(); ++k) {
+        apart += norm(locks.points[k] - neighbours.points[k]);
+        EXPECT_GT(norm(locks.points[k]), 0.09 - 1e-4);
+    }
+    EXPECT_LT(apart / double(locks.points.size()), 3e-3);
+
+    o.passes = 4, o.overwrite = true;
+    expect_error<Misuse>([&] { infer_command(o); }, {"--passes", "no Eq 10 follows", "--locks"});
+    o.passes.reset();
+    scratch.file("wet.toml", hair + "[[solid]]\nname = 'wall'\nshape = 'plane'\n");
+    expect_error([&] { infer_command(o); }, {"wet.toml", "'wall'", "not attached", "locks by a grid"});
 }
 
 // A network that learned from wet runs adds to the rest shape as settled strands carry it.

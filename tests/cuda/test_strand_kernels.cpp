@@ -103,11 +103,11 @@ TEST_P(CodecOnDevice, gives_the_features_and_strands_of_the_host) {
                                            ? codec.fixed()[c * S + p]
                                            : dynamic[(c - size_t(static_channels)) * S + p];
                 largest = std::max(largest, std::abs(double(expected)));
-                // Rounding of offsets of 0.2 m, of accelerations of 1e2 m/s^2 by differences of poses.
-                ASSERT_NEAR(image[c * S + p], expected, 2e-6 + 1e-5 * std::abs(expected))
+                // Rounding of offsets of 0.2 m by lengths as large, of accelerations by differences of poses.
+                ASSERT_NEAR(image[c * S + p], expected, 1e-5 + 1e-5 * std::abs(expected))
                     << "frame " << f << ", channel " << c << ", pixel " << p;
             }
-        EXPECT_GT(largest, 1);
+        EXPECT_GT(largest, 0.5);
         kernels.place(answer_there.data(), rounds, out_there.data(), nullptr);
         Strands placed(high.rest.count, high.rest.particles);
         out_there.download(placed.points.data());

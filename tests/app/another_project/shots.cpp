@@ -37,6 +37,20 @@ int main(int argc, char** argv) try {
     hair.run(still);
     require(high == first, "a crop of hair that is wet everywhere leaves out nothing");
 
+    // Locks take the place of what draws strands together otherwise.
+    wetcurl::Hair drawn(argv[1], argv[2]);
+    drawn.locks(14);
+    std::vector<float> in_locks(high.size());
+    drawn.bind(rest.data(), in_locks.data());
+    drawn.run(still);
+    require(in_locks != first, "locks move strands");
+    double apart = 0;
+    for (size_t k = 0; k < first.size(); ++k) apart += std::fabs(in_locks[k] - first[k]);
+    require(apart / double(first.size()) < 0.01, "strands are drawn to those around them, no further");
+    require_refused([&] { drawn.locks(14); });  // it is bound
+    wetcurl::Hair none(argv[1], argv[2]);
+    require_refused([&] { none.locks(0); });
+
     // From other strands: places and numbers, and what is expected of the network with few of them.
     wetcurl::Hair few(argv[1], argv[2], wetcurl_low_run{4, 0, 2}),
         guided(argv[1], argv[2], wetcurl_low_run{0, 9, 0});
