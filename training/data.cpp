@@ -128,12 +128,12 @@ class StrandData : public TrainingData {
     }
     long validation_batches() const override { return long(held_.size()); }
     Batch validation_batch(long i) const override { return of({held_[size_t(i)]}); }
-    double unit() const override { return unit_; }
+    double unit() const override { return 1; }
 
   private:
     struct Run {
         Tensor fixed, dynamic, target;  // (P, Cs), (F, P, Cd), (F, P, 72)
-        Tensor pixels, length;          // (P), (P, 1) [m]
+        Tensor pixels, length, share;   // (P), (P, 1) [m], (P, 1)
         long height, width;
         vector<int> times;  // (F)
     };
@@ -183,7 +183,6 @@ class StrandData : public TrainingData {
         for (long p = 0; p < area; ++p)
             if (run.mask[size_t(p)]) {
                 inside.push_back(p);
-                length_sum_ += run.length[size_t(p)];
                 lengths.push_back(run.length[size_t(p)]);
             }
         if (inside.empty()) throw Error(where + "/mask: found no strand");
@@ -191,12 +190,13 @@ class StrandData : public TrainingData {
             throw Error(where + ": knows no strands after cohesion, which target = \"displayed\" needs");
         const Tensor pixels = torch::tensor(inside);
         const long count = pixels.size(0);
-        strands_ += count;
 
         Run out;
         out.pixels = pixels.to(device_), out.height = run.height, out.width = run.width;
         out.times = run.frame;
-        out.length = torch::tensor(lengths).unsqueeze(1).to(device_);
+        out.length = torch::tensor(lengths).unsqueeze(1).to(device_),
+        out.share = out.length / out.length.mean();
+        require_finite(out.share, where + "/length");
         out.fixed = masked_rows(run.fixed.data(), run.static_channels, pixels, area);
         out.dynamic = torch::empty({run.frames, count, run.dynamic_channels});
         out.target = torch::empty({run.frames, count, strand_coefficients});
@@ -260,10 +260,6 @@ class StrandData : public TrainingData {
         // Amplitudes that hardly move keep a thousandth of the largest, so that none is out of reach.
         scale_ = torch::cat({torch::maximum(size, 1e-3 * size.max()).clamp_min(1e-9).to(torch::kFloat),
                              torch::ones({answered_errors.count})});
-        unit_ = length_sum_ / double(strands_);
-        if (!(unit_ > 0))
-            throw Error("pairs: found a mean strand length of " + std::to_string(unit_) +
-                        " m, needed above 0");
     }
 
     long channels() const { return runs_[0].fixed.size(1) + runs_[0].dynamic.size(2); }
@@ -276,17 +272,18 @@ class StrandData : public TrainingData {
 
     Batch of(const vector<Place>& places) const {
         if (places.empty()) return {};
-        vector<Tensor> inputs, targets, bases, lengths;
+        vector<Tensor> inputs, targets, bases, lengths, shares;
         for (const Place& place : places) {
             const Run& r = runs_[place.run];
             inputs.push_back(inputs_of(place));
             targets.push_back(r.target[place.frame]);
-            lengths.push_back(r.length);
+            lengths.push_back(r.length), shares.push_back(r.share);
             bases.push_back(
                 r.dynamic[place.frame].narrow(1, dynamic_layout.base.first, dynamic_layout.base.count));
         }
         const Tensor rows = torch::cat(inputs);
-        Batch out{image(rows), image(torch::cat(targets)), torch::cat(bases), {}, {}, torch::cat(lengths)};
+        Batch out{image(rows), image(torch::cat(targets)), torch::cat(bases), {},
+                  {},          torch::cat(lengths),        torch::cat(shares)};
         if (neighbours_) lay_out(places, rows, out);
         return out;
     }
@@ -322,8 +319,6 @@ class StrandData : public TrainingData {
     vector<Place> train_, held_, starts_;  // of frames or pairs that an epoch draws
     static constexpr double mute = 1e30;   // a deviation by which an input is as good as 0
     Tensor mean_, deviation_, low_, high_, scale_;
-    long strands_ = 0;
-    double length_sum_ = 0, unit_ = 0;
 };
 
 // ---- codec root: patches of colour images ----
@@ -566,7 +561,8 @@ vector<long> TrainingData::share(long step, double batch, size_t count) const {
 
 Batch Batch::to(torch::Device device) const {
     auto moved = [&](const Tensor& t) { return t.defined() ? t.to(device) : t; };
-    return {moved(input), moved(target), moved(base), moved(mask), moved(pixels), moved(length), in_pairs};
+    return {moved(input),  moved(target), moved(base),  moved(mask),
+            moved(pixels), moved(length), moved(share), in_pairs};
 }
 
 std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_t trained,

@@ -8,10 +8,11 @@ namespace wetcurl {
 namespace {
 
 // Decoding is linear: every distance is a norm of D e, e the error of the amplitudes, D the basis or its
-// differences along the strand. One product gives all that the weights ask for.
+// differences along the strand. One product gives all that the weights ask for. Distances are told by the
+// mean length of strands in their scene, so that a scene of long hair teaches no more than one of short.
 class StrandLoss : public Loss {
   public:
-    StrandLoss(const Recipe& recipe, int particles, double length, torch::Device device)
+    StrandLoss(const Recipe& recipe, int particles, torch::Device device)
         : particles_(particles),
           length_weight_(recipe.length),
           steady_weight_(recipe.steady),
@@ -20,7 +21,6 @@ class StrandLoss : public Loss {
         const Tensor basis =
             torch::from_blob(const_cast<float*>(dct.basis().data()), {dct_kept, particles}).t();
         const long n = particles;
-        length_ = length, segment_ = length / double(n - 1);
         const Tensor edges = basis.narrow(0, 1, n - 1) - basis.narrow(0, 0, n - 1);  // (n-1, 24)
         // Particle 0 is exact by construction, and the norm has no gradient there.
         positions_ =
@@ -36,33 +36,32 @@ class StrandLoss : public Loss {
             rows.push_back(d.to(device));
             weights.push_back(torch::full({d.size(0)}, weight / scale).to(device));
         };
-        add(recipe.position, positions_, double(n) * length);
-        add(recipe.edge, edges, double(n - 1) * segment_);
+        add(recipe.position, positions_, double(n));
+        add(recipe.edge, edges, 1);  // n - 1 of them, of which each is so much of a length
         if (n > 2)
             add(recipe.curvature, edges.narrow(0, 1, n - 2) - edges.narrow(0, 0, n - 2),
-                double(n - 2) * segment_);
+                double(n - 2) / double(n - 1));
         if (rows.empty()) return;
         rows_ = torch::cat(rows).contiguous();
         weights_ = torch::cat(weights);
     }
 
     Tensor of(const Tensor& output, const Batch& batch) const override {
-        const Tensor rows = rows_of(output, batch), given = amplitudes_of(rows) * batch.length,
-                     target = batch.target.flatten(1) * batch.length, error = given - target;
+        const Tensor rows = rows_of(output, batch), given = amplitudes_of(rows) * batch.share,
+                     target = batch.target.flatten(1) * batch.share, error = given - target;
         Tensor loss = torch::zeros({}, error.options());
         if (rows_.defined()) loss = (norms(error, rows_) * weights_).sum() / error.size(0);
         if (length_weight_ > 0) {
-            const Tensor found = norms(batch.base * batch.length + given, edges_);
-            const Tensor wanted = norms(batch.base * batch.length + target, edges_);
-            loss = loss + (found - wanted).abs().mean() * (length_weight_ / segment_);
+            const Tensor found = norms(batch.base * batch.share + given, edges_);
+            const Tensor wanted = norms(batch.base * batch.share + target, edges_);
+            loss = loss + (found - wanted).abs().mean() * (length_weight_ * double(particles_ - 1));
         }
         if (batch.in_pairs) {
             const long half = error.size(0) / 2;
             const Tensor change = error.narrow(0, half, half) - error.narrow(0, 0, half);
-            loss = loss +
-                   norms(change, positions_).sum() * (steady_weight_ / (length_ * double(half * particles_)));
+            loss = loss + norms(change, positions_).sum() * (steady_weight_ / double(half * particles_));
         }
-        return doubt_weight_ > 0 ? loss + doubt_weight_ * doubt(rows, error, batch.length) : loss;
+        return doubt_weight_ > 0 ? loss + doubt_weight_ * doubt(rows, error, batch.share) : loss;
     }
     Tensor base_output(const Batch& batch) const override {
         const Tensor& x = batch.input;
@@ -81,9 +80,9 @@ class StrandLoss : public Loss {
 
     // How badly errors are told: the negative logarithm of their likelihood, were they exponentially
     // distributed with the means that are answered. What is wrong with the strands themselves is not asked.
-    Tensor doubt(const Tensor& rows, const Tensor& error, const Tensor& length) const {
+    Tensor doubt(const Tensor& rows, const Tensor& error, const Tensor& share) const {
         const Tensor told = rows.narrow(1, answered_errors.first, answered_errors.count),
-                     found = norms(error.detach(), positions_).matmul(pieces_) / (usual_error * length);
+                     found = norms(error.detach(), positions_).matmul(pieces_) / (usual_error * share);
         // Below any error there is, a straight line: hair that is new to a network may be told anything.
         constexpr double least = -10;
         const Tensor below = 1 + (least - told).clamp_min(0);
@@ -96,15 +95,15 @@ class StrandLoss : public Loss {
         return batch.pixels.defined() ? rows.index_select(0, batch.pixels) : rows;
     }
 
-    // Amplitudes (P, 72) and rows D (R, 24) to |D c| (P, R) [m]. Below a nanometre the norm is rounded off,
-    // so that its gradient stays finite at 0.
+    // Amplitudes (P, 72) and rows D (R, 24) to |D c| (P, R). Below a billionth of the unit the norm is
+    // rounded off, so that its gradient stays finite at 0.
     static Tensor norms(const Tensor& amplitudes, const Tensor& rows) {
         const Tensor decoded = linear_rows(amplitudes.reshape({-1, dct_kept}), rows);  // (3 P, R)
         return decoded.view({-1, 3, rows.size(0)}).square().sum(1).add(1e-18).sqrt();
     }
 
     int particles_;
-    double length_weight_, steady_weight_, doubt_weight_, length_, segment_;
+    double length_weight_, steady_weight_, doubt_weight_;
     Tensor positions_, edges_, rows_, weights_;
     Tensor pieces_;  // (n-1, error_pieces): means over them
 };
@@ -145,7 +144,7 @@ std::unique_ptr<Loss> make_loss(Codec codec, const Recipe& recipe, int particles
                                 torch::Device device) {
     switch (codec) {
         case Codec::strand:
-            return std::make_unique<StrandLoss>(recipe, particles, unit, device);
+            return std::make_unique<StrandLoss>(recipe, particles, device);
         case Codec::root:
             return std::make_unique<RootLoss>(unit);
         default:

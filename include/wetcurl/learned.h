@@ -56,10 +56,11 @@ WETCURL_API void wetcurl_low_places(const wetcurl_hair* hair, int* places);
  * others stay where interpolation puts them. This is faster where little is wet, and less accurate for dry
  * strands. Fails for a network that reads the whole grid. */
 WETCURL_API int wetcurl_crop(wetcurl_hair* hair);
-/** From now on, wet strands are drawn into locks by so many passes of Eq 10 on a grid, in the place of Eq 10 by
- * neighbours, which takes longer and follows networks of strands before it by itself. About as many passes as
- * the scene has after such a network, half as many after one of displayed strands. Comes before wetcurl_bind.
- * Fails on a CUDA device, where the scene has no [cohesion], and where a solid does not move with the head. */
+/** From now on, wet strands are drawn into locks by so many passes of Eq 10 on a grid, in the place of Eq 10
+ * by neighbours, which takes longer and follows networks of strands before it by itself. About as many passes
+ * as the scene has after such a network, half as many after one of displayed strands. Comes before
+ * wetcurl_bind. Fails on a CUDA device, where the scene has no [cohesion], and where a solid does not move
+ * with the head. */
 WETCURL_API int wetcurl_locks(wetcurl_hair* hair, int passes);
 
 /** Sets where each frame is read, float[low strands][particles][3], and written, float[high

@@ -47,7 +47,7 @@ struct StrandCase {
         torch::manual_seed(1);
         batch.base = 0.15 * torch::randn({strands, strand_coefficients});
         batch.target = 0.1 * torch::randn({strands, strand_coefficients, 1, 1});
-        batch.length = torch::tensor({0.15f, 0.2f, 0.25f}).unsqueeze(1);
+        batch.length = torch::tensor({0.15f, 0.2f, 0.25f}).unsqueeze(1), batch.share = batch.length / length;
         output = 0.1 * torch::randn({strands, strand_outputs, 1, 1});
     }
     // An answer with those amplitudes.
@@ -122,6 +122,7 @@ TEST(StrandLoss, OfSteadinessIsTheErrorOfWhatMovesBetweenTwoFrames) {
     both.batch.base = torch::cat({now.batch.base, later.batch.base});
     both.batch.target = torch::cat({now.batch.target, now.batch.target + offset});
     both.batch.length = torch::cat({now.batch.length, later.batch.length});
+    both.batch.share = torch::cat({now.batch.share, later.batch.share});
     const std::vector<std::string> set = {"loss.position=0", "loss.edge=0", "loss.length=1e-12",
                                           "loss.doubt=0", "loss.steady=1"};
     const auto steady =
@@ -336,7 +337,9 @@ TEST(StrandData, NormalisesByTheFramesThatTrainingSees) {
     EXPECT_EQ(mean[0], 9.81f);
     EXPECT_EQ(x.select(1, 0).abs().max().item<double>(), 0);  // the constant channel
     EXPECT_LT((x.narrow(1, 1, x.size(1) - 1).square().mean(0) - 1).abs().max().item<double>(), 1e-4);
-    EXPECT_NEAR(pairs.data->unit(), 0.2, 1e-6);
+    EXPECT_EQ(pairs.data->unit(), 1);
+    // Strands of one length are as long as their scene's are.
+    EXPECT_LT((pairs.data->batch(0).share - 1).abs().max().item<double>(), 1e-6);
     const auto &low = card.arrays.at("input_low"), &high = card.arrays.at("input_high");
     EXPECT_TRUE(torch::equal(torch::cat(all).amin(0), torch::tensor(low)));
     EXPECT_TRUE(torch::equal(torch::cat(all).amax(0), torch::tensor(high)));
