@@ -88,11 +88,14 @@ hid_t untimed_dataset() {
     return list;
 }
 
-// HDF5 would lock what it writes too, by the same flock(2), and find the OutputFile's lock in its way.
+// HDF5 would lock what it writes too, by the same flock(2), and find the OutputFile's lock in its way. Files
+// that links lead to stay open for a while: one is read many times in a row.
 hid_t unlocked() {
     static const hid_t list = [] {
         hid_t l = H5Pcreate(H5P_FILE_ACCESS);
         H5Pset_file_locking(l, false, true);
+        constexpr unsigned linked_files = 8;
+        H5Pset_elink_file_cache_size(l, linked_files);
         return l;
     }();
     return list;
