@@ -88,13 +88,20 @@ hid_t untimed_dataset() {
     return list;
 }
 
-// HDF5 would lock what it writes too, by the same flock(2), and find the OutputFile's lock in its way. Files
-// that links lead to stay open for a while: one is read many times in a row.
+// HDF5 would lock what it writes too, by the same flock(2), and find the OutputFile's lock in its way.
 hid_t unlocked() {
     static const hid_t list = [] {
         hid_t l = H5Pcreate(H5P_FILE_ACCESS);
         H5Pset_file_locking(l, false, true);
+        return l;
+    }();
+    return list;
+}
+// The same, to read: files that links lead to stay open for a while, since one is read many times in a row.
+hid_t reading() {
+    static const hid_t list = [] {
         constexpr unsigned linked_files = 8;
+        const hid_t l = H5Pcopy(unlocked());
         H5Pset_elink_file_cache_size(l, linked_files);
         return l;
     }();
@@ -402,7 +409,7 @@ void H5Reader::open(bool mine) {
         }
         const bool alone = mine || lock_;
         written_ = Written::whole;
-        if (alone) file_ = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, unlocked());
+        if (alone) file_ = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, reading());
         if (file_ >= 0) return;
         if (partial && is_shared(path_)) {
             written_ = alone ? Written::broken_off : Written::under_way;
@@ -657,13 +664,12 @@ std::vector<std::string> H5Reader::list(const std::string& group) const {
     if (!has(group)) return names;
     Handle g(H5Gopen2(file_, group.c_str(), H5P_DEFAULT), H5Gclose);
     check(g >= 0, path_, "'" + group + "' is no group");
-    H5G_info_t info;
-    H5Gget_info(g, &info);
-    for (hsize_t i = 0; i < info.nlinks; ++i) {
-        char name[256];
-        H5Lget_name_by_idx(g, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof name, H5P_DEFAULT);
-        names.emplace_back(name);
-    }
+    const auto add = [](hid_t, const char* name, const H5L_info_t*, void* to) -> herr_t {
+        static_cast<std::vector<std::string>*>(to)->emplace_back(name);
+        return 0;
+    };
+    check(H5Literate(g, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names) >= 0, path_,
+          "what is in '" + group + "' cannot be read");
     return names;
 }
 

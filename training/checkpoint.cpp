@@ -51,10 +51,7 @@ TrainingState load_checkpoint(const std::string& path, long n) {
     for (const auto& [name, member] : counts) state.*member = long(file.number(name));
     state.loss_sum = file.number("loss_sum");
     state.best_loss = file.number("best_loss");
-    if (file.has_attribute("begun_with"))
-        state.begun_with = file.number("begun_with");
-    else if (state.best_epoch >= 0)
-        ++state.best_epoch;  // of versions before, which counted from 0
+    if (file.has_attribute("begun_with")) state.begun_with = file.number("begun_with");
     state.recipe = file.text("recipe");
     state.inputs = file.text("inputs");
     return state;

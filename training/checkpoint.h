@@ -10,7 +10,7 @@
 namespace wetcurl {
 
 inline constexpr const char* checkpoint_format = "wetcurl checkpoint";
-inline constexpr int checkpoint_version = 1;
+inline constexpr int checkpoint_version = 2;
 
 struct TrainingState {
     Tensor weights, first_moment, second_moment;  // (n)

@@ -132,8 +132,8 @@ class StrandData : public TrainingData {
 
   private:
     struct Run {
-        Tensor fixed, dynamic, target;  // (P, Cs), (F, P, Cd), (F, P, 72)
-        Tensor pixels, length, share;   // (P), (P, 1) [m], (P, 1)
+        Tensor fixed, dynamic, target;           // (P, Cs), (F, P, Cd), (F, P, 72)
+        Tensor pixels, length, relative_length;  // (P), (P, 1) [m], (P, 1)
         long height, width;
         vector<int> times;  // (F)
     };
@@ -194,9 +194,13 @@ class StrandData : public TrainingData {
         Run out;
         out.pixels = pixels.to(device_), out.height = run.height, out.width = run.width;
         out.times = run.frame;
-        out.length = torch::tensor(lengths).unsqueeze(1).to(device_),
-        out.share = out.length / out.length.mean();
-        require_finite(out.share, where + "/length");
+        const Tensor length = torch::tensor(lengths).unsqueeze(1);
+        const double mean = length.mean().item<double>();
+        if (!(mean > 0) || !std::isfinite(mean))
+            throw Error(where + "/length: found a mean strand length of " + std::to_string(mean) +
+                        " m, needed above 0");
+        out.length = length.to(device_);
+        out.relative_length = (length / mean).to(device_);
         out.fixed = masked_rows(run.fixed.data(), run.static_channels, pixels, area);
         out.dynamic = torch::empty({run.frames, count, run.dynamic_channels});
         out.target = torch::empty({run.frames, count, strand_coefficients});
@@ -272,18 +276,18 @@ class StrandData : public TrainingData {
 
     Batch of(const vector<Place>& places) const {
         if (places.empty()) return {};
-        vector<Tensor> inputs, targets, bases, lengths, shares;
+        vector<Tensor> inputs, targets, bases, lengths, relative;
         for (const Place& place : places) {
             const Run& r = runs_[place.run];
             inputs.push_back(inputs_of(place));
             targets.push_back(r.target[place.frame]);
-            lengths.push_back(r.length), shares.push_back(r.share);
+            lengths.push_back(r.length), relative.push_back(r.relative_length);
             bases.push_back(
                 r.dynamic[place.frame].narrow(1, dynamic_layout.base.first, dynamic_layout.base.count));
         }
         const Tensor rows = torch::cat(inputs);
-        Batch out{image(rows), image(torch::cat(targets)), torch::cat(bases), {},
-                  {},          torch::cat(lengths),        torch::cat(shares)};
+        Batch out{image(rows), image(torch::cat(targets)), torch::cat(bases),   {},
+                  {},          torch::cat(lengths),        torch::cat(relative)};
         if (neighbours_) lay_out(places, rows, out);
         return out;
     }
@@ -561,8 +565,8 @@ vector<long> TrainingData::share(long step, double batch, size_t count) const {
 
 Batch Batch::to(torch::Device device) const {
     auto moved = [&](const Tensor& t) { return t.defined() ? t.to(device) : t; };
-    return {moved(input),  moved(target), moved(base),  moved(mask),
-            moved(pixels), moved(length), moved(share), in_pairs};
+    return {moved(input),  moved(target),          moved(base), moved(mask), moved(pixels),
+            moved(length), moved(relative_length), in_pairs};
 }
 
 std::unique_ptr<TrainingData> open_data(const vector<PairsReader*>& pairs, size_t trained,

@@ -24,9 +24,9 @@ struct Batch {
     Tensor base;
     // Root (B, 1, 2h, 2w): 1 where a strand is; adhesion, held out (n, 1, 1, 1): 1 in contact.
     Tensor mask;
-    Tensor pixels;    // strand, whole frames with holes: (P) which of the B H W pixels hold a strand
-    Tensor length{};  // strand (P, 1) [m], by which its target, base and answer are told
-    Tensor share{};   // strand (P, 1): that length over the mean of its run's
+    Tensor pixels;             // strand, whole frames with holes: (P) which of the B H W pixels hold a strand
+    Tensor length{};           // strand (P, 1) [m], by which its target, base and answer are told
+    Tensor relative_length{};  // strand (P, 1): that length over the mean of its run's, which is a scene's
     // Strand: whether the second half of the rows are those of the first a frame later.
     bool in_pairs = false;
     Batch to(torch::Device device) const;
@@ -46,7 +46,7 @@ class TrainingData {
     virtual Batch batch(long step) const = 0;
     virtual long validation_batches() const = 0;  // of held-out data; 0: none is held out
     virtual Batch validation_batch(long i) const = 0;
-    // Diagonal of the box [m] (root); 1.
+    // Codec root: diagonal of the box [m]; others: 1.
     virtual double unit() const = 0;
 
     Ranks ranks;

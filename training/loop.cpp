@@ -111,7 +111,8 @@ class Trainer {
             data_->begin_epoch(state_.epoch);
             for (; state_.step < data_->steps(); ++state_.step) {
                 if (ranks_.alone() ? interrupt.asked() : stop_agreed_) stop();
-                if (since_checkpoint.seconds() > recipe_.checkpoint_seconds) {
+                // Between looks, which all processes take together, one alone would have to fail.
+                if (taken_.empty() && since_checkpoint.seconds() > recipe_.checkpoint_seconds) {
                     checkpoint();
                     since_checkpoint.restart();
                 }
@@ -323,13 +324,13 @@ class Trainer {
         return extra[Optimiser::loss] / samples;
     }
 
-    // One step. What came of it is looked at now and then: a GPU that is waited for stands idle.
+    // One step, and now and then a look at what came of the last ones.
     void optimise(const Batch& batch, bool asked_to_stop) {
         optimiser_->clear_gradients();
         const Tensor loss = ranks_.alone() ? differentiate(batch) : differentiate_share(batch, asked_to_stop);
         const double rate = learning_rate();
         taken_.push_back({loss, optimiser_->step(rate), rate});
-        const long apart = device_.is_cuda() ? 32 : 1;
+        const long apart = request_.looks_apart ? request_.looks_apart : device_.is_cuda() ? 32 : 1;
         if ((state_.step + 1) % apart != 0 && state_.step + 1 != data_->steps()) return;
         const double value = look_at_steps();
         if (!ranks_.alone()) stop_agreed_ = optimiser_->extra()[Optimiser::stops].item<float>() > 0;
@@ -489,7 +490,6 @@ class Trainer {
 
     void checkpoint() {
         if (!ranks_.first()) return;
-        look_at_steps();
         state_.weights = optimiser_->as_on_cpu(optimiser_->weights);
         state_.first_moment = optimiser_->as_on_cpu(optimiser_->first_moment);
         state_.second_moment = optimiser_->as_on_cpu(optimiser_->second_moment);
@@ -499,6 +499,7 @@ class Trainer {
     }
 
     [[noreturn]] void stop() {
+        look_at_steps();  // of processes that agreed to stop there are none left
         checkpoint();
         group_->wait();  // a launcher ends all processes once one has ended
         throw Interrupted("interrupted at epoch " + std::to_string(state_.epoch + 1) + "; " +

@@ -47,13 +47,13 @@ class StrandLoss : public Loss {
     }
 
     Tensor of(const Tensor& output, const Batch& batch) const override {
-        const Tensor rows = rows_of(output, batch), given = amplitudes_of(rows) * batch.share,
-                     target = batch.target.flatten(1) * batch.share, error = given - target;
+        const Tensor rows = rows_of(output, batch), given = amplitudes_of(rows) * batch.relative_length,
+                     target = batch.target.flatten(1) * batch.relative_length, error = given - target;
         Tensor loss = torch::zeros({}, error.options());
         if (rows_.defined()) loss = (norms(error, rows_) * weights_).sum() / error.size(0);
         if (length_weight_ > 0) {
-            const Tensor found = norms(batch.base * batch.share + given, edges_);
-            const Tensor wanted = norms(batch.base * batch.share + target, edges_);
+            const Tensor found = norms(batch.base * batch.relative_length + given, edges_);
+            const Tensor wanted = norms(batch.base * batch.relative_length + target, edges_);
             loss = loss + (found - wanted).abs().mean() * (length_weight_ * double(particles_ - 1));
         }
         if (batch.in_pairs) {
@@ -61,7 +61,7 @@ class StrandLoss : public Loss {
             const Tensor change = error.narrow(0, half, half) - error.narrow(0, 0, half);
             loss = loss + norms(change, positions_).sum() * (steady_weight_ / double(half * particles_));
         }
-        return doubt_weight_ > 0 ? loss + doubt_weight_ * doubt(rows, error, batch.share) : loss;
+        return doubt_weight_ > 0 ? loss + doubt_weight_ * doubt(rows, error, batch.relative_length) : loss;
     }
     Tensor base_output(const Batch& batch) const override {
         const Tensor& x = batch.input;
@@ -80,9 +80,10 @@ class StrandLoss : public Loss {
 
     // How badly errors are told: the negative logarithm of their likelihood, were they exponentially
     // distributed with the means that are answered. What is wrong with the strands themselves is not asked.
-    Tensor doubt(const Tensor& rows, const Tensor& error, const Tensor& share) const {
+    Tensor doubt(const Tensor& rows, const Tensor& error, const Tensor& relative_length) const {
         const Tensor told = rows.narrow(1, answered_errors.first, answered_errors.count),
-                     found = norms(error.detach(), positions_).matmul(pieces_) / (usual_error * share);
+                     found =
+                         norms(error.detach(), positions_).matmul(pieces_) / (usual_error * relative_length);
         // Below any error there is, a straight line: hair that is new to a network may be told anything.
         constexpr double least = -10;
         const Tensor below = 1 + (least - told).clamp_min(0);

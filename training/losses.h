@@ -22,7 +22,7 @@ class Loss {
     virtual double count(const Batch& batch) const = 0;
 };
 
-// `unit` of TrainingData [m].
+// `unit` of TrainingData.
 std::unique_ptr<Loss> make_loss(Codec codec, const Recipe& recipe, int particles, double unit,
                                 torch::Device device);
 

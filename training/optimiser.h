@@ -13,7 +13,7 @@ class Optimiser {
     Optimiser(TorchNetwork& model, double weight_decay, double gradient_clip);
     void clear_gradients() { shared.zero_(); }
     // One step down the gradient, whose norm, before clipping, it returns: on the device, which nobody waits
-    // for. After one that is not finite no weight is.
+    // for. Where it is not finite the weights are worth nothing: look before they are kept.
     Tensor step(double learning_rate);
 
     // What processes sum besides the gradient: the loss, how many samples it is of, and how many of them

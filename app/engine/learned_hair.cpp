@@ -58,8 +58,7 @@ HairTraits traits_of(const Scene& scene, double low_step) {
 int passes_after_displayed(int passes) { return std::max(1, int(std::lround(passes * 8 / 14.0))); }
 
 LockTerms lock_terms_of(Cohesion term, int passes, double fps) {
-    constexpr double relaxation = 3.5;  // 14 passes in four sweeps; of two sweeps, 4 would be the most
-    term.passes = passes, term.relaxation = relaxation;
+    term.passes = passes, term.relaxation = Cohesion::most_relaxation;
     LockTerms terms{float(term.h_c), float(term.coherence), float(term.stretch), {}, averaged_frames(fps)};
     for (int k = 0; k < term.sweeps(); ++k) terms.sweeps.push_back(float(term.of_sweep(k).lambda));
     return terms;
@@ -75,11 +74,13 @@ static void keep_outside_head(LearnedStrands& learned, const Scene& scene) {
 
 void draw_together(LearnedStrands& learned, const Scene& scene, const std::string& scene_file, int passes,
                    double fps) {
-    if (!scene.cohesion) throw Error(scene_file + ": has no [cohesion], which locks need");
+    if (!scene.cohesion)
+        throw Error(scene_file +
+                    ": has no [cohesion], which says how locks are drawn; add it, or leave locks out");
     require_solids_for(learned.card(), true, scene, scene_file);
+    keep_outside_head(learned, scene);
     learned.draw_together(lock_terms_of(*scene.cohesion, passes, fps), scene.saturation);
     learned.lead_edges(most_length_rounds);
-    keep_outside_head(learned, scene);
 }
 
 std::vector<uint8_t> wet_strands_of(const Scene& scene) {

@@ -62,7 +62,7 @@ constexpr Row table[] = {
     {"--crop", [](const InferOptions& o) { return o.crop; }, strand_model_ways,
      "the other ways use no network, or one that needs the whole image"},
     {"--locks", [](const InferOptions& o) { return o.locks.has_value(); }, strand_model_ways,
-     "the other ways run without a network of whole strands, whose answers a grid draws together"},
+     "its grid draws together what a network of whole strands answers, and the other ways run none"},
     {"--within", [](const InferOptions& o) { return o.within.has_value(); }, strand_model_ways,
      "no other way knows how far it is off"},
     {"--wet-shape", [](const InferOptions& o) { return o.wet_shape; }, rest_way,

@@ -19,14 +19,14 @@ class LearnedStrands {
     virtual ~LearnedStrands() = default;
     virtual const ModelCard& card() const = 0;
     // From now on strands are moved out of these and led around them, edges of more than about twice their
-    // length shortened to that; roots stay. For networks of displayed strands: after others Eq 10 follows,
-    // and does the same. Throws Error where depths are not one a particle.
+    // length shortened to that; roots stay. For networks of displayed strands and for locks: elsewhere Eq 10
+    // by neighbours follows, and does the same. Throws Error where depths are not one a particle.
     virtual void keep_outside(const HeadShapes& head) = 0;
     // From now on edges are led toward their lengths at rest in so many rounds (learn/codec/edge_lengths.h),
     // 0 to most_length_rounds; until then in length_rounds_of(card()). Throws Error on other numbers.
     virtual void lead_edges(int rounds) = 0;
-    // From now on strands are drawn together after the network's answer, before they are kept outside:
-    // networks of displayed strands leave them between the locks that they may end in. saturation (high
+    // From now on strands are drawn together after the network's answer, before they are kept outside
+    // (learn/codec/lock_grid.h). saturation (high
     // strand, particle). Throws Error on a CUDA device, and as LockGrid does.
     virtual void draw_together(const LockTerms& terms, const std::vector<float>& saturation) = 0;
     // From now on the network is asked for the smallest rectangle of the root grid alone that holds the

@@ -44,6 +44,14 @@ struct InCell {
 
 Vec3f lane_of(const Vec3<S>& x, int lane) { return {x.x[lane], x.y[lane], x.z[lane]}; }
 
+// Of numbers from 0 on, without what is behind the point.
+S whole(const S& a) {
+    typedef int Ints __attribute__((vector_size(sizeof(S::Register))));
+    return __builtin_convertvector(__builtin_convertvector(a.v, Ints), S::Register);
+}
+
+S size_of(const S& a) { return maximum(a, -a); }
+
 }  // namespace
 
 LockGrid::LockGrid(LockTerms terms, const RootLanes& lanes, int particles, const std::vector<float>& edges,
@@ -245,8 +253,38 @@ void LockGrid::deposit() {
         }
 }
 
+// What a block's particles find of the rest of their own strands: pairs (j, k) that leave something at the
+// same corners.
+void LockGrid::pull_of_own(int block, Vec3<S>* pull) const {
+    const Vec3<S>* const now = &now_[size_t(block) * count_];
+    const S* const wet = &wet_[size_t(block) * count_];
+    std::fill_n(pull, count_, Vec3<S>{S(0), S(0), S(0)});
+    const auto from_low = [&](const Vec3<S>& x) {
+        return x - Vec3<S>{S(float(box_.low[0])), S(float(box_.low[1])), S(float(box_.low[2]))};
+    };
+    // The sum over corners of the product of both weights, along an axis; a: in cell `c`, the part `f` of it.
+    const auto both = [](const S& c, const S& f, const S& b) {
+        const S zero(0), one(1);
+        return (one - f) * maximum(zero, one - size_of(b - c)) +
+               f * maximum(zero, one - size_of(b - c - one));
+    };
+    for (int j = 0; j < count_; ++j) {
+        const Vec3<S> a = from_low(now[j]), c{whole(a.x), whole(a.y), whole(a.z)}, f = a - c;
+        for (int k = j + 1; k < count_; ++k) {
+            const Vec3<S> apart = now[k] - now[j];
+            const S farthest = maximum(maximum(size_of(apart.x), size_of(apart.y)), size_of(apart.z));
+            if (!any_positive(S(2) - farthest)) continue;
+            const Vec3<S> b = from_low(now[k]);
+            const S weight = both(c.x, f.x, b.x) * both(c.y, f.y, b.y) * both(c.z, f.z, b.z);
+            pull[j] += (weight * wet[k]) * apart;
+            pull[k] -= (weight * wet[j]) * apart;
+        }
+    }
+}
+
 void LockGrid::find(int block, float lambda) {
     Vec3<S>*const now = asked(now_, block), *const by = asked(by_, block);
+    pull_of_own(block, by);
     by[0] = {S(0), S(0), S(0)};
     for (int j = 1; j < count_; ++j) {
         S volume(1), wet(0);
@@ -262,7 +300,7 @@ void LockGrid::find(int block, float lambda) {
             volume.set(lane, sum[0]), wet.set(lane, sum[1]);
             place.x.set(lane, sum[2]), place.y.set(lane, sum[3]), place.z.set(lane, sum[4]);
         }
-        by[j] = (S(lambda) / maximum(volume, S(1e-20f))) * (place - wet * now[j]);
+        by[j] = (S(lambda) / maximum(volume, S(1e-20f))) * (place - wet * now[j] - by[j]);
     }
     smooth_along(count_, beta_[size_t(block)], [&](int j) -> Vec3<S>& { return by[j]; });
     for (int j = 1; j < count_; ++j) now[j] += by[j];

@@ -1,15 +1,14 @@
-// Displayed strands drawn together into locks, on the CPU, a strand a lane. A network answers with the mean
-// of what it cannot know, and so leaves strands between the locks that they may end in; a few passes of Eq 10
-// bring them into one.
+// The strands of a network drawn together into locks by Eq 10, on the CPU, a strand a lane: those before it,
+// and displayed ones, which a network leaves between the locks that they may end in.
 //
 // No neighbours are searched: a grid carries what hair is around (cloud in cell, Birdsall and Fuss 1969).
 // Some particles of each strand deposit their volume V, their wet volume sigma V, and that times their place,
 // at the corners of their cells by trilinear weights. Each is drawn to the mean place of the wet volume that
-// it finds at its corners by the same weights; its own strand is part of that. Two particles weigh for each
-// other, in the mean over the grid's place, by a product of cubic splines; the size of cells gives it the
-// variance of Eq 10's kernel. The grid stands in the head's frame, so that hair which moves with the head
-// finds the same weights in each frame. Differs from Eq 10 in solver/terms/cohesion.h: a particle's volume
-// goes by the length of hair that it stands for alone, not by the diameter of a fibre.
+// other strands left at its corners, by the same weights; its own strand is a part of the volume alone. Two
+// particles weigh for each other, in the mean over the grid's place, by a product of cubic splines; the size
+// of cells gives it the variance of Eq 10's kernel. The grid stands in the head's frame, so that hair which
+// moves with the head finds the same weights in each frame. Differs from Eq 10 in solver/terms/cohesion.h: a
+// particle's volume goes by the length of hair that it stands for alone, not by the diameter of a fibre.
 #pragma once
 
 #include <vector>
@@ -53,6 +52,7 @@ class LockGrid {
     void measure(int block);
     void lay_out();
     void deposit();
+    void pull_of_own(int block, Vec3<S>* pull) const;
     void find(int block, float lambda);
 
     LockTerms terms_;

@@ -1,4 +1,4 @@
-// How displayed strands are drawn together into locks.
+// How strands are drawn together into locks.
 #pragma once
 
 #include <vector>

@@ -28,10 +28,13 @@ struct TrainRequest {
     std::string device;  // "": the recipe's; cpu | cuda | cuda:n
     std::optional<long> seed;
     int threads = 0;  // 0: all
+    // Steps between two looks at what came of them: a GPU that is waited for stands idle. 0: 32 on a GPU,
+    // else 1.
+    int looks_apart = 0;
     bool overwrite = false;
     bool resume = false;
     Ranks ranks;  // of several processes the first alone writes; "cuda" is a GPU for each
-    // After every step: `done` of this call's `total` steps, and the loss in words. May be empty.
+    // After every look: `done` of this call's `total` steps, and the loss in words. May be empty.
     std::function<void(long done, long total, const std::string& note)> progress;
     // Lines worth a log entry. May be empty.
     std::function<void(const std::string& text)> log;

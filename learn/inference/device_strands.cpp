@@ -61,7 +61,10 @@ class StrandsOnCuda final : public LearnedStrands {
     }
 
     void draw_together(const LockTerms&, const std::vector<float>&) override {
-        throw Error("learned strands: found locks on a CUDA device, allowed on the CPU");
+        throw Error(
+            "learned strands: found locks on a CUDA device, allowed on the CPU; without them Eq 10 by "
+            "neighbours "
+            "follows on the device");
     }
 
     void crop(const std::vector<uint8_t>& wanted) override {

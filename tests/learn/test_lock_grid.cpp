@@ -136,7 +136,7 @@ TEST(LockGrid, are_the_mean_of_what_lies_around_by_weights_of_pairs) {
                     const Asked& there = all[size_t(other)][size_t(k)];
                     const double w = weight(own.x, there.x);
                     volume += w * there.volume;
-                    pull += (w * there.wet) * (there.x - own.x);
+                    if (other != s) pull += (w * there.wet) * (there.x - own.x);
                 }
             const Vec3d expected = (0.9 * cell / volume) * pull,
                         by = cast<double>(found.at(s, at(s, j)) - hair.groom.rest.at(s, at(s, j)));

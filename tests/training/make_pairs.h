@@ -25,7 +25,7 @@ inline std::vector<float> uniform(std::mt19937& random, size_t n, float low = -1
 // amplitudes are half as large, where `displayed`.
 inline std::string make_strand_pairs(const std::string& path, int side = 6, int frames = 6,
                                      float scale = 0.02f, unsigned seed = 11, bool displayed = false,
-                                     const std::vector<int>& times = {}) {
+                                     const std::vector<int>& times = {}, float length = 0.2f) {
     std::mt19937 random(seed), law(3);
     PairsWriter file(path, Codec::strand, made_particles, true);
     StrandPairs run;
@@ -38,7 +38,7 @@ inline std::string make_strand_pairs(const std::string& path, int side = 6, int 
     std::fill_n(run.fixed.begin(), area, 9.81f);
     run.mask.assign(area, 1);
     run.mask[0] = 0;
-    run.length.assign(area, 0.2f);
+    run.length.assign(area, length);
     run.displayed = displayed;
     run.frame = times;
     file.begin(run);

@@ -47,7 +47,8 @@ struct StrandCase {
         torch::manual_seed(1);
         batch.base = 0.15 * torch::randn({strands, strand_coefficients});
         batch.target = 0.1 * torch::randn({strands, strand_coefficients, 1, 1});
-        batch.length = torch::tensor({0.15f, 0.2f, 0.25f}).unsqueeze(1), batch.share = batch.length / length;
+        batch.length = torch::tensor({0.15f, 0.2f, 0.25f}).unsqueeze(1),
+        batch.relative_length = batch.length / length;
         output = 0.1 * torch::randn({strands, strand_outputs, 1, 1});
     }
     // An answer with those amplitudes.
@@ -122,7 +123,7 @@ TEST(StrandLoss, OfSteadinessIsTheErrorOfWhatMovesBetweenTwoFrames) {
     both.batch.base = torch::cat({now.batch.base, later.batch.base});
     both.batch.target = torch::cat({now.batch.target, now.batch.target + offset});
     both.batch.length = torch::cat({now.batch.length, later.batch.length});
-    both.batch.share = torch::cat({now.batch.share, later.batch.share});
+    both.batch.relative_length = torch::cat({now.batch.relative_length, later.batch.relative_length});
     const std::vector<std::string> set = {"loss.position=0", "loss.edge=0", "loss.length=1e-12",
                                           "loss.doubt=0", "loss.steady=1"};
     const auto steady =
@@ -321,6 +322,31 @@ TEST(StrandData, HoldsOutTheLastFramesAndSeesTheOthersOnceAnEpoch) {
     }
 }
 
+// A scene of long hair and one of short, by lengths the same: both teach as much, however far apart their
+// metres.
+TEST(StrandData, ScenesOfLongAndOfShortHairCountAlike) {
+    Scratch scratch;
+    const auto of_length = [&](const std::string& name, float length) {
+        return testing::make_strand_pairs(scratch.path(name), 6, 1, 0.02f, 11, false, {}, length);
+    };
+    OpenPairs pairs({of_length("short.h5", 0.1f), of_length("long.h5", 0.8f)}, 2, {"validation=0"});
+    const auto loss =
+        make_loss(Codec::strand, pairs.recipe, testing::made_particles, pairs.data->unit(), torch::kCPU);
+    pairs.data->begin_epoch(0);
+    ASSERT_EQ(pairs.data->steps(), 2);
+    std::vector<double> losses, distances;
+    for (long step = 0; step < 2; ++step) {
+        const Batch batch = pairs.data->batch(step);
+        const Tensor none = loss->base_output(batch);
+        losses.push_back(loss->of(none, batch).item<double>());
+        distances.push_back(loss->distance(none, batch).item<double>());
+    }
+    ASSERT_GT(losses[0], 1e-3);
+    EXPECT_NEAR(losses[0], losses[1], 1e-5 * losses[0]);
+    const double ratio = distances[0] / distances[1];
+    EXPECT_NEAR(std::max(ratio, 1 / ratio), 8, 1e-3);
+}
+
 TEST(StrandData, NormalisesByTheFramesThatTrainingSees) {
     Scratch scratch;
     OpenPairs pairs(testing::make_strand_pairs(scratch.path("p.h5")));
@@ -337,9 +363,8 @@ TEST(StrandData, NormalisesByTheFramesThatTrainingSees) {
     EXPECT_EQ(mean[0], 9.81f);
     EXPECT_EQ(x.select(1, 0).abs().max().item<double>(), 0);  // the constant channel
     EXPECT_LT((x.narrow(1, 1, x.size(1) - 1).square().mean(0) - 1).abs().max().item<double>(), 1e-4);
-    EXPECT_EQ(pairs.data->unit(), 1);
     // Strands of one length are as long as their scene's are.
-    EXPECT_LT((pairs.data->batch(0).share - 1).abs().max().item<double>(), 1e-6);
+    EXPECT_LT((pairs.data->batch(0).relative_length - 1).abs().max().item<double>(), 1e-6);
     const auto &low = card.arrays.at("input_low"), &high = card.arrays.at("input_high");
     EXPECT_TRUE(torch::equal(torch::cat(all).amin(0), torch::tensor(low)));
     EXPECT_TRUE(torch::equal(torch::cat(all).amax(0), torch::tensor(high)));
@@ -711,10 +736,10 @@ TEST(Training, TeachesTheAdhesionNetworkItsFunction) {
     }
 }
 
-// Ctrl-C after `steps` steps.
+// Ctrl-C at the first look after `steps` steps.
 void interrupt_after(TrainRequest& request, long steps) {
     request.progress = [steps](long done, long, const std::string&) {
-        if (done == steps) std::raise(SIGINT);
+        if (done >= steps) std::raise(SIGINT);
     };
 }
 
@@ -727,6 +752,7 @@ TEST(Training, StoppedAndResumedGivesTheBitsOfOneGo) {
         if (codec == Codec::adhesion) set.insert(set.end(), {"batch=1024", "epoch_samples=4096"});
         Job whole(codec, set), parts(codec, set);
         train(whole.request);
+        parts.request.looks_apart = 3;
         interrupt_after(parts.request, 10);
         EXPECT_THROW(train(parts.request), Interrupted) << name_of(codec);
         EXPECT_TRUE(parts.has(".checkpoint"));
@@ -927,8 +953,11 @@ TEST(TrainingErrors, AModelToBeginWithMustFit) {
 TEST(TrainingErrors, DivergenceNamesTheStep) {
     Job job(Codec::strand, {"epochs=2", "width=0.1"});
     testing::make_strand_pairs(job.request.pairs[0], 6, 6, 1e25f);  // its square is beyond single precision
-    expect_error([&] { train(job.request); }, {"diverged at step 1", "learning_rate"});
-    EXPECT_FALSE(job.has(""));
+    for (const int looks_apart : {1, 3, 32}) {
+        job.request.looks_apart = looks_apart, job.request.overwrite = true;
+        expect_error([&] { train(job.request); }, {"diverged at step 1 ", "learning_rate"});
+        EXPECT_FALSE(job.has(""));
+    }
 }
 
 TEST(TrainingErrors, NothingIsOverwrittenUnasked) {

@@ -47,6 +47,16 @@ int main(int argc, char** argv) try {
     double apart = 0;
     for (size_t k = 0; k < first.size(); ++k) apart += std::fabs(in_locks[k] - first[k]);
     require(apart / double(first.size()) < 0.01, "strands are drawn to those around them, no further");
+    const std::vector<float> first_in_locks = in_locks;
+    low = rest;
+    for (size_t k = 0; k < low.size(); k += 3) low[k] += 0.01f;
+    drawn.bind(low.data(), in_locks.data());
+    drawn.run(still, turned, turned);
+    require(in_locks != first_in_locks, "another frame has other locks");
+    drawn.restart();
+    low = rest;
+    drawn.run(still);
+    require(in_locks == first_in_locks, "another shot has the locks of the first one");
     require_refused([&] { drawn.locks(14); });  // it is bound
     wetcurl::Hair none(argv[1], argv[2]);
     require_refused([&] { none.locks(0); });
