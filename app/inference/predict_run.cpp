@@ -90,10 +90,10 @@ bool set_up(const Method& method, Scene& scene) {
     const ClumpingAfter& given = method.clumping;
     if (!method.clumps || !scene.cohesion) {
         if (!given.given().empty())
-            throw Misuse(given.given() +
-                         ": no Eq 10 by neighbours follows here that it could change; it does without "
-                         "--locks, and with "
-                         "--cohesion");
+            throw Misuse(
+                given.given() +
+                ": no Eq 10 by neighbours follows here that it could change; it does without --locks, "
+                "and with --cohesion");
         return false;
     }
     if (given.passes) scene.cohesion->passes = *given.passes;
